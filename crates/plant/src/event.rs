@@ -6,6 +6,7 @@ use std::time::Duration;
 
 use network::host::Host;
 use network::impaired::Impaired;
+use profile::catalogue::Part;
 use profile::notation::Quantity;
 use virtual_drive::drive::{Injection, InjectionError};
 use virtual_drive::model::Model;
@@ -179,14 +180,14 @@ impl ScenarioEvent {
             Self::Drive(Injection::Fault { number, .. }) => ("fault", number, &[false]),
             Self::Drive(Injection::Warning { number }) => ("warning", number, &[true]),
             Self::Drive(Injection::ClearCause { number }) => ("fault or warning", number, &[false, true]),
-            Self::Drive(Injection::ButtonB1(_)) if model.roles.address_mode.is_none() => {
+            Self::Drive(Injection::ButtonB1(_)) if model.number(Part::AddressMode).is_none() => {
                 return Err(ScenarioEventError::Value {
                     text: self.to_string(),
                     expected: "this drive has no button B1",
                 });
             }
             Self::Drive(Injection::Input { number, .. }) => {
-                let most = model.roles.terminals.len();
+                let most = model.terminals.len();
                 if usize::from(number) <= most {
                     return Ok(());
                 }

@@ -198,7 +198,7 @@ fn read_signals(
     let vendor = plan.model.catalogue.device.vendor_id;
     let known = Telegram::find(telegram, vendor);
     let image = known.map(|telegram| &telegram.setpoint);
-    let converter = drive.zip(known).filter(|_| plan.model.roles.inverter.is_some());
+    let converter = drive.zip(known).filter(|_| plan.model.converter.is_some());
     let mut fields = Vec::new();
     for (span, name, quantity) in assignments_of_signals(values)? {
         let refuse = |message: String| Located(span.clone(), message);
@@ -232,7 +232,7 @@ fn read_signals(
             (None, Some((drive, telegram))) => reference(&quantity, drive, telegram)
                 .map_err(|problem| refuse(format!("{name}: {problem}")))?,
             (None, None) => {
-                let parameter = plan.model.process.signals.parameter(signal.number);
+                let parameter = plan.model.number_of_signal(signal.number);
                 let parameter = parameter.and_then(|number| plan.model.numbered(number));
                 let unit = parameter.map_or("", |parameter| parameter.unit);
                 let value = quantity

@@ -3,6 +3,7 @@
 use std::net::Ipv4Addr;
 use std::time::Duration;
 
+use profile::catalogue::Part;
 use profinet::wire::dcp::{NameRule, check_name};
 use profinet::{IpSuite, MacAddress};
 use virtual_drive::model::Model;
@@ -201,7 +202,7 @@ impl Fleet {
                 _ => {}
             }
         }
-        if self.rotary.is_some() && self.model.roles.address_mode.is_none() {
+        if self.rotary.is_some() && self.model.number(Part::AddressMode).is_none() {
             return Err(FleetError::NoRotarySwitches(self.model.catalogue.model));
         }
         if self.rotary.is_some_and(|number| number > 0) && self.count > 1 {

@@ -21,6 +21,7 @@ mod akd;
 mod backup;
 mod device;
 mod fault;
+mod generated_parts;
 mod nearest;
 mod number;
 mod parameter;
@@ -36,7 +37,8 @@ pub use device::{DescriptionFacts, Device, Layout, ParameterPoint, RecordView, T
 pub use fault::{Cleared, Fault, Reaction};
 pub use nearest::name_distance;
 pub use parameter::{Access, Meaning, Parameter, Scale, Scaling, Size};
-pub use part::{Part, PartRow};
+pub use generated_parts::Part;
+pub use part::{PartNumbers, PartRow};
 pub use tables::{Tables, padded};
 pub use vacon::VACON;
 pub use vlt::VLT;
@@ -59,7 +61,7 @@ pub struct Catalogue {
     pub device: Device,
     /// What each parameter that is not a plain setting is to a tool that saves and restores, ascending by PNU.
     pub backup: &'static [BackupRule],
-    /// What parameters are to a client, in the order of the table.
+    /// What parameters are to drive and client, in the order of the table.
     pub parts: &'static [PartRow],
     /// Parameters whose bits say something each, ascending by PNU.
     pub words: &'static [Word],

@@ -4,6 +4,7 @@
 
 use std::net::Ipv4Addr;
 
+use profile::catalogue::Part;
 use profinet::IpSuite;
 
 use super::{Drive, Event};
@@ -43,7 +44,11 @@ impl Drive {
     /// Values as delivered, with the address as the switches say.
     pub(super) fn delivered(&self) -> Values {
         let mut values = Values::new(self.model.catalogue);
-        if let Some(pnu) = self.model.roles.address_mode.filter(|_| self.rotary.is_some()) {
+        if let Some(pnu) = self
+            .model
+            .number(Part::AddressMode)
+            .filter(|_| self.rotary.is_some())
+        {
             values.set(pnu, ROTARY);
         }
         values
@@ -53,7 +58,7 @@ impl Drive {
     /// parameters say otherwise.
     pub fn follow_switches(&mut self) {
         let never_saved = self.saving.newest().is_none();
-        if let Some(pnu) = self.model.roles.address_mode.filter(|_| never_saved) {
+        if let Some(pnu) = self.model.number(Part::AddressMode).filter(|_| never_saved) {
             self.values.set(pnu, ROTARY);
         }
     }
@@ -61,7 +66,10 @@ impl Drive {
     /// Returns where the address comes from by IP.MODE and the rotary switches.
     #[must_use]
     pub fn address_source(&self) -> AddressSource {
-        let mode = self.model.roles.address_mode.map(|pnu| self.values.get(pnu));
+        let mode = self
+            .model
+            .number(Part::AddressMode)
+            .map(|pnu| self.values.get(pnu));
         match (mode, self.rotary()) {
             (None | Some(STORED), _) => AddressSource::Stored,
             (Some(ROTARY), 1..) => AddressSource::Switches(IpSuite {
@@ -82,7 +90,7 @@ impl Drive {
     /// Button B1 was held for so many seconds: with the rotary switches at 0 and from 5 s on, the address settings are
     /// those of the delivery at the next power-on. Source: AKD PROFINET manual 3.4.2.
     pub(super) fn hold_button(&mut self, seconds: f64) {
-        if seconds >= HELD && self.rotary() == 0 && self.model.roles.address_mode.is_some() {
+        if seconds >= HELD && self.rotary() == 0 && self.model.number(Part::AddressMode).is_some() {
             self.keep_address_mode(ROTARY);
             self.emit(Event::AddressReset);
         }

@@ -3,14 +3,14 @@
 
 use std::time::Duration;
 
-use profile::catalogue::Parameter;
+use profile::catalogue::Part;
 use profile::state::FaultReaction;
 
 use super::faults::Keeper;
 use super::velocity::on_ramp;
 use super::{Disconnect, Drive};
 use crate::axis::Command;
-use crate::model::{ControlTimeout, Lost, TimeoutAction, numbered};
+use crate::model::{ControlTimeout, Lost, TimeoutAction};
 
 /// How far it is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -35,7 +35,7 @@ impl Drive {
     /// Returns how long a control word counts, where parameters say that.
     #[must_use]
     pub fn control_timeout(&self) -> Option<Duration> {
-        self.time_of(self.control_word_rule()?)
+        self.control_word_rule().and_then(|_| self.loss_time())
     }
 
     const fn control_word_rule(&self) -> Option<&'static ControlTimeout> {
@@ -45,10 +45,10 @@ impl Drive {
         }
     }
 
-    fn time_of(&self, rule: &ControlTimeout) -> Option<Duration> {
-        let position = numbered(self.model.catalogue, rule.time)?;
-        let parameter: &Parameter = self.model.catalogue.parameters.get(position)?;
-        let seconds = parameter.engineering(self.values.at(position), &self.settings.scaling);
+    fn loss_time(&self) -> Option<Duration> {
+        let number = self.model.number(Part::LossTime)?;
+        let parameter = self.model.numbered(number)?;
+        let seconds = parameter.engineering(self.values.get(number), &self.settings.scaling);
         Duration::try_from_secs_f64(seconds).ok()
     }
 
@@ -58,9 +58,10 @@ impl Drive {
         match self.model.connection_lost {
             Lost::Always => self.raise(number),
             Lost::After(rule) => {
-                let left = self.time_of(rule).unwrap_or_default().saturating_sub(age);
+                let time = self.loss_time();
+                let left = time.unwrap_or_default().saturating_sub(age);
                 self.controller_loss = Some(ControllerLoss::Waits(left));
-                let at_once = rule.time == 0;
+                let at_once = time.is_none();
                 if at_once {
                     self.act_on_timeout(rule);
                 }
@@ -99,8 +100,9 @@ impl Drive {
 
     /// Executes the configured action.
     fn act_on_timeout(&mut self, rule: &ControlTimeout) {
-        let function = self.values.get(rule.function);
-        let action = rule.actions.iter().find(|(value, _)| *value == function);
+        let function = self.model.number(Part::LostController);
+        let function = function.map(|number| self.values.get(number));
+        let action = rule.actions.iter().find(|(value, _)| Some(*value) == function);
         let action = action.map_or(TimeoutAction::GoesOn, |(_, action)| *action);
         self.controller_loss = Some(ControllerLoss::Acts(action));
         match action {

@@ -6,6 +6,8 @@
 
 use std::time::Duration;
 
+use profile::catalogue::Part;
+
 use super::Drive;
 use crate::axis::Axis;
 use crate::store::Image;
@@ -134,20 +136,17 @@ fn put<T>(place: &mut T, value: Option<T>) -> bool {
 impl Drive {
     /// Returns true for a drive that keeps its counters.
     fn keeps_counters(&self) -> bool {
-        self.model
-            .roles
-            .inverter
-            .is_some_and(|roles| roles.counters.is_some())
+        self.model.number(Part::PowerTime).is_some()
     }
 
     /// A fault came.
     pub(super) fn count_fault(&mut self, number: u16) {
-        let Some(roles) = self.model.roles.inverter.and_then(|roles| roles.counters) else {
+        let Some(converter) = self.model.converter.filter(|_| self.keeps_counters()) else {
             return;
         };
         let counted = [
-            (roles.hot, &mut self.meter.hot),
-            (roles.over_voltage, &mut self.meter.over_voltage),
+            (converter.hot, &mut self.meter.hot),
+            (converter.over_voltage, &mut self.meter.over_voltage),
         ];
         for (numbers, counter) in counted {
             if numbers.contains(&number) {

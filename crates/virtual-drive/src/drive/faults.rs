@@ -6,7 +6,7 @@
 
 use std::time::Duration;
 
-use profile::catalogue::Cleared;
+use profile::catalogue::{Cleared, Part};
 use profile::fault::{Counting, Fault, FaultBuffer, Shape};
 use profile::state::FaultReaction;
 use profinet::Instant;
@@ -232,7 +232,7 @@ pub(super) struct Watching {
 
 impl Watching {
     /// `value` gives the engineering value of a parameter.
-    pub fn new(model: &Model, is_current: bool, value: impl Fn(u16) -> f64) -> Self {
+    pub fn new(model: &Model, is_current: bool, value: impl Fn(Part) -> f64) -> Self {
         let mut watching = Self {
             limits: [f64::NAN; MOST_CONDITIONS],
             lowest: [f64::INFINITY; Cause::COUNT],
@@ -243,7 +243,7 @@ impl Watching {
         for ((place, condition), limit) in model.conditions.iter().enumerate().zip(&mut watching.limits) {
             let bit = 1_u32 << place;
             *limit = match condition.limit {
-                Limit::Parameter(pnu) => match value(pnu) {
+                Limit::Parameter(part) => match value(part) {
                     0.0 => f64::NAN,
                     value => value,
                 },
@@ -261,7 +261,7 @@ impl Watching {
                 When::Enabled => (true, false),
                 When::Disabled => (false, true),
                 When::NotCurrent => (!is_current, !is_current),
-                When::ByMode(pnu) => (true, value(pnu) == 0.0),
+                When::ByMode(part) => (true, value(part) == 0.0),
             };
             watching.enabled |= if enabled { bit } else { 0 };
             watching.disabled |= if disabled { bit } else { 0 };
@@ -346,9 +346,9 @@ impl Drive {
 
     /// FAULTn.ACTION of a fault, where there is one.
     fn action(&self, number: u16) -> Option<i64> {
-        let actions = self.model.fault_actions;
-        let place = actions.binary_search_by_key(&number, |(fault, _)| *fault).ok()?;
-        actions.get(place).map(|(_, pnu)| self.values.get(*pnu))
+        let mut rows = self.model.catalogue.parts.iter();
+        let row = rows.find(|row| row.part == Part::FaultAction && row.values.contains(&number.into()))?;
+        Some(self.values.get(row.number()))
     }
 
     /// Returns true while the cause of a fault that has come is there: it cannot be acknowledged.

@@ -4,6 +4,7 @@
 
 use std::time::Duration;
 
+use profile::catalogue::Part;
 use profinet::Instant;
 
 use super::Drive;
@@ -45,12 +46,11 @@ pub(super) struct History {
 
 impl History {
     pub fn new(model: &Model) -> Self {
-        let counters = model.roles.inverter.and_then(|roles| roles.counters);
-        let words = counters.map(|roles| roles.history).unwrap_or_default();
-        let watched = words.iter().take(MOST).filter_map(|(event, number)| {
+        let words: [u16; MOST] = model.catalogue.part_numbers(Part::HistoryWord);
+        let watched = (1..).zip(words).filter_map(|(event, number)| {
             Some(Watched {
-                event: *event,
-                position: numbered(model.catalogue, *number)?,
+                event,
+                position: numbered(model.catalogue, number)?,
                 last: None,
             })
         });

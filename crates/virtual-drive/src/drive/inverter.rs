@@ -6,7 +6,7 @@ use profile::state::{Conditions, Correction, Orders, Profile, SpeedCommand, Stat
 
 use super::Drive;
 use crate::axis::{Endurance, Induction, InverterTuning, Motor, Plant, Ramps, Tuning};
-use crate::model::{InverterRoles, Model, RampTo};
+use crate::model::{Converter, Model, RampTo};
 use crate::store::Values;
 
 /// Number of preset references that a control word can choose.
@@ -58,7 +58,7 @@ pub(super) struct Inverter {
     pub watched: [[f64; 2]; 2],
 }
 
-/// Reads parameters by the number of the vendor.
+/// Reads parameters by their parts.
 struct Reader<'a> {
     model: &'a Model,
     values: &'a Values,
@@ -69,21 +69,26 @@ struct Reader<'a> {
 }
 
 impl Reader<'_> {
-    fn parameter(&self, number: u16) -> Option<&'static Parameter> {
-        if number == 0 {
-            None
-        } else {
-            self.model.numbered(number)
-        }
+    fn parameter(&self, part: Part) -> Option<&'static Parameter> {
+        self.model.numbered(self.model.number(part)?)
     }
 
-    fn raw(&self, number: u16) -> i64 {
-        self.values.get(number)
+    fn raw(&self, part: Part) -> Option<i64> {
+        Some(self.values.get(self.model.number(part)?))
     }
 
-    fn value(&self, number: u16) -> Option<f64> {
-        let parameter = self.parameter(number)?;
-        Some(parameter.engineering(self.raw(number), &self.model.catalogue.scaling))
+    fn value(&self, part: Part) -> Option<f64> {
+        let raw = self.raw(part)?;
+        Some(
+            self.parameter(part)?
+                .engineering(raw, &self.model.catalogue.scaling),
+        )
+    }
+
+    /// The parameter has one of the values that its row names.
+    fn is_as_in_row(&self, part: Part) -> Option<bool> {
+        let raw = self.raw(part)?;
+        Some(self.model.catalogue.part_values(part).contains(&raw))
     }
 
     fn of_frequency(&self, hertz: f64) -> f64 {
@@ -91,15 +96,15 @@ impl Reader<'_> {
     }
 
     /// rpm, whatever the unit of the parameter.
-    fn speed(&self, number: u16, in_hertz: bool) -> Option<f64> {
-        let value = self.value(number)?;
-        let hertz = in_hertz || self.parameter(number)?.unit == "Hz";
+    fn speed(&self, part: Part, in_hertz: bool) -> Option<f64> {
+        let value = self.value(part)?;
+        let hertz = in_hertz || self.parameter(part)?.unit == "Hz";
         Some(if hertz { self.of_frequency(value) } else { value })
     }
 
     /// A, whatever the unit of the parameter.
-    fn ampere(&self, number: u16, otherwise: f64) -> f64 {
-        match (self.value(number), self.parameter(number).map(|found| found.unit)) {
+    fn ampere(&self, part: Part, otherwise: f64) -> f64 {
+        match (self.value(part), self.parameter(part).map(|found| found.unit)) {
             (Some(value), Some("%")) => value / 100.0 * self.current,
             (Some(value), _) => value,
             (None, _) => otherwise,
@@ -108,98 +113,96 @@ impl Reader<'_> {
 }
 
 impl Inverter {
-    pub fn new(roles: &InverterRoles, model: &Model, values: &Values) -> Self {
+    pub fn new(converter: Converter, model: &Model, values: &Values) -> Self {
         let mut reader = Reader {
             model,
             values,
             pairs: 2.0,
             current: 1.0,
         };
-        let plate = plate(roles, &reader);
+        let plate = plate(&reader);
         reader.pairs = f64::from(plate.pole_pairs.max(1));
         reader.current = plate.current;
         let read = &reader;
-        let (unit, hertz) = roles.reference_in_hertz;
-        let in_hertz = unit != 0 && read.raw(unit) == hertz;
-        let [lowest, highest] = roles.reference.map(|number| read.speed(number, in_hertz));
+        let in_hertz = read.is_as_in_row(Part::ReferenceUnit) == Some(true);
+        let counted_from = read.speed(Part::LowestReference, in_hertz);
+        let lowest = counted_from.or_else(|| read.speed(Part::ReferenceMinimum, in_hertz));
+        let highest = read.speed(Part::Reference, in_hertz);
         let highest = highest.unwrap_or_else(|| plate.synchronous_speed());
-        let reach = match roles.ramp_to {
+        let reach = match converter.ramp_to {
             RampTo::Synchronous => plate.synchronous_speed(),
             RampTo::HighestReference => highest,
         };
-        let slope = |number: u16| read.value(number).map(|seconds| reach / seconds.max(0.01));
-        let ramps = roles.ramps.map(|[up, down]| Ramps {
+        let slope = |part| read.value(part).map(|seconds| reach / seconds.max(0.01));
+        let ramps = [
+            [Part::RampUpTime, Part::RampDownTime],
+            [Part::Ramp2UpTime, Part::Ramp2DownTime],
+        ];
+        let ramps = ramps.map(|[up, down]| Ramps {
             acceleration: slope(up).unwrap_or(reach),
             deceleration: slope(down).unwrap_or(reach),
         });
         let [first, _] = ramps;
-        let jog = slope(roles.jog_ramp);
-        let limits = roles.speed_limits.map(|number| read.speed(number, false));
+        let jog = slope(Part::JogTime);
         let whole = 100.0;
         let mut presets = [0.0; PRESETS];
-        if let Some(parameter) = read.parameter(roles.presets) {
+        if let Some(number) = model.number(Part::PresetReferences)
+            && let Some(parameter) = model.numbered(number)
+        {
             for (element, preset) in (0..).zip(&mut presets) {
-                let raw = values.element_of(roles.presets, element);
+                let raw = values.element_of(number, element);
                 *preset = parameter.engineering(raw, &model.catalogue.scaling) / whole;
             }
         }
-        let direction = if roles.direction == 0 {
-            2
-        } else {
-            read.raw(roles.direction)
-        };
-        let (signs, both) = roles.both_signs;
-        let [slip, slip_time] = roles.slip;
-        let [nominal, most] = roles.inverter_current;
-        let nominal = read.ampere(nominal, 1.25 * plate.current);
-        let inverter_current = [nominal, read.ampere(most, 1.6 * nominal)];
-        let (protection, warning, trip) = roles.thermal;
-        let protection = (protection != 0).then(|| read.raw(protection));
-        let [currents, speeds] = roles.watched;
-        let (site, kept_off) = roles.panel.not_by_bus;
-        let chooser = model.catalogue.part(Part::ControlProfile);
-        let choice = chooser.map(|parameter| read.raw(parameter.pnu));
+        let direction = read.raw(Part::Direction).unwrap_or(2);
+        let nominal = read.ampere(Part::InverterCurrent, 1.25 * plate.current);
+        let inverter_current = [nominal, read.ampere(Part::InverterPeakCurrent, 1.6 * nominal)];
+        let jogs = [Part::Jog1, Part::Jog2].map(|part| read.speed(part, false).unwrap_or(0.0));
+        let choice = read.raw(Part::ControlProfile);
         Self {
             plate,
             ramps,
-            quick_stop: slope(roles.quick_stop).unwrap_or(first.deceleration),
+            quick_stop: slope(Part::QuickStopTime).unwrap_or(first.deceleration),
             jog_ramps: jog.map_or(first, |slope| Ramps {
                 acceleration: slope,
                 deceleration: slope,
             }),
-            jogs: roles.jogs.map(|number| read.speed(number, false).unwrap_or(0.0)),
-            jog: read.speed(roles.jog, false).unwrap_or(0.0),
+            jogs,
+            jog: read.speed(Part::JogOnly, false).unwrap_or(jogs[0]),
             reference: [lowest.unwrap_or(0.0), highest],
-            both_signs: signs == 0 || read.raw(signs) == both,
-            own_speed_of_range: roles.own_speed_of_range,
+            both_signs: read.is_as_in_row(Part::ReferenceRange).unwrap_or(true),
+            own_speed_of_range: counted_from.is_some(),
             presets,
-            correction: read.value(roles.correction).unwrap_or(0.0) / whole,
+            correction: read.value(Part::ReferenceCorrection).unwrap_or(0.0) / whole,
             speed_limits: [
-                limits.first().copied().flatten().unwrap_or(0.0),
-                limits.last().copied().flatten().unwrap_or(highest),
+                read.speed(Part::LowestSpeed, false).unwrap_or(0.0),
+                read.speed(Part::ForwardLimit, false).unwrap_or(highest),
             ],
             frequency_limits: [
-                read.value(roles.frequency_limits[0]).unwrap_or(0.0),
-                read.value(roles.frequency_limits[1]).unwrap_or(f64::INFINITY),
+                read.value(Part::LowestFrequency).unwrap_or(0.0),
+                read.value(Part::HighestFrequency)
+                    .or_else(|| read.value(Part::Reference))
+                    .unwrap_or(f64::INFINITY),
             ],
             forward: direction != 1,
             backward: direction != 0,
-            brake_current: read.ampere(roles.brake_current, plate.current),
+            brake_current: read.ampere(Part::BrakeCurrent, plate.current),
             inverter_current,
-            current_limit: read.ampere(roles.current_limit, inverter_current[1]),
+            current_limit: read.ampere(Part::CurrentLimit, inverter_current[1]),
             tuning: InverterTuning {
-                slip_compensation: read.value(slip).unwrap_or(whole) / whole,
-                slip_time: read.value(slip_time).unwrap_or(0.1),
-                flying_start: roles.flying_start != 0 && read.raw(roles.flying_start) != 0,
+                slip_compensation: read.value(Part::SlipCompensation).unwrap_or(whole) / whole,
+                slip_time: read.value(Part::SlipTime).unwrap_or(0.1),
+                flying_start: read.raw(Part::FlyingStart).unwrap_or(0) != 0,
                 ..InverterTuning::default()
             },
             own_words: model.known.words.vendor_profile(choice),
-            not_by_bus: site != 0 && read.raw(site) == kept_off,
-            thermal_warning: protection == Some(warning),
-            thermal_trip: protection == Some(trip),
+            not_by_bus: read.is_as_in_row(Part::ControlSite) == Some(true),
+            thermal_warning: read.is_as_in_row(Part::MotorProtectionWarning) == Some(true),
+            thermal_trip: read.is_as_in_row(Part::MotorProtectionTrip) == Some(true),
             watched: [
-                currents.map(|number| read.ampere(number, f64::NAN)),
-                speeds.map(|number| read.speed(number, false).unwrap_or(f64::NAN)),
+                [Part::LowCurrentWarning, Part::HighCurrentWarning].map(|part| read.ampere(part, f64::NAN)),
+                [Part::LowSpeedWarning, Part::HighSpeedWarning]
+                    .map(|part| read.speed(part, false).unwrap_or(f64::NAN)),
             ],
         }
     }
@@ -310,28 +313,23 @@ impl Inverter {
     }
 }
 
-fn plate(roles: &InverterRoles, read: &Reader<'_>) -> Induction {
-    let of = &roles.plate;
-    let value = |number: u16, otherwise: f64| {
-        read.value(number)
-            .filter(|value| *value > 0.0)
-            .unwrap_or(otherwise)
-    };
+fn plate(read: &Reader<'_>) -> Induction {
+    let value = |part, otherwise: f64| read.value(part).filter(|value| *value > 0.0).unwrap_or(otherwise);
     let standard = Induction::KW_1_5;
     let plate = Induction::from_plate(
-        KILO * value(of.power, standard.power / KILO),
-        value(of.voltage, standard.voltage),
-        value(of.frequency, standard.frequency),
-        value(of.current, standard.current),
-        value(of.speed, standard.speed),
+        KILO * value(Part::MotorPower, standard.power / KILO),
+        value(Part::MotorVoltage, standard.voltage),
+        value(Part::MotorFrequency, standard.frequency),
+        value(Part::MotorCurrent, standard.current),
+        value(Part::MotorSpeed, standard.speed),
     );
-    let pairs = read.raw(of.poles) / 2;
+    let poles = read.raw(Part::MotorPoles);
     Induction {
-        pole_pairs: u16::try_from(pairs)
-            .ok()
-            .filter(|pairs| *pairs > 0 && of.poles != 0)
+        pole_pairs: poles
+            .and_then(|poles| u16::try_from(poles / 2).ok())
+            .filter(|pairs| *pairs > 0)
             .unwrap_or(plate.pole_pairs),
-        magnetising_current: value(of.magnetising, plate.magnetising_current),
+        magnetising_current: value(Part::MotorMagnetisingCurrent, plate.magnetising_current),
         ..plate
     }
 }

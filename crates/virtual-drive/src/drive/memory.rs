@@ -4,6 +4,7 @@
 //! DRV.NVSAVE saves, DRV.NVLOAD fetches what was saved last, DRV.RSTVAR puts the values as delivered into the working
 //! memory and leaves what is saved alone. Motion tasks are kept like parameters. Source: AKD Parameter Guide 12/2009.
 
+use profile::catalogue::Part;
 use profile::parameter::{ErrorNumber, SaveId};
 
 use super::settings::Settings;
@@ -80,8 +81,7 @@ impl Drive {
     pub(super) fn keep_address_mode(&mut self, mode: i64) {
         let Some(parameter) = self
             .model
-            .roles
-            .address_mode
+            .number(Part::AddressMode)
             .and_then(|pnu| self.model.numbered(pnu))
         else {
             return;

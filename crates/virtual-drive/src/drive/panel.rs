@@ -4,6 +4,7 @@
 //! ZSW1 bit 9; FC 300 programming guide 0-40 to 0-42 and 8-01, Vacon application manuals ID 172, from memory. That
 //! a panel starts again by itself after its fault was acknowledged is ours.
 
+use profile::catalogue::Part;
 use profile::state::{State, Stw1};
 
 use super::{Drive, Mode, Service};
@@ -54,16 +55,12 @@ impl Drive {
 
     /// Keys can be switched off by parameters.
     fn key_works(&self, key: Key) -> bool {
-        let Some(roles) = self.model.roles.inverter else {
-            return true;
-        };
-        let [hand, off, auto] = roles.panel.keys;
-        let parameter = match key {
-            Key::Hand => hand,
-            Key::Off => off,
-            Key::Auto => auto,
-        };
-        parameter == 0 || self.values.get(parameter) != 0
+        let number = self.model.number(match key {
+            Key::Hand => Part::HandKey,
+            Key::Off => Part::OffKey,
+            Key::Auto => Part::AutoKey,
+        });
+        number.is_none_or(|number| self.values.get(number) != 0)
     }
 
     /// Returns whether the panel has the drive, or a setting keeps the bus off it.

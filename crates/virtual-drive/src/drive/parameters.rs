@@ -1,6 +1,6 @@
 //! Parameter service: the drive behind base mode parameter access.
 
-use profile::catalogue::{Access, Parameter, Scale, Size, padded};
+use profile::catalogue::{Access, Parameter, Part, Scale, Size, padded};
 use profile::notation::Notation;
 use profile::parameter::{
     Attributes, Description, ErrorNumber, Format, Identifier, Keep, ParameterAccess, Refusal, SaveId,
@@ -125,8 +125,7 @@ impl ParameterAccess for Drive {
     /// With 927 at 0 the bus may change nothing but that.
     fn may_change(&self, pnu: u16) -> bool {
         self.model
-            .roles
-            .edit
+            .number(Part::ParameterEdit)
             .is_none_or(|edit| pnu == edit || self.values.get(edit) != 0)
     }
 
@@ -212,7 +211,7 @@ const NORMALISED: u16 = 0x800E;
 impl Drive {
     /// PNU of the value that is 100 % of a reference.
     fn reference_number(&self) -> u16 {
-        self.model.roles.inverter.map_or(0, |roles| roles.reference[1])
+        self.model.number(Part::Reference).unwrap_or(0)
     }
 }
 

@@ -1,6 +1,6 @@
 //! What a parameter reads as.
 
-use profile::catalogue::{Access, Parameter, Scale, Size};
+use profile::catalogue::{Access, Parameter, Part, Scale, Size};
 
 use profile::parameter::ErrorNumber;
 use profile::telegram::Mapping;
@@ -54,7 +54,7 @@ impl Drive {
             Live::Stored | Live::Mode if parameter.size != Size::Command => {
                 self.number_of_kept(parameter, self.stored(position, element))
             }
-            Live::Stored | Live::Mode | Live::Do(_) | Live::Choose(_) | Live::Absent => 0,
+            Live::Stored | Live::Mode | Live::Do(_) | Live::Choose(..) | Live::CopySetUp | Live::Absent => 0,
             Live::Measured(quantity) => parameter.raw(self.measured(quantity), &self.settings.scaling),
             Live::Place(place) => wrap(self.place_number(place), parameter),
             Live::Same(other) => self.same(parameter, other),
@@ -104,7 +104,8 @@ impl Drive {
             }
             Live::ClearTask | Live::StartTask => 0,
             Live::Bits(bits) => bits.iter().fold(0, |word, source| {
-                let value = self.parameter(source.pnu).unwrap_or(0);
+                let number = self.model.number(source.part);
+                let value = number.and_then(|number| self.parameter(number)).unwrap_or(0);
                 word | (value >> source.of & 1) << source.bit
             }),
             Live::Array(Table::SetpointWords) => self.word_number(false, position, element),
@@ -230,7 +231,7 @@ impl Drive {
             // Type class 1 is an axis; application classes 1 and, with positioning, 3; the axis number that requests carry.
             Table::DriveObject => match element {
                 5 => 1,
-                6 if self.model.roles.mode.is_some() => 0b101,
+                6 if self.model.number(Part::ControlMode).is_some() => 0b101,
                 6 => 1,
                 7 => i64::from(self.model.known.dialect.axis),
                 _ => unit.get(element).copied().unwrap_or(0),

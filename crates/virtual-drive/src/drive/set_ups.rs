@@ -6,12 +6,12 @@
 //! those of motor, brakes, references, ramps and limits. That a running motor changes between set-ups only when their
 //! motor data are the same is our reading of 0-12.
 
-use profile::catalogue::Access;
+use profile::catalogue::{Access, Part};
 use profile::parameter::ErrorNumber;
 use profile::pkw::PkwErrorNumber;
 
 use super::Drive;
-use crate::model::{Live, Model, SetUpRoles};
+use crate::model::{Live, Model};
 use crate::store::{Image, Values, key};
 
 /// Set-ups 1 to 4, and the factory set-up in the place of 0.
@@ -21,7 +21,12 @@ const COUNT: usize = 5;
 #[derive(Debug, Clone)]
 pub(super) struct SetUps {
     model: &'static Model,
-    roles: &'static SetUpRoles,
+    /// Numbers of the parameters that choose the active set-up and the edited one.
+    active_by: u16,
+    edited_by: u16,
+    /// Number of the parameter that lets the control word choose, and its values with which it does.
+    site: Option<u16>,
+    by_bus: &'static [i64],
     /// Places in the catalogue and elements of what each set-up has for itself, ascending.
     places: Box<[(usize, u16)]>,
     /// Their values; those of the active set-up are in the values of the drive.
@@ -32,15 +37,15 @@ pub(super) struct SetUps {
 impl SetUps {
     /// As delivered: all alike, the first one active.
     pub fn new(model: &'static Model, live: &[Live]) -> Option<Self> {
-        let inverter = model.roles.inverter?;
-        let roles = &inverter.set_ups;
+        let [first, last] = model.converter?.own_in_set_up;
+        let active_by = model.number(Part::ActiveSetUp)?;
+        let edited_by = model.number(Part::EditedSetUp)?;
         let parameters = model.catalogue.parameters;
         let own = parameters
             .iter()
             .zip(live)
             .enumerate()
             .filter(|(_, (parameter, live))| {
-                let [first, last] = roles.own;
                 let stored = **live == Live::Stored && parameter.access == Access::ReadWrite;
                 stored && parameter.length == 0 && (first..=last).contains(&parameter.pnu)
             });
@@ -54,9 +59,6 @@ impl SetUps {
                 (0..count).map(move |element| (position, element))
             })
             .collect();
-        if roles.active == 0 || places.is_empty() {
-            return None;
-        }
         let fresh = Values::new(model.catalogue);
         let bank = || {
             places
@@ -65,7 +67,10 @@ impl SetUps {
         };
         Some(Self {
             model,
-            roles,
+            active_by,
+            edited_by,
+            site: model.number(Part::SetUpSite),
+            by_bus: model.catalogue.part_values(Part::SetUpSite),
             banks: std::array::from_fn(|_| bank().collect()),
             places,
             active: 1,
@@ -122,7 +127,7 @@ impl Drive {
 
     /// Returns the number of the set-up that is read and written.
     fn edited(&self, set_ups: &SetUps) -> usize {
-        let chosen = usize::try_from(self.values.get(set_ups.roles.edit)).unwrap_or(COUNT);
+        let chosen = usize::try_from(self.values.get(set_ups.edited_by)).unwrap_or(COUNT);
         if chosen < COUNT { chosen } else { set_ups.active }
     }
 
@@ -176,14 +181,14 @@ impl Drive {
 
     /// Returns the set-up that settings and control word request.
     fn wanted_set_up(&self, set_ups: &SetUps) -> usize {
-        let chosen = self.values.get(set_ups.roles.active);
+        let chosen = self.values.get(set_ups.active_by);
         if let Some(number) = usize::try_from(chosen).ok().filter(|number| *number < COUNT) {
             return number;
         }
-        let (select, by_bus) = set_ups.roles.by_bus;
+        let site = set_ups.site.map(|number| self.values.get(number));
         match self.orders.set_up {
             // the inputs, which choose otherwise, are all off
-            _ if !by_bus.contains(&self.values.get(select)) => 1,
+            _ if !site.is_some_and(|site| set_ups.by_bus.contains(&site)) => 1,
             Some(number) => usize::from(number) + 1,
             None => set_ups.active.max(1),
         }
@@ -246,7 +251,7 @@ impl Drive {
         let Some(set_ups) = &self.set_ups else {
             return 0;
         };
-        let digit = match self.values.get(set_ups.roles.edit) {
+        let digit = match self.values.get(set_ups.edited_by) {
             0 => 0xF,
             number @ 1..=4 => number,
             _ => 0xA,

@@ -1,6 +1,6 @@
 //! What the drive obeys, taken out of its parameters once after each change instead of in every cycle.
 
-use profile::catalogue::Scaling;
+use profile::catalogue::{Part, Scaling};
 use profile::unit::UnitChoice;
 
 use super::faults::Watching;
@@ -49,57 +49,57 @@ const STANDSTILL: f64 = 3.0;
 
 impl Settings {
     pub fn new(model: &Model, values: &Values) -> Self {
-        let roles = &model.roles;
-        let raw = |pnu: Option<u16>| pnu.map(|pnu| values.get(pnu));
+        let raw = |part| model.number(part).map(|number| values.get(number));
         let standard = model.catalogue.scaling;
         let mut scaling = Scaling {
-            velocity: number(raw(roles.velocity_scaling), standard.velocity),
-            acceleration: number(raw(roles.acceleration_scaling), standard.acceleration),
-            position: number(raw(roles.position_scaling), standard.position),
-            singleturn_bits: number(raw(roles.singleturn_bits), standard.singleturn_bits),
-            unit: {
-                let unit = &roles.positioning.unit;
-                UnitChoice {
-                    linear: values.get(unit.motor) == 1,
-                    rotary_unit: values.get(unit.unit[0]),
-                    linear_unit: values.get(unit.unit[1]),
-                    custom: (values.get(unit.custom[0]), values.get(unit.custom[1])),
-                    pitch: values.get(unit.pitch),
-                }
+            velocity: number(raw(Part::VelocityScaling), standard.velocity),
+            acceleration: number(raw(Part::AccelerationScaling), standard.acceleration),
+            position: number(raw(Part::PositionScaling), standard.position),
+            singleturn_bits: number(raw(Part::SingleturnBits), standard.singleturn_bits),
+            unit: UnitChoice {
+                linear: raw(Part::MotorType) == Some(1),
+                rotary_unit: raw(Part::UnitRotary).unwrap_or(0),
+                linear_unit: raw(Part::UnitLinear).unwrap_or(0),
+                custom: (
+                    raw(Part::UnitNumerator).unwrap_or(0),
+                    raw(Part::UnitDenominator).unwrap_or(0),
+                ),
+                pitch: raw(Part::MotorPitch).unwrap_or(0),
             },
             ..standard
         };
-        let inverter = roles.inverter.map(|roles| Inverter::new(roles, model, values));
+        let inverter = model
+            .converter
+            .map(|converter| Inverter::new(converter, model, values));
         if let Some(inverter) = &inverter {
             scaling.reference = Some(inverter.reference[1]);
         }
-        let value = |pnu: Option<u16>, scaling: &Scaling| {
-            let parameter = model.numbered(pnu?)?;
-            Some(parameter.engineering(values.get(pnu?), scaling))
+        let value = |part, scaling: &Scaling| {
+            let number = model.number(part)?;
+            Some(model.numbered(number)?.engineering(values.get(number), scaling))
         };
-        if let Some(peak) = value(roles.peak_current, &scaling) {
+        if let Some(peak) = value(Part::PeakCurrent, &scaling) {
             scaling.peak_current = peak;
         }
         let kept = scaling.kept();
-        let value = |pnu: Option<u16>, otherwise: f64| value(pnu, &kept).unwrap_or(otherwise);
+        let value = |part, otherwise: f64| value(part, &kept).unwrap_or(otherwise);
         let tuning = Tuning::default();
         let peak = scaling.peak_current;
-        let ramp = |pnu: Option<u16>| value(pnu, 3000.0);
+        let ramp = |part| value(part, 3000.0);
         let ramps = Ramps {
-            acceleration: ramp(roles.acceleration),
-            deceleration: ramp(roles.deceleration),
+            acceleration: ramp(Part::Acceleration),
+            deceleration: ramp(Part::Deceleration),
         };
-        let [current_positive, current_negative] =
-            roles.current_limit.map(|pnu| value(pnu, peak).abs().min(peak));
-        let [speed_positive, speed_negative] = roles.speed_limit.map(|pnu| value(pnu, 3000.0).abs());
-        let [up, down] = roles.jog_ramp;
-        let mode = match raw(roles.mode) {
+        let [current_positive, current_negative] = [Part::PositiveCurrentLimit, Part::NegativeCurrentLimit]
+            .map(|part| value(part, peak).abs().min(peak));
+        let [speed_positive, speed_negative] =
+            [Part::ForwardLimit, Part::BackwardLimit].map(|part| value(part, 3000.0).abs());
+        let mode = match raw(Part::ControlMode) {
             Some(0) => Mode::Current,
             Some(2) => Mode::Position,
             _ => Mode::Speed,
         };
-        let [drive_continuous, motor_continuous] = roles.continuous_current;
-        let milliampere = |pnu: Option<u16>, otherwise: f64| value(pnu, 1000.0 * otherwise) / 1000.0;
+        let milliampere = |part, otherwise: f64| value(part, 1000.0 * otherwise) / 1000.0;
         let settings = Self {
             scaling,
             tuning: Tuning {
@@ -107,38 +107,38 @@ impl Settings {
                 current_negative,
                 speed_positive,
                 speed_negative,
-                gain: value(roles.gain, tuning.gain),
-                integral: value(roles.integral, tuning.integral),
-                position_gain: value(roles.position_gain, tuning.position_gain),
-                speed_forward: value(roles.speed_forward, tuning.speed_forward),
+                gain: value(Part::VelocityGain, tuning.gain),
+                integral: value(Part::VelocityIntegral, tuning.integral),
+                position_gain: value(Part::PositionGain, tuning.position_gain),
+                speed_forward: value(Part::VelocityFeedforward, tuning.speed_forward),
                 drive_endurance: Endurance {
-                    continuous: value(drive_continuous, tuning.drive_endurance.continuous),
+                    continuous: value(Part::DriveContinuousCurrent, tuning.drive_endurance.continuous),
                     peak,
                     ..tuning.drive_endurance
                 },
                 motor_endurance: Endurance {
-                    continuous: milliampere(motor_continuous, tuning.motor_endurance.continuous),
-                    peak: milliampere(roles.motor_peak_current, tuning.motor_endurance.peak),
-                    time: value(roles.motor_peak_time, tuning.motor_endurance.time),
+                    continuous: milliampere(Part::MotorContinuousCurrent, tuning.motor_endurance.continuous),
+                    peak: milliampere(Part::MotorPeakCurrent, tuning.motor_endurance.peak),
+                    time: value(Part::MotorPeakTime, tuning.motor_endurance.time),
                 },
                 ..tuning
             },
             ramps,
-            quick_stop: value(roles.quick_stop, 10.0 * ramps.deceleration),
-            standstill: value(roles.standstill, STANDSTILL),
-            jog_speed: roles.jog_speed.map(|pnu| value(pnu, 0.0)),
+            quick_stop: value(Part::QuickStopDeceleration, 10.0 * ramps.deceleration),
+            standstill: STANDSTILL,
+            jog_speed: [Part::Jog1, Part::Jog2].map(|part| value(part, 0.0)),
             jog_ramps: Ramps {
-                acceleration: value(up, ramps.acceleration),
-                deceleration: value(down, ramps.deceleration),
+                acceleration: value(Part::JogAcceleration, ramps.acceleration),
+                deceleration: value(Part::JogDeceleration, ramps.deceleration),
             },
-            watching: Watching::new(model, mode == Mode::Current, |pnu| value(Some(pnu), 0.0)),
+            watching: Watching::new(model, mode == Mode::Current, |part| value(part, 0.0)),
             mode,
-            commanded_by_bus: raw(roles.command_source) != Some(0),
-            service_speed: value(roles.service_speed, 0.0),
-            service_current: value(roles.service_current, 0.0),
-            disable_on_ramp: raw(roles.disable_mode).is_some_and(|mode| mode >= 2),
-            holds_when_off: matches!(roles.brake.map(raw), [Some(1), None | Some(0)]),
-            fault_on_stop: raw(roles.bus_options).is_some_and(|options| options & 1 == 1),
+            commanded_by_bus: raw(Part::CommandSource) != Some(0),
+            service_speed: value(Part::ServiceSpeed, 0.0),
+            service_current: value(Part::ServiceCurrent, 0.0),
+            disable_on_ramp: raw(Part::DisableMode).is_some_and(|mode| mode >= 2),
+            holds_when_off: raw(Part::Brake) == Some(1) && raw(Part::BrakeReleased).unwrap_or(0) == 0,
+            fault_on_stop: raw(Part::BusOptions).is_some_and(|options| options & 1 == 1),
             position: Setup::new(model, values, &kept, [speed_negative, speed_positive]),
             inverter,
         };

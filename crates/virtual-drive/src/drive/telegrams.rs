@@ -3,6 +3,7 @@
 //! Source: AKD manual 5.8, 5.11.1 and 5.11.10; profile reference on the configuration of telegrams. Whether 922 is kept over
 //! power-off the table of parameters says: of an AKD neither it nor the mappings are, of a VLT it is (9-22).
 
+use profile::catalogue::Part;
 use profile::parameter::ErrorNumber;
 use profile::telegram::{Direction, FreeMapping, Mapping, Signal, Telegram, signal};
 
@@ -206,7 +207,7 @@ impl Drive {
         } else {
             return;
         };
-        if let Some(pnu) = self.model.roles.command_source
+        if let Some(pnu) = self.model.number(Part::CommandSource)
             && self.values.get(pnu) != source
         {
             self.values.set(pnu, source);
@@ -265,7 +266,7 @@ impl Drive {
     /// PNU of the parameter that a signal is (PNU 923); none for a number that is not a signal or is reserved.
     pub(super) fn parameter_of_signal(&self, number: u16) -> Option<u16> {
         Signal::find(number, self.model.catalogue.device.vendor_id)?;
-        let of = self.model.process.signals.parameter(number)?;
+        let of = self.model.number_of_signal(number)?;
         let parameter = self.model.numbered(of)?;
         // an application id is a subindex of a number that is not a parameter by itself
         (parameter.name != RESERVED && parameter.base.is_none()).then_some(parameter.pnu)

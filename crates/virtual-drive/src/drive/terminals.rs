@@ -33,7 +33,7 @@ impl Drive {
     /// A digital input gets a level. A number that the model has not is nothing.
     pub(super) fn set_terminal(&mut self, number: u8, high: bool) {
         let place = usize::from(number).checked_sub(1);
-        let Some(terminal) = place.and_then(|place| self.model.roles.terminals.get(place)) else {
+        let Some(terminal) = place.and_then(|place| self.model.terminals.get(place)) else {
             return;
         };
         let before = self.is_active(number, terminal);
@@ -57,7 +57,7 @@ impl Drive {
     /// What inputs do for as long as they are active: after a new level, and after a parameter has changed.
     pub(super) fn follow_levels(&mut self) {
         let (mut stops, mut fault) = (false, None);
-        for (number, terminal) in (1_u8..).zip(self.model.roles.terminals) {
+        for (number, terminal) in (1_u8..).zip(self.model.terminals) {
             match self.function(terminal) {
                 Some(function) if self.is_active(number, terminal) => match function {
                     InputFunction::ControlledStop => stops = true,
@@ -106,7 +106,7 @@ impl Drive {
 
     fn function(&self, terminal: &Terminal) -> Option<InputFunction> {
         let mode = self.values.get(terminal.mode);
-        let mut functions = self.model.roles.input_functions.iter();
+        let mut functions = self.model.input_functions.iter();
         functions
             .find(|(known, _)| *known == mode)
             .map(|(_, function)| *function)

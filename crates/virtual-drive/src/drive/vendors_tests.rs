@@ -5,7 +5,7 @@ use profile::parameter::{ErrorNumber, Format, Keep, ParameterAccess};
 
 use super::bench::{Bench, CYCLE, ask};
 use super::*;
-use crate::model::{self, Limit, Live, numbered};
+use crate::model::{self, Limit, Live};
 
 /// Returns a request for all elements of a parameter that fit one answer.
 fn request(model: &Model, parameter: &Parameter, id: u8, elements: u8) -> Vec<u8> {
@@ -100,16 +100,12 @@ fn every_parameter_of_every_model_is_written() {
 #[test]
 fn the_tables_name_parameters_and_faults_that_exist() {
     for model in model::ALL {
-        let known = |number: u16| number == 0 || numbered(model.catalogue, number).is_some();
-        assert!(model.live.windows(2).all(|pair| pair[0].0 < pair[1].0));
-        for (number, live) in model.live {
-            let position = numbered(model.catalogue, *number).unwrap_or_else(|| panic!("{number}"));
-            let parameter = &model.catalogue.parameters[position];
+        for (parameter, live) in model.catalogue.parameters.iter().zip(model.live_by_position()) {
             match live {
                 Live::Measured(_) | Live::StatusWord | Live::AlarmWord(_) | Live::WarningWord(_) => {
                     assert_eq!(parameter.access, Access::ReadOnly, "{parameter:?}");
                 }
-                Live::Choose(_) => assert_eq!(parameter.access, Access::ReadWrite, "{parameter:?}"),
+                Live::Choose(..) => assert_eq!(parameter.access, Access::ReadWrite, "{parameter:?}"),
                 Live::Array(_) => assert!(parameter.is_array() || parameter.pnu >= 980, "{parameter:?}"),
                 _ => {}
             }
@@ -117,59 +113,14 @@ fn the_tables_name_parameters_and_faults_that_exist() {
         for condition in model.conditions {
             let fault = model.catalogue.fault(condition.number, condition.warning);
             assert!(fault.is_some(), "{condition:?}");
-            if let Limit::Parameter(number) = condition.limit {
-                assert!(known(number));
+            if let Limit::Parameter(part) = condition.limit {
+                assert!(model.number(part).is_some(), "{condition:?}");
             }
         }
         assert!(model.conditions.len() <= model::MOST_CONDITIONS);
         let lost = model.connection_lost_fault;
         assert!(model.catalogue.fault(lost, false).is_some());
-        if let model::Signals::Are(rows) = model.process.signals {
-            assert!(rows.iter().all(|(_, number)| known(*number)));
-        }
-        if let Some(roles) = model.roles.inverter {
-            let plate = &roles.plate;
-            let numbers = [
-                &[
-                    plate.power,
-                    plate.voltage,
-                    plate.frequency,
-                    plate.current,
-                    plate.speed,
-                ][..],
-                &[
-                    plate.poles,
-                    plate.magnetising,
-                    roles.quick_stop,
-                    roles.jog_ramp,
-                    roles.jog,
-                ],
-                &roles.ramps.concat(),
-                &roles.jogs,
-                &roles.reference,
-                &[
-                    roles.presets,
-                    roles.correction,
-                    roles.direction,
-                    roles.current_limit,
-                ],
-                &[
-                    roles.brake_current,
-                    roles.flying_start,
-                    roles.thermal.0,
-                    roles.both_signs.0,
-                ],
-                &roles.speed_limits,
-                &roles.frequency_limits,
-                &roles.inverter_current,
-                &roles.slip,
-                &roles.watched.concat(),
-            ];
-            assert!(
-                numbers.concat().into_iter().all(known),
-                "{}",
-                model.catalogue.model
-            );
+        if model.converter.is_some() {
             // the motor as delivered is the one of the plant
             let drive = Drive::new(model);
             assert_eq!(

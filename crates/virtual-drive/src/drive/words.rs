@@ -131,7 +131,10 @@ impl Drive {
     pub(super) fn chosen_number(&self, chosen: &Chosen, index: u16, free: usize) -> u16 {
         let number = match chosen {
             Chosen::Nothing => 0,
-            Chosen::Array(array) => self.values.element_of(*array, index),
+            Chosen::Array(part) => {
+                let array = self.model.number(*part);
+                array.map_or(0, |array| self.values.element_of(array, index))
+            }
             Chosen::Each(numbers) => numbers.get(free).map_or(0, |number| self.values.get(*number)),
             Chosen::Fixed(numbers) => numbers.get(free).map_or(0, |number| i64::from(*number)),
         };
@@ -225,7 +228,7 @@ impl Drive {
             (true, 1) => signal::NIST_A,
             _ => return self.values.element_at(position, element),
         };
-        self.model.process.signals.parameter(fixed).map_or(0, i64::from)
+        self.model.number_of_signal(fixed).map_or(0, i64::from)
     }
 
     /// Returns where in the catalogue the word of process data in is that an element of the wide ones has.

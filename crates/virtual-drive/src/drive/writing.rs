@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use profile::catalogue::{Access, Parameter};
+use profile::catalogue::{Access, Parameter, Part};
 
 use profile::parameter::ErrorNumber;
 use profile::telegram::{Direction, signal};
@@ -32,7 +32,7 @@ impl Drive {
                     1 | 2 => raw,
                     _ => return Err(ErrorNumber::VALUE),
                 };
-                let position = self.model.roles.mode;
+                let position = self.model.number(Part::ControlMode);
                 let position = position.and_then(|pnu| numbered(self.model.catalogue, pnu));
                 self.set_mode(position.ok_or(ErrorNumber::NOT_NOW)?, mode)?;
             }
@@ -91,12 +91,12 @@ impl Drive {
                 }
                 self.faults.forget();
             }
-            Live::Choose(actions) => {
-                let action = actions.iter().find(|(value, _)| *value == raw);
-                match action {
-                    Some((_, action)) => self.execute(*action)?,
-                    None if parameter.choices.is_empty() || parameter.choice(raw).is_some() => {}
-                    None => return Err(ErrorNumber::VALUE),
+            Live::Choose(values, action) if values.contains(&raw) => self.execute(action)?,
+            Live::CopySetUp if (1..=4).contains(&raw) => self.copy_set_up(raw as u8)?,
+            Live::CopySetUp if raw == 9 => self.copy_set_up(0)?,
+            Live::Choose(..) | Live::CopySetUp => {
+                if !parameter.choices.is_empty() && parameter.choice(raw).is_none() {
+                    return Err(ErrorNumber::VALUE);
                 }
             }
             Live::Array(Table::ActualSignals) => {
@@ -175,7 +175,7 @@ impl Drive {
             Action::Stop => {
                 self.stop_requested = self.is_enabled();
                 self.stop_positioning();
-                if let Some(pnu) = self.model.roles.service_speed {
+                if let Some(pnu) = self.model.number(Part::ServiceSpeed) {
                     self.values.set(pnu, 0);
                 }
             }
@@ -188,7 +188,6 @@ impl Drive {
             Action::Save => self.save(),
             Action::Load => self.load()?,
             Action::Defaults => self.defaults()?,
-            Action::CopySetUp(to) => self.copy_set_up(to)?,
             Action::ResetEnergy => self.meter.energy = 0.0,
             Action::ResetRunningTime => self.meter.running = Duration::ZERO,
             Action::Blink => self.emit(Event::Blink),

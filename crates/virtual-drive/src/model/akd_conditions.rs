@@ -3,6 +3,8 @@
 //! Source of the numbers: `data/akd/faults.csv`. Of the behaviour: AKD Parameter Guide 12/2009 and the maker's pages on
 //! PL.ERRMODE, VL.THRESH and foldback; "ours" where no source tells it.
 
+use profile::catalogue::Part;
+
 use super::condition::{Cause, Condition, Delay, Limit, When};
 
 /// A fault with the plain meaning of its row.
@@ -27,32 +29,97 @@ const fn warning(number: u16, cause: Cause, limit: Limit, when: When) -> Conditi
 /// PL.ERRMODE 1: the error must last for 100 ms. The prediction of the error that this mode takes off is 0 for a position
 /// loop without integral part, as the virtual one is.
 const ENHANCED: Option<Delay> = Some(Delay {
-    mode: 2289,
+    mode: Part::FollowingErrorMode,
     milliseconds: 100,
 });
 
 pub(super) const CONDITIONS: &[Condition] = &[
     Condition {
         delay: ENHANCED,
-        ..fault(439, Cause::FollowingError, Limit::Parameter(2290), When::Enabled) // PL.ERRFTHRESH
+        ..fault(
+            439,
+            Cause::FollowingError,
+            Limit::Parameter(Part::FollowingErrorFault),
+            When::Enabled,
+        )
     },
     Condition {
         delay: ENHANCED,
-        ..warning(439, Cause::FollowingError, Limit::Parameter(2292), When::Enabled) // PL.ERRWTHRESH
+        ..warning(
+            439,
+            Cause::FollowingError,
+            Limit::Parameter(Part::FollowingErrorWarning),
+            When::Enabled,
+        )
     },
-    fault(302, Cause::Overspeed, Limit::Parameter(2444), When::NotCurrent), // VL.THRESH_32
+    fault(
+        302,
+        Cause::Overspeed,
+        Limit::Parameter(Part::Overspeed),
+        When::NotCurrent,
+    ),
     // A foldback current below the level raises the fault (IL.FOLDFTHRESH, which is IL.FOLDFTHRESHU) or the warning (IL.FOLDWTHRESH).
-    fault(524, Cause::DriveFoldback, Limit::Parameter(2219), When::Enabled),
-    warning(524, Cause::DriveFoldback, Limit::Parameter(2220), When::Enabled),
-    fault(304, Cause::MotorFoldback, Limit::Parameter(2219), When::Enabled),
-    warning(304, Cause::MotorFoldback, Limit::Parameter(2220), When::Enabled),
-    fault(501, Cause::BusHigh, Limit::Parameter(2397), When::Always), // VBUS.OVFTHRESH
-    warning(501, Cause::BusHigh, Limit::Parameter(2398), When::Always), // VBUS.OVWTHRESH
+    fault(
+        524,
+        Cause::DriveFoldback,
+        Limit::Parameter(Part::FoldbackFault),
+        When::Enabled,
+    ),
+    warning(
+        524,
+        Cause::DriveFoldback,
+        Limit::Parameter(Part::FoldbackWarning),
+        When::Enabled,
+    ),
+    fault(
+        304,
+        Cause::MotorFoldback,
+        Limit::Parameter(Part::FoldbackFault),
+        When::Enabled,
+    ),
+    warning(
+        304,
+        Cause::MotorFoldback,
+        Limit::Parameter(Part::FoldbackWarning),
+        When::Enabled,
+    ),
+    fault(
+        501,
+        Cause::BusHigh,
+        Limit::Parameter(Part::BusHighFault),
+        When::Always,
+    ),
+    warning(
+        501,
+        Cause::BusHigh,
+        Limit::Parameter(Part::BusHighWarning),
+        When::Always,
+    ),
     // VBUS.UVFTHRESH; VBUS.UVMODE 1: only when enabling is tried.
-    fault(502, Cause::BusLow, Limit::Parameter(2400), When::ByMode(2401)),
-    warning(502, Cause::BusLow, Limit::Parameter(2402), When::Always), // VBUS.UVWTHRESH
-    fault(301, Cause::MotorSensor, Limit::Parameter(2258), When::Always), // MOTOR.TEMPFAULT
-    warning(301, Cause::MotorSensor, Limit::Parameter(2259), When::Always), // MOTOR.TEMPWARN
+    fault(
+        502,
+        Cause::BusLow,
+        Limit::Parameter(Part::BusLowest),
+        When::ByMode(Part::BusLowMode),
+    ),
+    warning(
+        502,
+        Cause::BusLow,
+        Limit::Parameter(Part::BusLowWarning),
+        When::Always,
+    ),
+    fault(
+        301,
+        Cause::MotorSensor,
+        Limit::Parameter(Part::MotorSensorFault),
+        When::Always,
+    ),
+    warning(
+        301,
+        Cause::MotorSensor,
+        Limit::Parameter(Part::MotorSensorWarning),
+        When::Always,
+    ),
     fault(535, Cause::PowerStage, Limit::Fixed(POWER_STAGE), When::Always),
     fault(602, Cause::SafeTorqueOff, Limit::Present, When::Enabled),
     warning(602, Cause::SafeTorqueOff, Limit::Present, When::Disabled),
@@ -61,23 +128,16 @@ pub(super) const CONDITIONS: &[Condition] = &[
     warning(107, Cause::PositiveSwitch, Limit::Present, When::Always),
     warning(108, Cause::NegativeSwitch, Limit::Present, When::Always),
     fault(307, Cause::BrakeClosed, Limit::Present, When::Enabled),
-    fault(703, Cause::SlowDisable, Limit::Parameter(2121), When::Enabled), // DRV.DISTO
+    fault(
+        703,
+        Cause::SlowDisable,
+        Limit::Parameter(Part::DisableTime),
+        When::Enabled,
+    ),
 ];
 
 /// Temperature at which the power stage gives up, degC. Ours: no source tells it.
 const POWER_STAGE: f64 = 90.0;
-
-/// FAULTn.ACTION of the faults that have one, ascending by fault number.
-pub(super) const ACTIONS: &[(u16, u16)] = &[
-    (130, 2601),
-    (131, 2602),
-    (132, 2603),
-    (134, 2604),
-    (139, 2797),
-    (451, 2615),
-    (570, 2966),
-    (702, 2605),
-];
 
 #[cfg(test)]
 mod tests {
@@ -117,24 +177,30 @@ mod tests {
     fn every_limit_is_a_parameter() {
         for condition in CONDITIONS {
             let mode = match condition.when {
-                When::ByMode(pnu) => Some(pnu),
+                When::ByMode(part) => Some(part),
                 _ => None,
             };
             let limit = match condition.limit {
-                Limit::Parameter(pnu) => Some(pnu),
+                Limit::Parameter(part) => Some(part),
                 _ => None,
             };
-            for pnu in [mode, limit, condition.delay.map(|delay| delay.mode)]
-                .into_iter()
-                .flatten()
-            {
-                assert!(AKD.catalogue.by_pnu(pnu).is_some(), "{condition:?}");
+            let parts = [mode, limit, condition.delay.map(|delay| delay.mode)];
+            for part in parts.into_iter().flatten() {
+                assert!(AKD.number(part).is_some(), "{condition:?}");
             }
         }
-        for (fault, pnu) in ACTIONS {
+    }
+
+    #[test]
+    fn every_action_of_a_fault_is_that_of_its_row() {
+        let tables = AKD.catalogue;
+        let rows = tables.parts.iter().filter(|row| row.part == Part::FaultAction);
+        for row in rows.clone() {
+            let fault = u16::try_from(row.values[0]).unwrap();
             let name = format!("FAULT{fault}.ACTION");
-            assert_eq!(AKD.catalogue.by_pnu(*pnu).unwrap().name, name);
-            assert!(AKD.catalogue.fault(*fault, false).is_some(), "{name}");
+            assert_eq!(tables.by_pnu(row.pnu).unwrap().name, name);
+            assert!(tables.fault(fault, false).is_some(), "{name}");
         }
+        assert_eq!(rows.count(), 8);
     }
 }

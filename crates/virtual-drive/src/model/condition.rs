@@ -1,5 +1,7 @@
 //! What a drive watches, and which fault or warning number it raises: data, the walking is in `drive::faults`.
 
+use profile::catalogue::Part;
+
 /// A physical cause with the number it raises.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Condition {
@@ -78,7 +80,7 @@ impl Cause {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Limit {
     /// The engineering value of this parameter; 0 switches the supervision off.
-    Parameter(u16),
+    Parameter(Part),
     /// Always the same.
     Fixed(f64),
     /// The cause is there or it is not.
@@ -97,14 +99,14 @@ pub enum When {
     /// In speed and position mode.
     NotCurrent,
     /// Always when this parameter is 0, else as [`Self::Enabled`].
-    ByMode(u16),
+    ByMode(Part),
 }
 
 /// How long a cause must last.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Delay {
     /// Only while this parameter is not 0.
-    pub mode: u16,
+    pub mode: Part,
     /// Time, ms.
     pub milliseconds: u16,
 }

@@ -1,5 +1,7 @@
 //! What stands behind a parameter that is not just a stored number.
 
+use profile::catalogue::Part;
+
 /// What a parameter shows and does.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Live {
@@ -53,8 +55,10 @@ pub enum Live {
         /// Behind control or status word and speed, from 0.
         number: u8,
     },
-    /// Writing a value does something; it reads as 0.
-    Choose(&'static [(i64, Action)]),
+    /// Writing one of these values does something; it reads as 0.
+    Choose(&'static [i64], Action),
+    /// Writing 1 to 4 copies the set-up that is edited to that one, 9 to all; it reads as 0.
+    CopySetUp,
     /// Which set-up each channel edits.
     EditedSetUps,
     /// Time in milliseconds after which the controller counts as lost.
@@ -102,8 +106,8 @@ pub enum Live {
 pub struct Bit {
     /// Number of the bit here.
     pub bit: u8,
-    /// The other parameter.
-    pub pnu: u16,
+    /// Part of the other parameter.
+    pub part: Part,
     /// Number of the bit there.
     pub of: u8,
 }
@@ -286,8 +290,6 @@ pub enum Action {
     ResetEnergy,
     /// Forget the time that was counted.
     ResetRunningTime,
-    /// Copy the set-up that is edited to this one, 0: to all.
-    CopySetUp(u8),
     /// Show which drive this is.
     Blink,
     /// Restart with the values as saved.

@@ -1,5 +1,6 @@
 //! What differs in the process data, and on PROFINET around them.
 
+use profile::catalogue::Part;
 use profinet::wire::ByteOrder;
 
 /// What the process data of a model are.
@@ -14,26 +15,13 @@ pub struct ProcessFacts {
 }
 
 /// Which parameters the signals are.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Signals {
     /// The parameter of a signal has its number (AKD).
     Numbers,
-    /// Signal and number of its parameter; other signals are none.
-    Are(&'static [(u16, u16)]),
-}
-
-impl Signals {
-    /// Number of the parameter that a signal is.
-    #[must_use]
-    pub fn parameter(&self, signal: u16) -> Option<u16> {
-        match self {
-            Self::Numbers => Some(signal),
-            Self::Are(rows) => rows
-                .iter()
-                .find(|(known, _)| *known == signal)
-                .map(|(_, number)| *number),
-        }
-    }
+    /// The parameters with the parts of control word, status word, setpoint, actual speed and process data; other signals
+    /// are none.
+    Parts,
 }
 
 /// How the free words of a telegram are filled. A parameter of four octets takes two words with the same number in both.
@@ -41,8 +29,8 @@ impl Signals {
 pub enum Chosen {
     /// There are none.
     Nothing,
-    /// An element of this array for each word, counted from the control or status word.
-    Array(u16),
+    /// An element of the array with this part for each word, counted from the control or status word.
+    Array(Part),
     /// One parameter for each free word holds the number.
     Each(&'static [u16]),
     /// These parameters, one for each free word.
@@ -58,14 +46,11 @@ pub enum Lost {
     After(&'static ControlTimeout),
 }
 
-/// Supervision of the control word by parameters (VLT 8-03 and 8-04, Vacon ID 733).
+/// Supervision of the control word by parameters: after the time of [`Part::LossTime`], at once where the model has no such
+/// parameter (VLT 8-03 and 8-04, Vacon ID 733).
 #[derive(Debug, Clone, Copy)]
 pub struct ControlTimeout {
-    /// Parameter of the time in s; 0 for a drive that acts at once.
-    pub time: u16,
-    /// Parameter that says what becomes of the drive then.
-    pub function: u16,
-    /// Its values; one that is not here leaves the drive as it is.
+    /// Values of [`Part::LostController`]; one that is not here leaves the drive as it is.
     pub actions: &'static [(i64, TimeoutAction)],
     /// Number of the warning while it does that, and of the fault of [`TimeoutAction::Trips`] and [`TimeoutAction::TripsCoasting`].
     pub number: u16,

@@ -1,5 +1,7 @@
 //! Digital inputs: the parameters of one, and what its mode makes of it.
 
+use profile::catalogue::{Catalogue, Part};
+
 /// Numbers of the parameters of one digital input.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Terminal {
@@ -9,6 +11,30 @@ pub struct Terminal {
     pub inverted: u16,
     /// What its function needs to know.
     pub argument: u16,
+}
+
+impl Terminal {
+    /// The digital inputs of a model, from number 1 on.
+    pub(super) const fn all<const N: usize>(tables: &Catalogue) -> [Self; N] {
+        let modes: [u16; N] = tables.part_numbers(Part::InputMode);
+        let inversions: [u16; N] = tables.part_numbers(Part::InputInverted);
+        let arguments: [u16; N] = tables.part_numbers(Part::InputArgument);
+        let mut terminals = [Self {
+            mode: 0,
+            inverted: 0,
+            argument: 0,
+        }; N];
+        let mut place = 0;
+        while place < N {
+            terminals[place] = Self {
+                mode: modes[place],
+                inverted: inversions[place],
+                argument: arguments[place],
+            };
+            place += 1;
+        }
+        terminals
+    }
 }
 
 /// What a digital input does. Those at an edge do it when the input becomes active; a changed parameter is no edge.

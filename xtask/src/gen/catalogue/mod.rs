@@ -81,9 +81,16 @@ const MODELS: &[Model] = &[
     },
 ];
 
-/// Returns the generated files of the drive models.
+/// What a parameter can be.
+const PARTS: &str = "data/profile/parts.csv";
+
+/// The generated files of the drive models.
 pub fn files(root: &Path) -> Outcome<Vec<Generated>> {
-    let mut files = Vec::new();
+    let mut files = vec![Generated {
+        path: "crates/profile/src/catalogue/generated_parts.rs".to_owned(),
+        from: PARTS.to_owned(),
+        text: parts::render_type(&Table::read(root, PARTS)?)?,
+    }];
     for model in MODELS {
         files.extend(model.files(root)?);
     }
@@ -103,6 +110,7 @@ impl Model {
         }
         let rules = Table::read(root, &data("backup.csv"))?;
         let parts = Table::read(root, &data("parts.csv"))?;
+        let names_of_parts = Table::read(root, PARTS)?;
         let known = backup::known(&parameters)?;
         let mut device = device::DeviceFile::read(root, &data("device.toml"))?;
         let table = parameters::render(&parameters, &meanings, &Formats::read(root)?, &mut device.values)?;
@@ -121,7 +129,11 @@ impl Model {
             made("index", "parameters.csv", index::render(&numbers, self.own_from)?),
             made("faults", "faults.csv", faults::render(&faults)?),
             made("backup", "backup.csv", backup::render(&rules, &known)?),
-            made("parts", "parts.csv", parts::render(&parts, &known)?),
+            made(
+                "parts",
+                "parts.csv",
+                parts::render(&parts, &names_of_parts, &known)?,
+            ),
             made("parameters", "parameters.csv", table),
             made("words", "meanings.csv", meanings.render_words(&numbers)?),
         ])

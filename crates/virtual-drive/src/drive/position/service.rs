@@ -1,5 +1,6 @@
 //! The parameters and commands of positioning that do something when they are written.
 
+use profile::catalogue::Part;
 use profile::parameter::ErrorNumber;
 use profile::state::{PositionCommand, PositionState};
 use profile::telegram::signal;
@@ -7,7 +8,7 @@ use profile::telegram::signal;
 use super::task::{MOST_TASKS, Task};
 use super::{Seen, homing};
 use crate::drive::{Drive, Mode};
-use crate::model::{Place, TaskRoles};
+use crate::model::Place;
 
 impl Drive {
     /// The telegram says where setpoints come from (DRV.CMDSOURCE): motion tasks belong to the service channel, speeds
@@ -21,45 +22,56 @@ impl Drive {
         } else {
             return;
         };
-        if let Some(pnu) = self.model.roles.command_source {
+        if let Some(pnu) = self.model.number(Part::CommandSource) {
             self.values.set(pnu, source);
             self.apply();
         }
     }
 
-    fn engineering(&self, pnu: u16) -> f64 {
-        let parameter = self.model.catalogue.by_pnu(pnu);
+    fn number_of(&self, part: Part) -> i64 {
+        self.model
+            .number(part)
+            .map_or(0, |number| self.values.get(number))
+    }
+
+    fn set_number_of(&mut self, part: Part, raw: i64) {
+        if let Some(number) = self.model.number(part) {
+            self.values.set(number, raw);
+        }
+    }
+
+    fn engineering(&self, part: Part) -> f64 {
+        let parameter = self.model.catalogue.part(part);
         parameter.map_or(0.0, |parameter| {
-            parameter.engineering(self.values.get(pnu), &self.settings.scaling.kept())
+            parameter.engineering(self.number_of(part), &self.settings.scaling.kept())
         })
     }
 
-    fn set_engineering(&mut self, pnu: u16, value: f64) {
-        if let Some(parameter) = self.model.catalogue.by_pnu(pnu) {
+    fn set_engineering(&mut self, part: Part, value: f64) {
+        if let Some(parameter) = self.model.catalogue.part(part) {
             let raw = parameter.raw(value, &self.settings.scaling.kept());
-            self.values.set(pnu, raw);
+            self.set_number_of(part, raw);
         }
     }
 
     /// MT.SET: the edit values become task MT.NUM of the table. A speed or ramp of 0 makes it an empty one.
     pub(in crate::drive) fn set_task(&mut self) -> Result<(), ErrorNumber> {
-        let roles: &TaskRoles = &self.model.roles.positioning.task;
-        let raw = |pnu: u16| self.values.get(pnu);
+        let raw = |part| self.number_of(part);
         let task = Task {
             position: self
                 .settings
                 .position
                 .units
-                .counts(self.engineering(roles.position)),
-            speed: self.engineering(roles.speed),
-            acceleration: self.engineering(roles.acceleration),
-            deceleration: self.engineering(roles.deceleration),
-            control: raw(roles.control) as u32,
-            next: raw(roles.next) as u8,
-            dwell: raw(roles.dwell) as u16,
-            profile: raw(roles.profile) as u8,
+                .counts(self.engineering(Part::TaskPosition)),
+            speed: self.engineering(Part::TaskVelocity),
+            acceleration: self.engineering(Part::TaskAcceleration),
+            deceleration: self.engineering(Part::TaskDeceleration),
+            control: raw(Part::TaskControl) as u32,
+            next: raw(Part::TaskNext) as u8,
+            dwell: raw(Part::TaskDwell) as u16,
+            profile: raw(Part::TaskProfile) as u8,
         };
-        let number = usize::try_from(raw(roles.number)).unwrap_or(MOST_TASKS);
+        let number = usize::try_from(raw(Part::TaskNumber)).unwrap_or(MOST_TASKS);
         self.positioning.mdi_in_table &= number != 0;
         if self.positioning.tasks.set(number, task) {
             Ok(())
@@ -70,21 +82,20 @@ impl Drive {
 
     /// MT.LOAD: task MT.NUM of the table becomes the edit values; an empty task has zeros.
     pub(in crate::drive) fn load_task(&mut self) -> Result<(), ErrorNumber> {
-        let roles: &TaskRoles = &self.model.roles.positioning.task;
-        let number = usize::try_from(self.values.get(roles.number)).unwrap_or(MOST_TASKS);
+        let number = usize::try_from(self.number_of(Part::TaskNumber)).unwrap_or(MOST_TASKS);
         let task = *self.positioning.tasks.at(number).ok_or(ErrorNumber::LIMIT)?;
         let position = self.settings.position.units.value(task.position);
-        self.set_engineering(roles.position, position);
-        self.set_engineering(roles.speed, task.speed);
-        self.set_engineering(roles.acceleration, task.acceleration);
-        self.set_engineering(roles.deceleration, task.deceleration);
-        for (pnu, raw) in [
-            (roles.control, i64::from(task.control)),
-            (roles.next, i64::from(task.next)),
-            (roles.dwell, i64::from(task.dwell)),
-            (roles.profile, i64::from(task.profile)),
+        self.set_engineering(Part::TaskPosition, position);
+        self.set_engineering(Part::TaskVelocity, task.speed);
+        self.set_engineering(Part::TaskAcceleration, task.acceleration);
+        self.set_engineering(Part::TaskDeceleration, task.deceleration);
+        for (part, raw) in [
+            (Part::TaskControl, i64::from(task.control)),
+            (Part::TaskNext, i64::from(task.next)),
+            (Part::TaskDwell, i64::from(task.dwell)),
+            (Part::TaskProfile, i64::from(task.profile)),
         ] {
-            self.values.set(pnu, raw);
+            self.set_number_of(part, raw);
         }
         Ok(())
     }

@@ -1,6 +1,6 @@
 //! What positioning obeys, taken out of the parameters once after each change.
 
-use profile::catalogue::Scaling;
+use profile::catalogue::{Part, Scaling};
 
 use super::homing::HomeSetup;
 use super::limits::Limits;
@@ -28,54 +28,50 @@ pub(in crate::drive) struct Setup {
 
 impl Setup {
     pub fn new(model: &Model, values: &Values, scaling: &Scaling, speed_limits: [f64; 2]) -> Self {
-        let roles = &model.roles.positioning;
-        let raw = |pnu: u16| values.get(pnu);
-        let value = |pnu: u16| {
-            let parameter = model.catalogue.by_pnu(pnu);
-            parameter.map_or(0.0, |parameter| parameter.engineering(raw(pnu), scaling))
+        let raw = |part| model.number(part).map_or(0, |number| values.get(number));
+        let value = |part| {
+            let parameter = model.number(part).and_then(|number| model.numbered(number));
+            parameter.map_or(0.0, |parameter| parameter.engineering(raw(part), scaling))
         };
         let units = Units::new(&scaling.unit);
-        let place = |pnu: u16| units.counts(value(pnu));
+        let place = |part| units.counts(value(part));
         let positive = |counts: i64| Some(counts).filter(|counts| *counts > 0);
-        let modulo = (raw(roles.modulo) != 0)
+        let modulo = (raw(Part::Modulo) != 0)
             .then(|| {
-                let [one, other] = roles.modulo_range.map(place);
-                Modulo::new(one, other, Direction::of(raw(roles.modulo_direction)))
+                let [one, other] = [Part::ModuloEnd1, Part::ModuloEnd2].map(place);
+                Modulo::new(one, other, Direction::of(raw(Part::ModuloWay)))
             })
             .flatten();
         // An axis that turns round and round has no ends.
         let enabled = if modulo.is_some() {
             0
         } else {
-            raw(roles.limits_enabled)
+            raw(Part::SoftwareLimitsOn)
         };
-        let [low, high] = roles.limits;
-        let limit = |bit: i64, pnu: u16| (enabled & bit != 0).then(|| place(pnu));
-        let home = &roles.home;
-        let [up, down] = home.ramps;
+        let limit = |bit: i64, part| (enabled & bit != 0).then(|| place(part));
         Self {
             units,
             modulo,
-            limits: Limits::new(limit(1, low), limit(2, high)),
-            target_window: place(roles.target_window),
-            speed_window: value(roles.speed_window),
-            error_window: positive(place(roles.error_window)),
+            limits: Limits::new(limit(1, Part::SoftwareLimit0), limit(2, Part::SoftwareLimit1)),
+            target_window: place(Part::TargetWindow),
+            speed_window: value(Part::TargetSpeedWindow),
+            error_window: positive(place(Part::FollowingErrorWarning)),
             home: HomeSetup {
-                mode: raw(home.mode),
-                speed: value(home.speed),
+                mode: raw(Part::HomeMode),
+                speed: value(Part::HomeSpeed),
                 ramps: Ramps {
-                    acceleration: value(up),
-                    deceleration: value(down),
+                    acceleration: value(Part::HomeAcceleration),
+                    deceleration: value(Part::HomeDeceleration),
                 },
-                positive: raw(home.direction) != 0,
+                positive: raw(Part::HomeDirection) != 0,
                 // A feedrate of 0 would never arrive.
-                feedrate: value(home.feedrate).max(1.0) / 100.0,
-                current: Some(value(home.current)).filter(|current| *current > 0.0),
-                position: place(home.position),
-                distance: place(home.distance),
-                stop_error: place(home.stop_error).max(1),
-                farthest: positive(place(home.farthest)),
-                automatic: raw(home.automatic) != 0,
+                feedrate: value(Part::HomeFeedrate).max(1.0) / 100.0,
+                current: Some(value(Part::HomeCurrent)).filter(|current| *current > 0.0),
+                position: place(Part::HomePosition),
+                distance: place(Part::HomeDistance),
+                stop_error: place(Part::HomeStopError).max(1),
+                farthest: positive(place(Part::HomeFarthest)),
+                automatic: raw(Part::HomeAutomatic) != 0,
             },
             speed_limits,
         }
