@@ -9,6 +9,7 @@ use crate::Outcome;
 mod catalogue;
 mod parameter;
 mod profile;
+mod words;
 
 /// What to do with the generated text.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -34,6 +35,7 @@ pub fn run(root: &Path, mode: Mode) -> Outcome<()> {
     let mut files = catalogue::files(root)?;
     files.extend(profile::files(root)?);
     files.extend(parameter::files(root)?);
+    files.extend(words::files(root)?);
     let mut stale = Vec::new();
     for file in files {
         let text = rustfmt(

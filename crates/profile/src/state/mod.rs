@@ -21,6 +21,7 @@
 //! ```
 
 pub mod bits;
+mod generated_bits;
 mod machine;
 mod position;
 mod profile;
