@@ -17,7 +17,7 @@ use profile::notation::Quantity;
 
 pub use explain::{Decode, Explain, Octets, Only, Sender};
 pub use parameters::{Describe, List, Read, Write};
-pub use simulate::{DcpInOperation, Demo, Model, Simulate};
+pub use simulate::{DcpInOperation, Demo, Simulate, simulated};
 pub use stations::{Blink, Ip, Name, Network, Reset, ResetMode, Scan};
 
 use crate::commands::{
@@ -303,8 +303,10 @@ pub struct Manual {
 
 /// A model by the name that a person gives it.
 fn model(text: &str) -> Result<profile::model::Model, String> {
-    profile::model::Model::by_name(text)
-        .ok_or_else(|| format!("there are {}", profile::model::Model::NAMES.join(", ")))
+    profile::model::Model::by_name(text).ok_or_else(|| {
+        let names: Vec<&str> = profile::model::Model::names().collect();
+        format!("there are {}", names.join(", "))
+    })
 }
 
 /// A time with its unit (`5s`, `16ms`, `2min`); a bare number is in seconds.

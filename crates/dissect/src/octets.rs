@@ -86,11 +86,11 @@ pub fn decode(
 
 /// Returns the model that a telegram can only be from; an AKD where it is one of the profile or of several vendors.
 fn model_with(telegram: u16) -> &'static str {
-    let has = |name: &&&str| {
+    let has = |name: &&str| {
         let model = Model::by_name(name).map(JobDrive::new);
         model.is_some_and(|model| model.telegram(telegram).is_some())
     };
-    let mut having = Model::NAMES.iter().filter(has);
+    let mut having = Model::names().filter(has);
     match (having.next(), having.next()) {
         (Some(only), None) => only,
         _ => "akd",

@@ -368,7 +368,7 @@ fn read_drive(raw: &RawDrive) -> Result<DrivePlan, Located> {
         None => &model::AKD,
         Some(text) => located(text, |text| {
             model::by_name(text).ok_or_else(|| {
-                let names = model::ALL.map(|model| model.catalogue.model.to_ascii_lowercase());
+                let names = model::ALL.map(|model| model.known.key);
                 format!("no model `{text}`; there are: {}", names.join(", "))
             })
         })?,

@@ -17,6 +17,10 @@ pub const PROFIDRIVE_API: u32 = 0x3A00;
 pub struct Model {
     /// Name for people.
     pub name: &'static str,
+    /// Name to be typed: see [`by_name`](Self::by_name).
+    pub key: &'static str,
+    /// Vendor and name.
+    pub title: &'static str,
     /// Parameters, modules and faults, where there are tables.
     pub catalogue: Option<&'static Catalogue>,
     /// How parameter requests are written and answers read.
@@ -60,6 +64,8 @@ impl Channel {
 /// Kollmorgen AKD. The type of its drive unit is not known. Source of the record: AKD manual 3.5.
 pub static AKD: Model = Model {
     name: catalogue::AKD.model,
+    key: "akd",
+    title: "Kollmorgen AKD",
     catalogue: Some(&catalogue::AKD),
     dialect: &Dialect::AKD,
     channel: Channel::of(&catalogue::AKD, GLOBAL_ACCESS),
@@ -72,6 +78,8 @@ pub static AKD: Model = Model {
 /// Danfoss VLT FC 302. The type of its drive unit is ours. Source of the record: MG06G102 5.5.
 pub static VLT: Model = Model {
     name: catalogue::VLT.model,
+    key: "vlt",
+    title: "Danfoss VLT FC 302",
     catalogue: Some(&catalogue::VLT),
     dialect: &Dialect::VLT,
     channel: Channel::of(&catalogue::VLT, LOCAL_ACCESS),
@@ -84,6 +92,8 @@ pub static VLT: Model = Model {
 /// Vacon 100 with an OPTEA board. Source: OPTEA manual p. 116 (record), chapter 8 (type of the drive unit).
 pub static VACON: Model = Model {
     name: catalogue::VACON.model,
+    key: "vacon",
+    title: "Vacon 100",
     catalogue: Some(&catalogue::VACON),
     dialect: &Dialect::VACON,
     channel: Channel::of(&catalogue::VACON, LOCAL_ACCESS),
@@ -96,6 +106,8 @@ pub static VACON: Model = Model {
 /// A drive without tables: the profile's own rules.
 pub static STANDARD: Model = Model {
     name: "PROFIdrive",
+    key: "standard",
+    title: "PROFIdrive",
     catalogue: None,
     dialect: &Dialect::STANDARD,
     channel: Channel {
@@ -111,22 +123,24 @@ pub static STANDARD: Model = Model {
 };
 
 /// Every model with tables.
-static WITH_TABLES: [(&Model, &Catalogue); 3] = [
-    (&AKD, &catalogue::AKD),
-    (&VLT, &catalogue::VLT),
-    (&VACON, &catalogue::VACON),
-];
+pub static ALL: [&Model; 3] = [&AKD, &VLT, &VACON];
+
+/// Every model with its tables.
+fn with_tables() -> impl Iterator<Item = (&'static Model, &'static Catalogue)> {
+    ALL.into_iter()
+        .filter_map(|model| Some((model, model.catalogue?)))
+}
 
 /// Returns the first model whose tables fit.
 fn first(fits: impl Fn(&Model, &Catalogue) -> bool) -> Option<(&'static Model, &'static Catalogue)> {
-    WITH_TABLES
-        .into_iter()
-        .find(|(model, tables)| fits(model, tables))
+    with_tables().find(|(model, tables)| fits(model, tables))
 }
 
 impl Model {
-    /// What a person may call a model: see [`by_name`](Self::by_name).
-    pub const NAMES: [&'static str; 4] = ["akd", "vlt", "vacon", "standard"];
+    /// What [`by_name`](Self::by_name) accepts.
+    pub fn names() -> impl Iterator<Item = &'static str> {
+        ALL.into_iter().chain([&STANDARD]).map(|model| model.key)
+    }
 
     /// Returns the model that PNU 964 identifies by its vendor (index 0) and the type of the drive unit (index 1),
     /// where that type is known.
@@ -172,7 +186,7 @@ impl Model {
 
     /// Returns the VendorIDs of the models with tables.
     pub fn vendors() -> impl Iterator<Item = u16> {
-        WITH_TABLES.iter().map(|(_, tables)| tables.device.vendor_id)
+        with_tables().map(|(_, tables)| tables.device.vendor_id)
     }
 
     /// Returns the model that a person names, case does not matter: `akd`, `vlt`, `vacon`, or `standard` for the
@@ -181,14 +195,12 @@ impl Model {
     /// ```
     /// use profidrive_profile::model::Model;
     /// assert_eq!(Model::by_name("VLT").map(|model| model.dialect.axis), Some(0));
-    /// assert!(Model::NAMES.iter().all(|name| Model::by_name(name).is_some()));
+    /// assert!(Model::names().all(|name| Model::by_name(name).is_some()));
     /// ```
     #[must_use]
     pub fn by_name(name: &str) -> Option<Self> {
-        if name.eq_ignore_ascii_case("standard") {
-            return Some(STANDARD);
-        }
-        first(|model, _| model.name.eq_ignore_ascii_case(name)).map(|(model, _)| *model)
+        let mut models = ALL.into_iter().chain([&STANDARD]);
+        models.find(|model| model.key.eq_ignore_ascii_case(name)).copied()
     }
 
     /// `None` for a model with built-in tables; else the tables that were learned, if any.

@@ -70,7 +70,7 @@ pub fn octets(data: &[u8]) {
 /// As everything that they may be, from every model.
 fn explained(data: &[u8]) -> Vec<String> {
     let mut lines = Vec::new();
-    for model in Model::NAMES.iter().filter_map(|name| Model::by_name(name)) {
+    for model in Model::names().filter_map(Model::by_name) {
         let rows = model.catalogue.map_or(&[][..], |tables| tables.device.telegrams);
         let telegrams = rows.iter().map(|row| Kind::Telegram(row.telegram));
         let kinds = [

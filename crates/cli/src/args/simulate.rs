@@ -3,7 +3,9 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
+use virtual_drive::model::{self, Model};
 
 use super::{Network, duration};
 
@@ -19,8 +21,8 @@ pub struct Simulate {
     #[arg(long = "for", value_name = "TIME", value_parser = duration)]
     pub time: Option<Duration>,
     /// Drive model; that of the maker whose device description is given, else akd, when left out
-    #[arg(long, value_enum)]
-    pub model: Option<Model>,
+    #[arg(long, value_parser = simulated(), value_name = "MODEL")]
+    pub model: Option<&'static Model>,
     /// Device description (GSDML) of the maker: identity, modules and ident numbers are taken from it. In a scenario it
     /// is that of this maker's drives. One of a maker whose drives are not simulated wants --model, which then says what
     /// the drive is inside. Not in virtual time, where the controllers of the scenario know the model's own
@@ -72,15 +74,12 @@ pub enum DcpInOperation {
     Accept,
 }
 
-/// The drive models there are.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Model {
-    /// Kollmorgen AKD
-    Akd,
-    /// Danfoss VLT FC 302
-    Vlt,
-    /// Vacon 100
-    Vacon,
+/// Takes the name of a model that can be simulated.
+pub fn simulated() -> impl TypedValueParser<Value = &'static Model> {
+    let values = model::ALL
+        .into_iter()
+        .map(|model| PossibleValue::new(model.known.key).help(model.known.title));
+    PossibleValuesParser::new(values).try_map(|name| model::by_name(&name).ok_or("no such model"))
 }
 
 #[derive(Debug, Args)]

@@ -26,6 +26,12 @@ fn request(model: &Model, parameter: &Parameter, id: u8, elements: u8) -> Vec<u8
 }
 
 #[test]
+fn there_is_a_virtual_drive_for_each_model() {
+    let virtual_drives = model::ALL.map(|model| model.known.key);
+    assert_eq!(virtual_drives, profile::model::ALL.map(|model| model.key));
+}
+
+#[test]
 fn every_parameter_of_every_model_is_read() {
     for model in [&model::VLT, &model::VACON] {
         let mut drive = Drive::new(model);

@@ -34,7 +34,7 @@ use crate::axis::Plant;
 /// Most conditions a model can have.
 pub const MOST_CONDITIONS: usize = 32;
 
-/// Every model.
+/// Every model: a virtual drive for each one of [`profile::model::ALL`].
 pub static ALL: [&Model; 3] = [&AKD, &VLT, &VACON];
 
 /// The model with this name, case does not matter.
@@ -47,7 +47,7 @@ pub static ALL: [&Model; 3] = [&AKD, &VLT, &VACON];
 #[must_use]
 pub fn by_name(name: &str) -> Option<&'static Model> {
     ALL.into_iter()
-        .find(|model| model.catalogue.model.eq_ignore_ascii_case(name))
+        .find(|model| model.known.key.eq_ignore_ascii_case(name))
 }
 
 /// A drive model.

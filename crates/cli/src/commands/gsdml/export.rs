@@ -5,13 +5,12 @@ use serde_json::Value;
 use virtual_drive::description::export::export;
 
 use super::Export;
-use crate::commands::simulate::model_of;
 use crate::failure::{Exit, Failure};
 use crate::fields;
 use crate::output::Output;
 
 pub fn run(args: &Export, output: &Output) -> Result<(), Failure> {
-    let exported = export(model_of(args.model));
+    let exported = export(args.model);
     let mut files = vec![(
         exported.file_name.to_string(),
         exported.description.to_xml().into_bytes(),

@@ -10,8 +10,9 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand};
 use gsdml::{Gsdml as Description, MOST_OCTETS};
+use virtual_drive::model::Model;
 
-use crate::args::Model;
+use crate::args::simulated;
 use crate::failure::{Exit, Failure};
 use crate::output::Output;
 
@@ -35,8 +36,8 @@ enum What {
 #[derive(Debug, Args)]
 struct Export {
     /// Drive model
-    #[arg(long, value_enum, default_value = "akd")]
-    model: Model,
+    #[arg(long, value_parser = simulated(), value_name = "MODEL", default_value = "akd")]
+    model: &'static Model,
     /// Folder to write into; the rules give the names of the files
     #[arg(short, long, value_name = "DIR", default_value = ".")]
     output: PathBuf,

@@ -3,7 +3,6 @@
 use plant::Scenario;
 use plant::host::{DescriptionError, ForeignDescription};
 
-use super::model_of;
 use crate::args::Simulate;
 use crate::failure::{Exit, Failure};
 use crate::output::Output;
@@ -20,7 +19,7 @@ pub fn read(
     };
     let file = crate::commands::gsdml::read(path)?;
     let (name, identity) = (path.display().to_string(), &file.identity);
-    let chosen = args.model.map(model_of);
+    let chosen = args.model;
     let description = ForeignDescription::new(&file, chosen, scenario, args.access_point.as_deref());
     let description = description.map_err(|error| failure(&name, &error))?;
     if description.of_other_vendor {

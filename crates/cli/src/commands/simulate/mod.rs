@@ -17,7 +17,7 @@ use plant::host::{
 use profidrive::serial_settings;
 use virtual_drive::model::{self, Model as DriveModel};
 
-use crate::args::{DcpInOperation, Interface, Model, Simulate};
+use crate::args::{DcpInOperation, Interface, Simulate};
 use crate::connect;
 use crate::failure::{Exit, Failure};
 use crate::output::Output;
@@ -67,14 +67,6 @@ impl From<Protocol> for uss::Protocol {
 fn parity(text: &str) -> Result<Parity, &'static str> {
     let known = Parity::ALL.into_iter().find(|parity| parity.name() == text);
     known.ok_or("even, odd or none")
-}
-
-pub const fn model_of(model: Model) -> &'static DriveModel {
-    match model {
-        Model::Akd => &model::AKD,
-        Model::Vlt => &model::VLT,
-        Model::Vacon => &model::VACON,
-    }
 }
 
 pub fn run(args: &Simulate, on: &Interface, output: &Output) -> Result<(), Failure> {
@@ -137,7 +129,7 @@ fn at_line(args: &Simulate, port: &str, output: &Output) -> Result<(), Failure> 
 
 /// The drives that the options describe, of the model that was chosen, else that of a device description.
 fn fleet(args: &Simulate, described: Option<&'static DriveModel>) -> Result<Fleet, Failure> {
-    let model = args.model.map(model_of).or(described).unwrap_or(&model::AKD);
+    let model = args.model.or(described).unwrap_or(&model::AKD);
     Ok(Fleet {
         name: args.name.clone(),
         count: args.count,
