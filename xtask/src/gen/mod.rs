@@ -6,6 +6,7 @@ use std::process::{Command, Stdio};
 
 use crate::Outcome;
 
+mod advice;
 mod catalogue;
 mod parameter;
 mod profile;
@@ -36,6 +37,7 @@ pub fn run(root: &Path, mode: Mode) -> Outcome<()> {
     files.extend(profile::files(root)?);
     files.extend(parameter::files(root)?);
     files.extend(words::files(root)?);
+    files.extend(advice::files(root)?);
     let mut stale = Vec::new();
     for file in files {
         let text = rustfmt(

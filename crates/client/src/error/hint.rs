@@ -1,6 +1,8 @@
 //! What to do about an error.
 
 use profile::catalogue::Part;
+use profile::model;
+use profile::notation::Notation;
 use profile::pkw::PkwErrorNames;
 use profile::state::Mode;
 use profinet::controller::{DcpError, LostCause, ServiceError};
@@ -73,6 +75,10 @@ impl Error {
                 trouble: Trouble::StillTurns,
                 ..
             } => &[Part::Brake],
+            Self::Axis {
+                trouble: Trouble::HomingNotStarted | Trouble::HomingFailed,
+                ..
+            } => &[Part::HomeMode, Part::HomeSpeed],
             _ => &[],
         };
         let named = drive.named(parts);
@@ -88,130 +94,35 @@ impl Error {
     #[must_use]
     pub fn advice(&self) -> Option<Advice> {
         Some(match self {
-            Self::NotFound { heard, .. } if heard.is_empty() => {
-                "check cable, interface and power; {scan} lists who answers".into()
-            }
-            Self::NotFound { .. } => "{scan} lists who answers".into(),
-            Self::Ambiguous { .. } => {
-                "use the MAC address; {blink MAC} shows which is which, {name MAC} renames one"
-                    .into()
-            }
-            Self::SharedAddress { .. } => {
-                "give one of them another address: {address MAC}; {blink MAC} shows which is which"
-                    .into()
-            }
-            Self::Dcp {
-                error:
-                    DcpError::Refused {
-                        error: BlockError::InOperation,
-                        ..
-                    },
-                ..
-            } => "the device refuses this while its controller is connected or its motor runs; disconnect the controller or stop the motor first".into(),
-            Self::Dcp {
-                error:
-                    DcpError::Refused {
-                        error: BlockError::Resource,
-                        ..
-                    },
-                ..
-            } => "the device could not store it; what it had before stays in force".into(),
-            Self::NeedsRawFrames { .. } => {
-                "name the network interface, and have the right to raw sockets on it (root or CAP_NET_RAW)".into()
-            }
-            Self::NeedsCallPort { .. } => {
-                "end that program (see: ss -ulpn sport = :34964), or use another computer; until then stop the drive at its panel or by its inputs"
-                    .into()
-            }
-            Self::NoIpAddress { .. } => "give it one: {address}".into(),
-            Self::OwnedByController { .. } => {
-                "stop or disconnect the other controller first; {monitor} and {read} work beside it".into()
-            }
-            Self::ParametersOwned { .. } => {
-                "identity, plugged modules, neighbours and diagnosis can be read beside the controller; disconnect the controller to read or write parameters"
-                    .into()
-            }
-            Self::NoRoute { .. } => {
-                "the device description of the vendor declares which connections the device accepts; a controller that is connected may have the last one"
-                    .into()
-            }
-            Self::NotADrive { .. } => {
-                "its identity and plugged modules can be read; parameters, state and motion are those of drives".into()
-            }
-            Self::Connect {
-                cause: LostCause::Service(ServiceError::Refused { status, .. }),
-                ..
-            } if faulty_timing(*status) => {
-                "the drive does not offer this update time; without {choose cycle} one that it is known for is used".into()
-            }
-            Self::Connect {
-                cause: LostCause::Service(ServiceError::Timeout { .. }),
-                ..
-            } => {
-                "check cable and power, and that its IP address has not gone to another device; {scan} lists who answers"
-                    .into()
-            }
             Self::Refused { refusal, .. } => refusal.remedy()?,
             Self::Parameter(problem) => super::problem::advice(problem)?,
-            Self::Axis { trouble, .. } => match trouble {
-                Trouble::Fault => "{faults} shows the fault, {acknowledge} acknowledges it",
-                Trouble::FaultStays => "remove the cause, then acknowledge again",
-                Trouble::LocalOperation => "hand control over to the PLC at the drive or in its software",
-                Trouble::StuckIn { .. } => {
-                    "check enable inputs, STO and DC bus: {status}"
-                }
-                Trouble::LeftOperation { .. } => "something else switched it off: check enable inputs and STO",
-                Trouble::Stopped => "enable it again once the reason is gone",
-                Trouble::Unattended => "the program that moves it has to look after it more often; enable it again",
-                Trouble::StillTurns => "keep clear of it; apply a brake or take the load away",
-                Trouble::QuickStopUsed | Trouble::NotStopped => "check the deceleration of the drive and the load",
-                Trouble::NoInputs => "the module plugged may be that of another telegram than PNU 922 says: {choose description} takes the right one from the device description of the maker; {info} shows what is plugged",
-                Trouble::OtherMode { .. } => "{read p930} shows the mode",
-                Trouble::NotAccepted { homed: false } => "{home} sets the home position",
-                Trouble::NotAccepted { homed: true } | Trouble::AcceptanceStays | Trouble::TargetNotReached => {
-                    "{status} tells why: faults, warnings, limits, the task itself"
-                }
-                Trouble::HomingNotStarted | Trouble::HomingFailed => {
-                    "check HOME.MODE, HOME.V and the switches: {find HOME. values}"
-                }
-            }
-            .into(),
-            Self::Record {
-                error: ServiceError::NotReady { .. },
-                ..
-            } => "the drive is there, but its parameter channel does not answer: another tool may hold it, or it is busy; try again"
-                .into(),
-            Self::Changing { .. } => "read it again; faults that come and go have a cause that comes and goes".into(),
-            Self::NotAtRest { .. } => {
-                "switch it off first (OFF1, or stop its controller); {status} says why it is on".into()
-            }
-            Self::SpeedOnly { .. } | Self::NoJog { .. } => "{run} turns it at a speed".into(),
-            Self::WrongMode { needed, .. } => match needed {
-                Mode::Velocity => "{write 930=1} changes it, {choose mode} does for this one command",
-                Mode::Position => "{write 930=2} changes it, {choose mode} does for this one command",
-            }
-            .into(),
+            Self::Axis { trouble, .. } => of_trouble(trouble).into(),
+            Self::Held { error, evidence } => evidence.advice().or_else(|| error.advice())?,
+            Self::Objections { objections, .. } => of_each(objections)?,
+            Self::LocalOperation { by, .. } => by.remedy().into(),
+            Self::RunsOn { reaction, .. } => runs_on(reaction),
+            Self::Channel { error, .. } => error.remedy(PkwErrorNames::Profile).into(),
+            Self::NoAnswer { telegrams, noise, .. } => of_silence(*telegrams, *noise).into(),
             Self::ForeignModule { wanted, plugged, .. } => {
                 let description = Advice::from(Action::Choose(Choice::Description)).and(format!(
                     " takes the ident number of telegram {wanted} from the device description of the vendor"
                 ));
                 match plugged {
-                    Some(plugged) => {
-                        description.and(format!("; without it only telegram {plugged} works, which is plugged"))
-                    }
+                    Some(plugged) => description.and(format!(
+                        "; without it only telegram {plugged} works, which is plugged"
+                    )),
                     None => description,
                 }
             }
-            Self::UnknownModel { .. } => {
-                "if it is one of the known drives under another number, {choose model} takes it for that".into()
+            Self::NoSuchTelegram { possible, .. } => {
+                let numbers: Vec<String> = possible.iter().map(u16::to_string).collect();
+                format!("there are: {}", numbers.join(", ")).into()
             }
-            Self::LocalOperation { by, .. } => by.remedy().into(),
-            Self::SpeedLost { .. } => {
-                "something else stopped or limits it ({stop}, a limit of the drive, a limit switch) or the load holds it".into()
-            }
-            Self::ScaleChanged { .. } => {
-                "find out who writes PN.VELSCALING (1009, 3064); change it while the axis is off only".into()
-            }
+            Self::ScaleChanged { .. } => format!(
+                "find out what writes the steps of speed signals{}; change them only while the axis is off",
+                in_models(&[Part::VelocityScaling])
+            )
+            .into(),
             Self::NoStopBeside { .. } => {
                 "stop it at its controller, at its panel, or by its inputs for coast or stop; this command is no emergency stop"
                     .into()
@@ -220,48 +131,192 @@ impl Error {
                 "it may turn on: stop it at its controller, by its inputs or with its safety circuit; this command is no emergency stop"
                     .into()
             }
-            Self::SpeedUnit { wanted: SpeedUnit::Rpm, .. } => {
-                "give the speed in percent ({choose percent}), or say what 100 % is: {choose reference-speed}".into()
-            }
-            Self::SpeedUnit { .. } => "give the speed in rpm".into(),
-            Self::NoSuchTelegram { possible, .. } => {
-                let numbers: Vec<String> = possible.iter().map(u16::to_string).collect();
-                format!("there are: {}", numbers.join(", ")).into()
-            }
-            Self::SpeedStep { .. } => "ask for one of them, or make the steps finer (AKD: PN.VELSCALING)".into(),
-            Self::SpeedRange { scaling: Some((name, _)), .. } => {
+            Self::SpeedStep { .. } => format!(
+                "use one of them, or make the steps finer{}",
+                in_models(&[Part::VelocityScaling])
+            )
+            .into(),
+            Self::SpeedRange {
+                scaling: Some((name, _)),
+                ..
+            } => {
                 let advice = format!(
-                    "ask for a lower speed, or make its steps coarser: {{describe {name}}} shows the range"
+                    "use a lower speed, or make its steps coarser: {{describe {name}}} shows the range"
                 );
                 advice.as_str().into()
             }
-            Self::SpeedRange { .. } => "ask for a lower speed".into(),
-            Self::SpeedNotReached { .. } => {
-                "the ramp, a limit of the drive or the load holds it".into()
-            }
-            Self::NotMoved { .. } => {
-                "the jog speed, its ramps (AKD: 1006, 1007), a limit of the drive or the load holds it".into()
-            }
-            Self::Held { error, evidence } => evidence.advice().or_else(|| error.advice())?,
-            Self::NotEnabled { .. } => "enable it again".into(),
-            Self::Objections { objections, .. } => of_each(objections)?,
-            Self::NotInTime { .. } => "{choose time} gives it more time; {status} tells what holds it".into(),
-            Self::RunsOn { reaction, .. } => runs_on(reaction),
-            Self::SpeedLimit { .. } => "raise the limit with {choose speed-limit} if the machine allows it".into(),
-            Self::NoAnswer { telegrams, noise, .. } => match (telegrams, noise) {
-                (0, 0) => "check that the drive is on, its address and protocol (VLT: 8-30, 8-31), A and B of the wire",
-                (_, 0) => "check the address of the drive (VLT: 8-31)",
-                _ => "check baud rate and parity (VLT: 8-32, 8-33), and the termination of the line",
-            }
+            Self::NotMoved { .. } => format!(
+                "the jog speed, its ramps{}, a limit of the drive or the load holds it",
+                in_models(&[Part::JogAcceleration, Part::JogDeceleration])
+            )
             .into(),
-            Self::LineSilent { .. } => "check line and adapter".into(),
-            Self::Channel { error, .. } => error.remedy(PkwErrorNames::Profile).into(),
+            _ => self.of_reaching().or_else(|| self.of_task())?.into(),
+        })
+    }
+
+    /// What to do when a device cannot be reached.
+    fn of_reaching(&self) -> Option<&'static str> {
+        Some(match self {
+            Self::NotFound { heard, .. } if heard.is_empty() => {
+                "check cable, interface and power; {scan} lists the devices that respond"
+            }
+            Self::NotFound { .. } => "{scan} lists the devices that respond",
+            Self::Ambiguous { .. } => {
+                "use the MAC address; {blink MAC} shows which is which, {name MAC} renames one"
+            }
+            Self::SharedAddress { .. } => {
+                "give one of them another address: {address MAC}; {blink MAC} shows which is which"
+            }
+            Self::Dcp {
+                error: DcpError::Refused { error, .. },
+                ..
+            } => match error {
+                BlockError::InOperation => {
+                    "the device refuses this while its controller is connected or its motor runs; disconnect the controller or stop the motor first"
+                }
+                BlockError::Resource => "the device could not store it; what it had before stays in force",
+                _ => return None,
+            },
+            Self::NeedsRawFrames { .. } => {
+                "name the network interface; raw sockets on it require root or CAP_NET_RAW"
+            }
+            Self::NeedsCallPort { .. } => {
+                "end that program (see: ss -ulpn sport = :34964), or use another computer; until then stop the drive at its panel or by its inputs"
+            }
+            Self::NoIpAddress { .. } => "give it one: {address}",
+            Self::OwnedByController { .. } => {
+                "stop or disconnect the other controller first; {monitor} and {read} work beside it"
+            }
+            Self::ParametersOwned { .. } => {
+                "identity, plugged modules, neighbours and diagnosis can be read beside the controller; disconnect the controller to read or write parameters"
+            }
+            Self::NoRoute { .. } => {
+                "the device description of the vendor declares which connections the device accepts; a controller that is connected may have the last one"
+            }
+            Self::NotADrive { .. } => {
+                "its identity and plugged modules can be read; parameters, state and motion are those of drives"
+            }
+            Self::Connect {
+                cause: LostCause::Service(ServiceError::Refused { status, .. }),
+                ..
+            } if faulty_timing(*status) => {
+                "the drive does not offer this update time; without {choose cycle} one that it offers is used"
+            }
+            Self::Connect {
+                cause: LostCause::Service(ServiceError::Timeout { .. }),
+                ..
+            } => {
+                "check cable and power, and that its IP address has not gone to another device; {scan} lists the devices that respond"
+            }
+            Self::Record {
+                error: ServiceError::NotReady { .. },
+                ..
+            } => {
+                "the drive is there, but its parameter channel does not answer: another tool may hold it, or it is busy; try again"
+            }
+            Self::UnknownModel { .. } => {
+                "if it is one of the known drives under another number, {choose model} takes it for that"
+            }
+            Self::LineSilent { .. } => "check line and adapter",
             Self::OtherWire { .. } => {
-                "fc:PORT/ADDRESS and uss:PORT/ADDRESS are at a serial line, all others on a network".into()
+                "fc:PORT/ADDRESS and uss:PORT/ADDRESS are at a serial line, all others on a network"
             }
             _ => return None,
         })
     }
+
+    /// What to do when the drive is there and does not do what was tried.
+    const fn of_task(&self) -> Option<&'static str> {
+        Some(match self {
+            Self::Changing { .. } => {
+                "read it again; faults that come and go have a cause that comes and goes"
+            }
+            Self::NotAtRest { .. } => {
+                "switch it off first (OFF1, or stop its controller); {status} shows why it is on"
+            }
+            Self::SpeedOnly { .. } | Self::NoJog { .. } => "{run} turns it at a speed",
+            Self::WrongMode { needed, .. } => match needed {
+                Mode::Velocity => "{write 930=1} changes it, {choose mode} does for this one command",
+                Mode::Position => "{write 930=2} changes it, {choose mode} does for this one command",
+            },
+            Self::SpeedLost { .. } => {
+                "something else stopped or limits it ({stop}, a limit of the drive, a limit switch) or the load holds it"
+            }
+            Self::SpeedUnit {
+                wanted: SpeedUnit::Rpm,
+                ..
+            } => {
+                "give the speed in percent ({choose percent}), or say what 100 % is: {choose reference-speed}"
+            }
+            Self::SpeedUnit { .. } => "give the speed in rpm",
+            Self::SpeedRange { .. } => "use a lower speed",
+            Self::SpeedNotReached { .. } => "the ramp, a limit of the drive or the load holds it",
+            Self::NotEnabled { .. } => "enable it again",
+            Self::NotInTime { .. } => "{choose time} gives it more time; {status} shows what holds it",
+            Self::SpeedLimit { .. } => "raise the limit with {choose speed-limit} if the machine allows it",
+            _ => return None,
+        })
+    }
+}
+
+/// What to do about an axis that does not follow.
+const fn of_trouble(trouble: &Trouble) -> &'static str {
+    match trouble {
+        Trouble::Fault => "{faults} shows the fault, {acknowledge} acknowledges it",
+        Trouble::FaultStays => "remove the cause, then acknowledge again",
+        Trouble::LocalOperation => "hand control over to the PLC at the drive or in its software",
+        Trouble::StuckIn { .. } => "check enable inputs, STO and DC bus: {status}",
+        Trouble::LeftOperation { .. } => "something else switched it off: check enable inputs and STO",
+        Trouble::Stopped => "enable it again once the reason is gone",
+        Trouble::Unattended => "the program that moves it has to attend to it more often; enable it again",
+        Trouble::StillTurns => "keep clear of it; apply a brake or take the load away",
+        Trouble::QuickStopUsed | Trouble::NotStopped => "check the deceleration of the drive and the load",
+        Trouble::NoInputs => {
+            "the module plugged may be that of another telegram than PNU 922 says: {choose description} takes the right one from the device description of the vendor; {info} shows what is plugged"
+        }
+        Trouble::OtherMode { .. } => "{read p930} shows the mode",
+        Trouble::NotAccepted { homed: false } => "{home} sets the home position",
+        Trouble::NotAccepted { homed: true } | Trouble::AcceptanceStays | Trouble::TargetNotReached => {
+            "{status} shows why: faults, warnings, limits, the task itself"
+        }
+        Trouble::HomingNotStarted | Trouble::HomingFailed => "check how it is to home and the switches",
+    }
+}
+
+/// What to do when no drive answers at a line, by what was heard there.
+fn of_silence(telegrams: u64, noise: u64) -> String {
+    let (address, rate) = (Part::LineAddress, Part::LineBaudRate);
+    match (telegrams, noise) {
+        (0, 0) => format!(
+            "check that the drive is on, its protocol and address{}, A and B of the wire",
+            in_models(&[Part::LineProtocol, address])
+        ),
+        (_, 0) => format!("check the address of the drive{}", in_models(&[address])),
+        _ => format!(
+            "check parity and baud rate{}, and the termination of the line",
+            in_models(&[rate])
+        ),
+    }
+}
+
+/// The parameters with these parts, of each model that has them: ` (AKD: PN.VELSCALING, 1009)`.
+fn in_models(parts: &[Part]) -> String {
+    let models = model::ALL.into_iter().filter_map(|model| {
+        let tables = model.catalogue?;
+        let parameters = parts.iter().flat_map(|&part| tables.parts_of(part));
+        let names: Vec<String> = parameters
+            .map(|parameter| match tables.notation {
+                Notation::Name if parameter.name.contains(' ') => parameter.pnu.to_string(),
+                _ => tables.label(parameter),
+            })
+            .collect();
+        (!names.is_empty()).then(|| format!("{}: {}", tables.model, names.join(", ")))
+    });
+    let models: Vec<String> = models.collect();
+    if models.is_empty() {
+        return String::new();
+    }
+    format!(" ({})", models.join("; "))
 }
 
 /// What to do about each of them; the same advice once.

@@ -1,5 +1,6 @@
 //! How a drive is, and in one sentence why it does not run.
 
+mod generated;
 mod notes;
 mod rules;
 mod vendors;
@@ -11,8 +12,9 @@ use profile::state::{Mode, Profile, State, Stw1, Zsw1};
 use crate::session::power_is_on;
 use crate::{Action, Advice, FaultEntry, LocalControl, LossReaction, WarningEntry};
 
+pub use generated::Cause;
 pub use notes::Note;
-pub use rules::{Cause, moved_advice};
+pub use rules::moved_advice;
 
 /// Everything that decides whether an axis runs; `None` where the drive does not tell.
 #[derive(Debug, Clone, PartialEq, Default)]

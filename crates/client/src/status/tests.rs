@@ -2,6 +2,24 @@
 
 use super::*;
 
+#[test]
+fn each_cause_has_one_rule_in_the_order_of_weight() {
+    let causes: Vec<Cause> = rules::RULES.iter().map(|rule| rule.cause).collect();
+    assert_eq!(causes, Cause::ALL);
+}
+
+/// Text in braces that is not a known action stays in the advice as it is.
+#[test]
+fn every_brace_of_the_advice_is_an_action() {
+    let own = generated::ADVICE.iter().map(|(_, _, text)| *text);
+    let disables = generated::DISABLES.iter().map(|(_, _, text)| *text);
+    let general = Cause::ALL.iter().map(|cause| cause.advice());
+    for text in own.chain(disables).chain(general) {
+        let braces = text.matches('{').count();
+        assert_eq!(Advice::from(text).actions().count(), braces, "{text}");
+    }
+}
+
 fn running() -> DriveStatus {
     DriveStatus {
         drive: "akd-1".into(),

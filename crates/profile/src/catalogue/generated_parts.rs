@@ -548,6 +548,12 @@ pub enum Part {
     WithoutEffect,
     /// Starts a procedure that a virtual drive does not have.
     AbsentProcedure,
+    /// Protocol at the serial line.
+    LineProtocol,
+    /// Address at the serial line.
+    LineAddress,
+    /// Baud rate at the serial line.
+    LineBaudRate,
 }
 
 impl Part {
@@ -825,5 +831,8 @@ impl Part {
         Self::ResetRunningTime,
         Self::WithoutEffect,
         Self::AbsentProcedure,
+        Self::LineProtocol,
+        Self::LineAddress,
+        Self::LineBaudRate,
     ];
 }

@@ -18,7 +18,18 @@ pub fn render(faults: &Table) -> Outcome<String> {
     Ok(text)
 }
 
-/// Returns the faults, or warnings, of one word of 32 bits: bit and text. Several that share a bit are one text.
+/// The numbers of the warnings.
+pub fn warnings(faults: &Table) -> Outcome<Vec<u16>> {
+    let mut numbers = Vec::new();
+    for row in faults.rows() {
+        if row.text("kind")? == "n" {
+            numbers.push(row.number("number")?);
+        }
+    }
+    Ok(numbers)
+}
+
+/// The faults, or warnings, of one word of 32 bits: bit and text. Several that share a bit are one text.
 pub fn bits(faults: &Table, warnings: bool, first: u8) -> Outcome<Vec<(u8, String)>> {
     let mut found: BTreeMap<u8, Vec<(u16, &str)>> = BTreeMap::new();
     for row in faults.rows() {

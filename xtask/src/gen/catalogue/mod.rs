@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+pub use backup::Known;
+
 use super::Generated;
 use super::parameter::Formats;
 use crate::Outcome;
@@ -16,11 +18,11 @@ mod parameters;
 mod parts;
 
 /// A drive model whose tables are in `data/`.
-struct Model {
+pub struct Model {
     /// Folder of its tables below `data/`, and of the generated module.
-    folder: &'static str,
+    pub folder: &'static str,
     /// Name of the model and of the generated catalogue.
-    name: &'static str,
+    pub name: &'static str,
     /// One line about it.
     about: &'static str,
     /// First parameter number of the vendor's own range: a name that two numbers have means the one from there on.
@@ -49,7 +51,7 @@ const fn alarm_word(parameter: &'static str, warnings: bool, first: u8) -> Alarm
 }
 
 /// Every model. A further one is a row here, its tables in `data/` and a line in `profile::catalogue`.
-const MODELS: &[Model] = &[
+pub const MODELS: &[Model] = &[
     Model {
         folder: "akd",
         name: "AKD",
@@ -83,6 +85,19 @@ const MODELS: &[Model] = &[
 
 /// What a parameter can be.
 const PARTS: &str = "data/profile/parts.csv";
+
+/// The parameters of a model.
+pub fn known_parameters(root: &Path, model: &Model) -> Outcome<Vec<Known>> {
+    backup::known(&Table::read(
+        root,
+        &format!("data/{}/parameters.csv", model.folder),
+    )?)
+}
+
+/// The numbers of the warnings of a model.
+pub fn warnings(root: &Path, model: &Model) -> Outcome<Vec<u16>> {
+    faults::warnings(&Table::read(root, &format!("data/{}/faults.csv", model.folder))?)
+}
 
 /// The generated files of the drive models.
 pub fn files(root: &Path) -> Outcome<Vec<Generated>> {

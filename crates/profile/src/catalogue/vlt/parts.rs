@@ -157,4 +157,7 @@ pub static PARTS: &[PartRow] = &[
     PartRow { part: Part::CopySetUp, pnu: 51, base: None, values: &[] },
     PartRow { part: Part::ResetEnergy, pnu: 1506, base: None, values: &[1] },
     PartRow { part: Part::ResetRunningTime, pnu: 1507, base: None, values: &[1] },
+    PartRow { part: Part::LineProtocol, pnu: 830, base: None, values: &[] },
+    PartRow { part: Part::LineAddress, pnu: 831, base: None, values: &[] },
+    PartRow { part: Part::LineBaudRate, pnu: 832, base: None, values: &[] },
 ];
