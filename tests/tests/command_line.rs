@@ -117,7 +117,7 @@ fn errors_are_printed() {
         (
             &["reset", "akd-1", "--mode", "application"],
             6,
-            "nobody is there to ask",
+            "no terminal to confirm on",
         ),
     ] {
         let finished = client(&lab, arguments);
@@ -348,12 +348,12 @@ fn settings_are_saved_compared_and_brought_back() {
         (
             vec!["diff", "akd-1", &path("letter")],
             1,
-            "line 1: this is no backup".into(),
+            "line 1: not a backup".into(),
         ),
         (
             vec!["backup", "akd-1", "-o", &path("letter")],
             1,
-            "is no backup and is left alone".into(),
+            "is not a backup and is not replaced".into(),
         ),
         (
             vec!["restore", "akd-1", &first, "--only", "NOSUCH*"],

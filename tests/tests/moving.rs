@@ -203,7 +203,11 @@ fn status_and_stop_beside_a_client_that_runs() {
     assert!(stop.out.contains("the power stage is off"), "{stop:?}");
     let ended = run.finish(SHORT);
     assert_eq!(ended.code, Some(3), "{ended:?}");
-    assert!(ended.err.contains("left operation by itself"), "{}", ended.err);
+    assert!(
+        ended.err.contains("left operation without a command"),
+        "{}",
+        ended.err
+    );
     at_rest(&lab);
     judge::judge(&capture.stop())
         .clean()

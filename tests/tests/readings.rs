@@ -67,7 +67,7 @@ fn every_reading_has_a_seed_and_tests_that_exist() {
         for test in &row.tests {
             let (file, name) = test
                 .split_once("::")
-                .unwrap_or_else(|| panic!("{place}: `{test}` is no file::test"));
+                .unwrap_or_else(|| panic!("{place}: `{test}` is not a file::test"));
             let text = files.entry(file.to_owned()).or_insert_with(|| {
                 std::fs::read_to_string(root.join(file))
                     .unwrap_or_else(|error| panic!("{place}: {file}: {error}"))

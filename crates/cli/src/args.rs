@@ -316,7 +316,7 @@ pub(crate) fn duration(text: &str) -> Result<Duration, String> {
     if seconds < 0.0 {
         return Err("a time is 0 or longer".into());
     }
-    Duration::try_from_secs_f64(seconds).map_err(|_| format!("`{text}` is no time"))
+    Duration::try_from_secs_f64(seconds).map_err(|_| format!("`{text}` is not a time"))
 }
 
 #[cfg(test)]

@@ -88,7 +88,7 @@ pub fn session(
     Ok(session)
 }
 
-/// What a missing right still leaves.
+/// Returns the paths that work without permission for raw sockets.
 fn without_right(error: OpenError) -> Failure {
     let missing = matches!(error, OpenError::Network(NetworkError::NoPermission { .. }));
     let failure = Failure::from(error);
@@ -101,10 +101,10 @@ fn without_right(error: OpenError) -> Failure {
     ))
 }
 
-/// The interface that was named, as an option or in the environment.
+/// Returns the interface that was named, as an option or in the environment.
 fn named(option: &Interface) -> Option<String> {
     let variable = || std::env::var("PROFIDRIVE_INTERFACE").ok();
-    // an empty variable is no variable
+    // an empty variable is not a variable
     option
         .interface
         .clone()
@@ -112,7 +112,7 @@ fn named(option: &Interface) -> Option<String> {
         .filter(|name| !name.is_empty())
 }
 
-/// The interface to use: as told, else the only one there is.
+/// Returns the interface to use: as configured, else the only one there is.
 pub fn interface(option: &Interface) -> Result<Option<String>, Failure> {
     match named(option) {
         Some(name) => Ok(Some(name)),
@@ -120,7 +120,7 @@ pub fn interface(option: &Interface) -> Result<Option<String>, Failure> {
     }
 }
 
-/// No interface was named, and there is none to take without asking.
+/// Failure when no interface was named and no unique one exists.
 pub fn no_interface() -> Failure {
     OpenError::no_interface().into()
 }
@@ -177,7 +177,7 @@ pub fn drive(
     Ok((session, drive))
 }
 
-/// A drive of which there are no tables is asked for them.
+/// Reads the parameter descriptions of a drive without a built-in catalogue.
 fn learn(session: &mut Live, drive: &mut Drive, output: &Output) -> Result<(), Error> {
     if drive.model.catalogue.is_some() {
         return Ok(());
@@ -223,7 +223,7 @@ fn at_line(
     Ok((session, drive))
 }
 
-/// Nobody answered; without discovery the address may be the reason.
+/// Words the failure when no station answered; without discovery the address may be the cause.
 fn not_found(error: Error, way: &Way, address: &DriveAddress) -> Failure {
     let failure = Failure::from(error);
     let (Way::Udp, DriveAddress::Ip(ip)) = (way, address) else {

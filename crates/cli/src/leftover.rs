@@ -1,5 +1,5 @@
-//! A setting that a command changes for as long as it runs, noted on the disk until it is put back. A program that is
-//! killed in between leaves its note, and the next one that meets the drive knows the old value.
+//! Notes of temporary changes. A setting that a command changes while it runs is noted on disk until it is restored. A
+//! killed program leaves its note, from which the next one restores the old value.
 //!
 //! The notes are in `$XDG_STATE_HOME/profidrive` (`~/.local/state/profidrive`), one file for a drive and a number. A note
 //! counts only while the drive still has the value that was set: whoever changed it since has decided.
@@ -46,7 +46,7 @@ impl Leftover {
         })
     }
 
-    /// What to tell a person, and what to do.
+    /// Returns the message and the hint.
     pub fn message(&self, drive: &str) -> (String, String) {
         let Self { pnu, old, .. } = self;
         let old = old.to_string().replace(' ', "");
@@ -83,7 +83,7 @@ impl Note {
         }
     }
 
-    /// What a program that was killed left. A file that is none of ours counts as none.
+    /// Returns the note of a killed program. A file of another format is ignored.
     pub fn read(&self) -> Option<Leftover> {
         let content = self.file.as_ref()?.read().ok()??;
         Leftover::parse(self.pnu, std::str::from_utf8(&content).ok()?)

@@ -142,7 +142,7 @@ fn what_cannot_be_written_is_a_failure_of_every_command() {
         let message = stderr(&output);
         let words = "error: the output cannot be written: No space left on device";
         assert_eq!(message.matches(words).count(), 1, "{line:?}: {message}");
-        // who had enough is no failure
+        // who had enough is not a failure
         let (reader, writer) = std::io::pipe().expect("a pipe");
         drop(reader);
         let output = onto(line, writer.into());
@@ -213,7 +213,7 @@ fn a_wrong_command_line_is_one_document_too() {
         "{missing}"
     );
     let negative = stderr(&profidrive(&["explain", "-1", "--as", "stw1"]));
-    assert!(negative.contains("`-1` is no 16-bit number"), "{negative}");
+    assert!(negative.contains("`-1` is not a 16-bit number"), "{negative}");
     let help = profidrive(&["--json", "--help"]);
     assert_eq!((help.status.code(), stderr(&help)), (Some(0), String::new()));
 }
@@ -287,7 +287,7 @@ fn decode_names_the_error() {
     let output = profidrive(&["decode", "--hex", "05 0"]);
     assert_eq!(output.status.code(), Some(2));
     assert!(
-        stderr(&output).starts_with("error: `0` is no octet in hexadecimal\n  hint: "),
+        stderr(&output).starts_with("error: `0` is not a hexadecimal octet\n  hint: "),
         "{}",
         stderr(&output)
     );
@@ -356,7 +356,7 @@ fn a_plant_file_without_end_is_refused() {
     let output = profidrive(&["simulate", "/dev/zero", "--virtual-time"]);
     assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
     assert!(
-        stderr(&output).contains("/dev/zero: longer than 4194304 octets, this is no plant file"),
+        stderr(&output).contains("/dev/zero: longer than 4194304 octets, not a plant file"),
         "{}",
         stderr(&output)
     );
@@ -487,7 +487,7 @@ fn an_interface_is_refused_where_no_network_is_used() {
     }
 }
 
-/// A telegram that only one maker has needs no --model.
+/// A telegram that only one vendor has needs no --model.
 #[test]
 fn telegram_number_determines_the_vendor() {
     for (number, octets, words) in [

@@ -13,7 +13,7 @@ fn json(line: &[&str]) -> serde_json::Value {
     serde_json::from_slice(&output.stdout).unwrap_or_else(|e| panic!("{e}: {}", stdout(&output)))
 }
 
-/// A folder of its own for a test.
+/// Returns a folder of its own for a test.
 fn folder(name: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
     let _ = std::fs::remove_dir_all(&folder);
@@ -27,7 +27,7 @@ fn vendor_file(name: &str) -> String {
     path.to_str().unwrap().to_owned()
 }
 
-/// The exported description: path of the file.
+/// Returns the exported description: path of the file.
 fn exported(name: &str) -> PathBuf {
     let folder = folder(name);
     let output = profidrive(&["gsdml", "export", "-o", folder.to_str().unwrap()]);
@@ -158,7 +158,7 @@ fn pictures_are_looked_for_beside_the_file() {
     let picture = file.with_file_name("GSDML-0105-0001-AKD-profidrive.bmp");
     let path = file.to_str().unwrap();
     std::fs::write(&picture, b"BM").unwrap();
-    assert!(stdout(&profidrive(&["gsdml", "check", path])).contains("is no bitmap"));
+    assert!(stdout(&profidrive(&["gsdml", "check", path])).contains("is not a bitmap"));
     std::fs::remove_file(&picture).unwrap();
     let output = profidrive(&["gsdml", "check", path]);
     assert!(stdout(&output).contains("there is no GSDML-0105-0001-AKD-profidrive.bmp beside the file"));

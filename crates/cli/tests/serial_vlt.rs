@@ -82,7 +82,7 @@ fn every_command_over_both_protocols() {
         assert!(listed.contains("Ramp 1 Ramp up Time"), "{listed}");
         let described = stdout(&ok(&["describe", &drive, "3-41"]));
         assert!(
-            described.contains("limits     0.01 s to 3600 s, as the drive tells\n"),
+            described.contains("limits     0.01 s to 3600 s, reported by the drive\n"),
             "{described}"
         );
         let described = stdout(&ok(&["describe", &drive, "8-10"]));

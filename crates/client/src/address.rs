@@ -32,7 +32,7 @@ pub enum DriveAddress {
     Line(LineAddress),
 }
 
-/// The text is no station name, IP address, MAC address or place at a serial line.
+/// The text is not a station name, IP address, MAC address or place at a serial line.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("`{text}` names no drive: {reason}")]
 pub struct DriveAddressError {

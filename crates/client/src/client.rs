@@ -1,4 +1,4 @@
-//! The controller with drive knowledge: what it heard, and axes it keeps under control between two inputs.
+//! The controller with drive functions: its results, and the axes that it controls between two inputs.
 
 use std::collections::{HashMap, VecDeque};
 use std::net::{Ipv4Addr, SocketAddrV4};
@@ -20,7 +20,7 @@ use crate::axis::{AxisControl, Command, Goal, Progress, Sample, SampleQueue, See
 use crate::line::{Answered, Bridge, Line, LineConfig};
 use crate::mapper::{Mapper, Registered};
 
-/// Most results that are kept for nobody.
+/// Maximum number of results that are kept without a waiting caller.
 const MAX_RESULTS: usize = 4096;
 
 /// What became of a connection.
@@ -32,11 +32,11 @@ pub enum Connection {
     Open,
     /// Cyclic data flows.
     Running,
-    /// Ended without being asked to, or never came about.
+    /// Ended without a request, or was never established.
     Lost(LostCause),
     /// The drive at the serial line does not answer any more.
     Silent,
-    /// Released as asked for.
+    /// Released as requested.
     Released,
 }
 
@@ -61,7 +61,7 @@ impl From<SlaveId> for Link {
     }
 }
 
-/// A PROFINET controller that knows drives; an [`Endpoint`], driven by any [`Medium`](profinet::Medium).
+/// A PROFINET controller with drive functions; an [`Endpoint`], driven by any [`Medium`](profinet::Medium).
 ///
 /// Axes under control are stepped here, right after each input: a caller that blocks on a parameter read does not
 /// hold up the axis beside it.
@@ -118,7 +118,7 @@ struct AxisLink {
     operated: bool,
     /// Frames that were sampled.
     sampled: u64,
-    /// Who wants every input.
+    /// Receivers of every input.
     taps: Vec<Arc<SampleQueue>>,
 }
 
@@ -148,7 +148,8 @@ impl AxisLink {
         }
     }
 
-    /// The drive has answered the present control word: by another status word, or by saying the same for some cycles.
+    /// Notes that the drive answered the present control word: by another status word, or by the same one for some
+    /// cycles.
     fn note_answer(&mut self, received: u64) {
         let word = self.control.command().stw1;
         let status = self.seen.map(|seen| seen.zsw1);
@@ -165,15 +166,15 @@ impl AxisLink {
 /// An axis at a glance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct AxisView {
-    /// What is wanted.
+    /// The goal.
     pub goal: Goal,
     /// How far it is.
     pub progress: Progress,
     /// What is being sent, in the bits of the profile.
     pub command: Command,
-    /// The control word as it is sent, in the words of the make.
+    /// The control word as it is sent, in the words of the model.
     pub sent: u16,
-    /// What the drive said last; `None` before the first valid input.
+    /// The last decoded inputs; `None` before the first valid input.
     pub seen: Option<Seen>,
     /// The control word that what the drive said last is an answer to.
     pub answered: Stw1,
@@ -181,7 +182,7 @@ pub struct AxisView {
     pub at_rest: bool,
     /// True when a quick stop was commanded because the ramp stop took too long.
     pub quick_stop: bool,
-    /// True when the drive tells that the axis moves, whether it is driven or not.
+    /// True when the drive reports that the axis moves, whether it is driven or not.
     pub turns: bool,
     /// True while the axis stands where its task does not end.
     pub stays_away: bool,
@@ -189,7 +190,7 @@ pub struct AxisView {
     pub accepted: bool,
     /// The task that an intermediate stop holds.
     pub held: Option<Traverse>,
-    /// What the drive is for, as the control was told.
+    /// What the drive is for, as the control was reported.
     pub mode: Mode,
     /// True once it was in operation under this control.
     pub operated: bool,
@@ -205,7 +206,7 @@ impl AxisView {
 }
 
 impl Client {
-    /// A client; nothing is sent before something is asked for.
+    /// Creates a client; nothing is sent before something is requested.
     #[must_use]
     pub fn new(config: ControllerConfig) -> Self {
         Self {
@@ -221,7 +222,7 @@ impl Client {
         }
     }
 
-    /// The master of a serial line. Its controller has no network and sends nothing.
+    /// Returns the master of a serial line. Its controller has no network and sends nothing.
     #[must_use]
     pub fn on_line(line: LineConfig) -> Self {
         let nowhere = ControllerConfig::new(MacAddress::default(), IpSuite::NONE, "", 0);
@@ -231,7 +232,7 @@ impl Client {
         }
     }
 
-    /// What the serial line has brought, telegrams and noise; `None` on a network.
+    /// Returns the counters of the serial line, telegrams and noise; `None` on a network.
     #[must_use]
     pub fn heard(&self) -> Option<&ReceiverStatistics> {
         self.line.as_ref().map(Line::heard)
@@ -257,7 +258,7 @@ impl Client {
             .map_or(Ok(()), |line| line.start(now, slave, job))
     }
 
-    /// The end of a parameter job of a drive at the line.
+    /// Returns the end of a parameter job of a drive at the line.
     pub(crate) fn take_line_job(&mut self, slave: SlaveId) -> Option<Result<Answered, JobError>> {
         self.line.as_mut()?.take(slave)
     }
@@ -278,68 +279,70 @@ impl Client {
         self.work(now);
     }
 
-    /// The next octets to send on the serial line: their number in `buffer`, which has [`uss::MAX_TELEGRAM`] of them.
+    /// Returns the next octets to send on the serial line: their number in `buffer`, which has [`uss::MAX_TELEGRAM`] of
+    /// them.
     pub fn poll_octets(&mut self, now: Instant, buffer: &mut [u8]) -> Option<usize> {
         self.line.as_mut()?.poll_octets(now, buffer)
     }
 
-    /// When [`handle_line_timeout`](Self::handle_line_timeout) and [`poll_octets`](Self::poll_octets) are due.
+    /// Returns the time when [`handle_line_timeout`](Self::handle_line_timeout) and [`poll_octets`](Self::poll_octets)
+    /// are due.
     #[must_use]
     pub fn poll_line_timeout(&self) -> Option<Instant> {
         self.line.as_ref()?.poll_timeout()
     }
 
-    /// The controller, to start requests with.
+    /// Returns the controller, to start requests with.
     pub fn controller(&mut self) -> &mut Controller {
         &mut self.controller
     }
 
-    /// The controller, to look at.
+    /// Returns the controller, to look at.
     #[must_use]
     pub const fn controller_ref(&self) -> &Controller {
         &self.controller
     }
 
-    /// Asks the endpoint mapper at `address` which device it belongs to; one question at a time.
+    /// Queries the endpoint mapper at `address` which device it belongs to; one question at a time.
     pub fn ask_mapper(&mut self, now: Instant, address: Ipv4Addr) {
         self.mapper.ask(now, address);
     }
 
-    /// The answer of the endpoint mapper; `None` inside when there was none.
+    /// Returns the answer of the endpoint mapper; `None` inside when there was none.
     pub fn take_registered(&mut self) -> Option<Option<Registered>> {
         self.mapper.take()
     }
 
-    /// The stations that answered an Identify request, once its time is over.
+    /// Returns the stations that answered an Identify request, once its time is over.
     pub fn take_stations(&mut self, id: DcpId) -> Option<Vec<Station>> {
         let position = self.identified.iter().position(|done| *done == id)?;
         self.identified.remove(position);
         Some(self.heard.remove(&id).unwrap_or_default())
     }
 
-    /// The stations that answered so far.
+    /// Returns the stations that answered so far.
     #[must_use]
     pub fn stations_so_far(&self, id: DcpId) -> usize {
         self.heard.get(&id).map_or(0, Vec::len)
     }
 
-    /// The stations that answered so far, for a request that was cancelled.
+    /// Returns the stations that answered so far, for a request that was cancelled.
     pub fn take_stations_so_far(&mut self, id: DcpId) -> Vec<Station> {
         self.identified.retain(|done| *done != id);
         self.heard.remove(&id).unwrap_or_default()
     }
 
-    /// The end of a DCP Get or Set.
+    /// Returns the end of a DCP Get or Set.
     pub fn take_dcp(&mut self, id: DcpId) -> Option<Result<DcpReply, DcpError>> {
         self.dcp.remove(&id)
     }
 
-    /// The end of a record request.
+    /// Returns the end of a record request.
     pub fn take_record(&mut self, call: CallId) -> Option<Result<Vec<u8>, ServiceError>> {
         self.records.remove(&call)
     }
 
-    /// What became of a connection.
+    /// Returns what became of a connection.
     #[must_use]
     pub fn connection(&self, link: impl Into<Link>) -> Connection {
         match link.into() {
@@ -371,7 +374,7 @@ impl Client {
         self.end_axis(link);
     }
 
-    /// Those who record an axis are told that no more comes.
+    /// Those who record an axis are reported that no more comes.
     fn end_axis(&mut self, link: Link) {
         for axis in self.axes.extract_if(.., |axis| axis.link == link) {
             axis.taps.iter().for_each(|tap| tap.end());
@@ -421,7 +424,7 @@ impl Client {
         }
     }
 
-    /// Sets what is wanted of the axis of a connection.
+    /// Sets the goal of the axis of a connection.
     pub fn pursue(&mut self, now: Instant, link: impl Into<Link>, goal: Goal) {
         let link = link.into();
         if let Some(axis) = self.axes.iter_mut().find(|axis| axis.link == link) {
@@ -468,7 +471,7 @@ impl Client {
         }
     }
 
-    /// Says when the operation of an axis ends by a ramp stop, unless that is said again.
+    /// Sets the deadline at which the operation of an axis ends by a ramp stop, unless it is extended.
     pub fn set_deadline(&mut self, link: impl Into<Link>, deadline: Option<Instant>) {
         let link = link.into();
         if let Some(axis) = self.axes.iter_mut().find(|axis| axis.link == link) {
@@ -484,7 +487,7 @@ impl Client {
         }
     }
 
-    /// Says how long the ramp stop of an axis may take from now on.
+    /// Sets the time limit of the ramp stop of an axis.
     pub fn allow_stop(&mut self, link: impl Into<Link>, limit: Duration) {
         let link = link.into();
         if let Some(axis) = self.axes.iter_mut().find(|axis| axis.link == link) {
@@ -492,7 +495,7 @@ impl Client {
         }
     }
 
-    /// The axis of a connection.
+    /// Returns the axis of a connection.
     #[must_use]
     pub fn axis(&self, link: impl Into<Link>) -> Option<AxisView> {
         let link = link.into();
@@ -515,7 +518,7 @@ impl Client {
         })
     }
 
-    /// Takes what the controller has to tell, then steps the axes.
+    /// Handles the events of the controller, then steps the axes.
     fn work(&mut self, now: Instant) {
         while let Some(event) = self.controller.poll_event() {
             self.take(event);
@@ -614,7 +617,7 @@ impl Client {
 /// Keeps the mapper's UUIDs apart from the controller's.
 const MAPPER_SEED: u64 = 0x6D61_7070_6572;
 
-/// The port beside the controller's.
+/// Returns the port beside the controller's.
 const fn mapper_port(client_port: u16) -> u16 {
     if client_port == u16::MAX {
         client_port - 1
@@ -623,7 +626,7 @@ const fn mapper_port(client_port: u16) -> u16 {
     }
 }
 
-/// Results nobody takes must not pile up.
+/// Drops results that no caller fetches, so that they do not pile up.
 fn bound<K, V>(results: &mut HashMap<K, V>) {
     if results.len() >= MAX_RESULTS {
         results.clear();

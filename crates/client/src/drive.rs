@@ -1,4 +1,4 @@
-//! What kind of drive answers, and how it wants to be spoken to.
+//! A drive: its model, its address and its dialect.
 
 use profile::catalogue::{Parameter, Part};
 use profile::model::Model;
@@ -15,7 +15,7 @@ use crate::line::Shape;
 use crate::modules::VendorModule;
 use crate::{Action, Error};
 
-/// True where a control word can ask for a jog.
+/// Returns true where a control word can request a jog.
 pub(crate) fn has_jog(words: Profile) -> bool {
     let jog = Stw1(Stw1::RUN.0 | Stw1::JOG_1.0);
     words.control(jog) != words.control(Stw1::RUN)
@@ -32,7 +32,7 @@ pub struct Drive {
     pub parameters: Parameters,
     /// True once the values that scale others were read from it.
     pub(crate) scaled: bool,
-    /// The modules that a device description of its maker has for it; those of the tables where there are none.
+    /// The modules that a device description of its vendor has for it; those of the tables where there are none.
     pub vendor_modules: Vec<VendorModule>,
     /// The update times that this device description allows; empty where none was read.
     pub vendor_timings: Vec<Timing>,
@@ -44,15 +44,15 @@ pub struct Drive {
 }
 
 impl Drive {
-    /// The parameter that a person means: `DRV.ACC`, `930`, `r947[0]`, `947[0..7]`, `0x3A2`.
+    /// Returns the parameter that a person means: `DRV.ACC`, `930`, `r947[0]`, `947[0..7]`, `0x3A2`.
     ///
     /// # Errors
-    /// When the text is no parameter, or the drive has none of this name; the error knows the nearest names.
+    /// When the text is not a parameter, or the drive has none of this name; the error knows the nearest names.
     pub fn select(&self, text: &str) -> Result<Selection, ParameterProblem> {
         self.parameters.select(&text.parse()?)
     }
 
-    /// From what a station said about itself.
+    /// Creates a drive from a discovered station.
     #[must_use]
     pub fn new(station: Station) -> Self {
         let model = Model::of(station.vendor_id, station.device_id);
@@ -68,7 +68,7 @@ impl Drive {
         }
     }
 
-    /// The same drive, taken for this model whatever it says it is.
+    /// Returns the same drive as this model, independent of its identification.
     #[must_use]
     pub fn as_model(self, model: Model) -> Self {
         Self {
@@ -79,7 +79,8 @@ impl Drive {
         }
     }
 
-    /// True for a drive at a serial line: it has parameters and process data, but no records, name or IP address.
+    /// Returns true for a drive at a serial line: it has parameters and process data, but no records, name or IP
+    /// address.
     #[must_use]
     pub const fn is_on_line(&self) -> bool {
         self.slave.is_some()
@@ -96,8 +97,8 @@ impl Drive {
         }
     }
 
-    /// What this drive calls the parameters that have these parts, as a person writes them; what its make has not is left
-    /// out.
+    /// Returns what this drive calls the parameters that have these parts, as a person writes them; what its model has
+    /// not is left out.
     #[must_use]
     pub fn named(&self, parts: &[Part]) -> Vec<String> {
         let tables = self.model.catalogue;
@@ -152,7 +153,8 @@ impl Drive {
         }
     }
 
-    /// The telegram of the process data: PNU 922 says it, but not at a serial line, whose telegram is always the same.
+    /// Returns the telegram of the process data: that of PNU 922, except on a serial line, whose telegram is always the
+    /// same.
     pub(crate) fn telegram_in_use(&self, reported: Option<u16>) -> Option<u16> {
         if self.is_on_line() {
             Telegram::of_line(self.station.vendor_id).map(|telegram| telegram.number)
@@ -169,7 +171,8 @@ impl Drive {
         Mode::of(operating_mode, telegram)
     }
 
-    /// At a serial line the channel tells only how wide a value is; the rest is in the tables.
+    /// Returns the shape of a parameter. On a serial line the channel reports only the width of a value; the rest is in
+    /// the tables.
     pub(crate) fn shape(&self, pnu: u16) -> Option<Shape> {
         let tables = self.model.catalogue?;
         let parameter = tables.by_pnu(pnu).or_else(|| tables.by_high(pnu));
@@ -189,7 +192,7 @@ impl Drive {
         2_f64.powi(i32::from(self.parameters.scaling.singleturn_bits.min(32)))
     }
 
-    /// Name for people: the station name, else its address.
+    /// Returns the name for people: the station name, else its address.
     #[must_use]
     pub fn label(&self) -> String {
         if !self.station.name.is_empty() {

@@ -1,4 +1,4 @@
-//! Asking a device who it is where there is no discovery: its RPC endpoint mapper knows.
+//! Identifies a device without discovery, by its RPC endpoint mapper.
 //!
 //! DCE 1.1 RPC, endpoint mapper lookup; the object UUID of a PROFINET device carries vendor, device and instance.
 
@@ -14,7 +14,7 @@ const MAX_ENTRIES: u32 = 16;
 /// Version of the endpoint mapper interface.
 const VERSION: u32 = 3;
 
-/// What the endpoint mapper of a device says about it.
+/// Identity of a device from its endpoint mapper.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Registered {
     /// Vendor.
@@ -58,12 +58,12 @@ impl Mapper {
         }
     }
 
-    /// The local port of the calls.
+    /// Returns the local port of the calls.
     pub const fn port(&self) -> u16 {
         self.port
     }
 
-    /// Starts to ask; a question that is still open is dropped.
+    /// Starts a query; a pending one is dropped.
     pub fn ask(&mut self, now: Instant, address: Ipv4Addr) {
         if let Some(call) = self.present.take().and_then(|present| present.open) {
             self.calls.cancel(call);
@@ -79,7 +79,7 @@ impl Mapper {
         self.next_entry(now, EpmHandle::default());
     }
 
-    /// The answer, once there is one: `None` inside when the device said nothing useful.
+    /// Returns the answer, once there is one: the inner value is `None` when it has no usable entry.
     pub fn take(&mut self) -> Option<Option<Registered>> {
         self.result.take()
     }
@@ -155,7 +155,7 @@ impl Mapper {
     }
 }
 
-/// The device behind an entry; the mapper's own entry has none.
+/// Returns the device behind an entry; the mapper's own entry has none.
 fn device(entry: &EpmEntry) -> Option<Registered> {
     let (instance, device_id, vendor_id) = entry.object.object_parts()?;
     if entry.interface.0 != Uuid::DEVICE_INTERFACE {

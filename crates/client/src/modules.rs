@@ -3,7 +3,7 @@
 use profile::catalogue::{Device, TelegramModule};
 use profinet::controller::{ModuleConfig, SubmoduleConfig};
 
-/// Ident number of a module that nobody knows.
+/// Ident number of an unknown module.
 pub(crate) const UNKNOWN: u32 = 0;
 /// Slot of the telegram and of parameter access, and the subslot that every drive has there.
 pub(crate) const PLACE: (u16, u16) = (1, 1);
@@ -13,7 +13,7 @@ pub(crate) const fn place_of(device: &Device) -> (u16, u16) {
     (PLACE.0, device.layout.telegram)
 }
 
-/// The modules of a telegram as the maker's device description of one drive has them, where no table is sure to.
+/// The modules of a telegram as the vendor's device description of one drive has them, where no table is sure to.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct VendorModule {
     /// Number of the telegram, as in PNU 922.

@@ -28,16 +28,16 @@ impl std::fmt::Debug for Ended {
 }
 
 impl Network {
-    /// A controller on a wire that is carried by whoever waits.
+    /// Returns a controller on a wire that is carried by whoever waits.
     #[must_use]
     pub fn on<W: Wire + Send + 'static>(wire: W, config: ControllerConfig) -> (Self, Arc<World<W>>) {
         Self::in_world(wire, Client::new(config))
     }
 
-    /// The master of a serial line: its drives are named by [`LineAddress`](crate::LineAddress).
+    /// Returns the master of a serial line: its drives are named by [`LineAddress`](crate::LineAddress).
     ///
-    /// Parameters travel one at a time, so that many take long. Until an axis is taken the process data sent along say
-    /// that nobody has control (bit 10 of the control word is 0): no drive acts on them.
+    /// Parameters travel one at a time, so many of them take long. Until a client takes an axis the process data sent
+    /// along carry no control (bit 10 of the control word is 0): drives ignore them.
     #[must_use]
     pub fn on_line<W: Wire + Send + 'static>(wire: W, config: LineConfig) -> (Self, Arc<World<W>>) {
         Self::in_world(wire, Client::on_line(config))
@@ -54,7 +54,7 @@ impl Network {
         (network, world)
     }
 
-    /// The network of a client whose bytes this driver carries, made by `driver` from its engine.
+    /// Returns the network of a client whose bytes this driver carries, made by `driver` from its engine.
     ///
     /// # Errors
     /// What `driver` returns.
@@ -71,15 +71,15 @@ impl Network {
         })
     }
 
-    /// The same on a medium that carries UDP only: drives go by IP address, nothing cyclic.
+    /// Returns the same on a medium that carries UDP only: drives go by IP address, nothing cyclic.
     #[must_use]
     pub fn without_discovery(self) -> Self {
         self.session.engine().set_discovers(false);
         self
     }
 
-    /// The same on a medium on which drives cannot call their controller, as another program has UDP port 34964: no
-    /// connection as IO controller can be made.
+    /// Returns the same on a medium on which drives cannot call their controller, as another program has UDP port
+    /// 34964: no connection as IO controller can be made.
     #[must_use]
     pub fn without_calls(self) -> Self {
         self.session.engine().set_hears_calls(false);
@@ -103,7 +103,7 @@ impl DerefMut for Network {
 
 impl Drop for Network {
     fn drop(&mut self) {
-        // nobody is left to be told that the wire failed
+        // no caller is left to receive the failure of the wire
         let _ = self.session.leave().wait();
         self.session.engine().end();
         self.driver.0.end();

@@ -2,8 +2,8 @@
 
 use core::fmt::Write as _;
 
-/// True for what a terminal obeys (C0, DEL, C1), and for what is not seen but changes what is: bidirectional controls,
-/// characters without width, separators of lines, tags.
+/// Returns true for what a terminal obeys (C0, DEL, C1), and for what is not seen but changes what is: bidirectional
+/// controls, characters without width, separators of lines, tags.
 ///
 /// Source: Unicode, general category Cc, and the default ignorable code points that are not letters of a script.
 #[must_use]
@@ -30,7 +30,7 @@ pub(crate) fn escape(text: &str, more: impl Fn(char) -> bool) -> String {
     escaped
 }
 
-/// The text before [`escape`]; what is not such an escape stays as it is.
+/// Returns the text before [`escape`]; what is not such an escape stays as it is.
 pub(crate) fn unescape(text: &str) -> String {
     let mut pieces = text.split("\\u{");
     let mut plain = pieces.next().unwrap_or_default().to_owned();

@@ -9,12 +9,12 @@ use profile::parameter::ParameterAddress;
 use crate::Refusal;
 use profile::value::{Content, Interpretation, Parameters, Reading, Selection};
 
-/// The number of the high half, when the selection is a 64-bit value.
+/// Returns the number of the high half, when the selection is a 64-bit value.
 fn high(selection: &Selection) -> Option<u16> {
     selection.parameter.and_then(Parameter::high)
 }
 
-/// The selections with the high half behind each 64-bit value.
+/// Returns the selections with the high half behind each 64-bit value.
 pub(crate) fn split(selections: &[Selection]) -> Vec<Selection> {
     let mut all = Vec::with_capacity(selections.len());
     for selection in selections {
@@ -64,8 +64,8 @@ fn whole(parameters: &Parameters, selection: &Selection, low: Reading, upper: &R
     parameters.reading(selection, 0, low.format, Interpretation::Plain, &octets)
 }
 
-/// Where the octets of a new value go: to the parameter, or, when a 64-bit value does not fit its low half, to both
-/// numbers, the high half first.
+/// Returns where the octets of a new value go: to the parameter, or, when a 64-bit value does not fit its low half, to
+/// both numbers, the high half first.
 pub(crate) fn halves(selection: &Selection, octets: Vec<u8>) -> Vec<(ParameterAddress, Vec<u8>)> {
     let own = ParameterAddress::value(selection.pnu, selection.first);
     let signed = selection.parameter.is_some_and(|parameter| parameter.signed);

@@ -14,7 +14,7 @@ pub trait Wire {
     /// Why it failed.
     type Error: Error + Send + Sync + 'static;
 
-    /// The present time.
+    /// Returns the present time.
     fn now(&self) -> Instant;
 
     /// Carries bytes to and from `engine` until at least one input or deadline was handled or `until` is reached,

@@ -31,7 +31,7 @@ pub enum NotDecoded {
     #[error(transparent)]
     Job(#[from] NoJob),
     /// No such telegram or parameter channel.
-    #[error("this is no such telegram: {0}")]
+    #[error("not a valid telegram: {0}")]
     Telegram(String),
 }
 

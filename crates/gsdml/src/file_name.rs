@@ -43,13 +43,13 @@ pub enum FileNameError {
     #[error("the name does not end in `.xml`")]
     Ending,
     /// The second part is not a version.
-    #[error("`{0}` is no schema version as V2.35")]
+    #[error("`{0}` is not a schema version such as V2.35")]
     Version(String),
     /// Parts are missing.
     #[error("the name is not GSDML-Vx.yy-vendor-family-YYYYMMDD.xml")]
     Parts,
     /// The last part is not a date.
-    #[error("`{0}` is no date as YYYYMMDD")]
+    #[error("`{0}` is not a date as YYYYMMDD")]
     Date(String),
 }
 

@@ -109,7 +109,7 @@ impl fmt::Display for ValueList {
 
 /// A text that is not a list of numbers.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("`{0}` is no list of numbers as `0..4 7`")]
+#[error("`{0}` is not a list of numbers such as `0..4 7`")]
 pub struct NoList(String);
 
 impl FromStr for ValueList {
@@ -212,7 +212,7 @@ impl fmt::Display for SchemaVersion {
 
 /// A text that is not a version.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("`{0}` is no version as V2.35")]
+#[error("`{0}` is not a version such as V2.35")]
 pub struct NoVersion(String);
 
 impl FromStr for SchemaVersion {

@@ -178,11 +178,10 @@ impl Scenario {
         };
         if octets.len() as u64 > MAX_READ {
             return Err(no_scenario(format!(
-                "longer than {MAX_READ} octets, this is no plant file"
+                "longer than {MAX_READ} octets, not a plant file"
             )));
         }
-        let text =
-            String::from_utf8(octets).map_err(|_| no_scenario("this is no text (UTF-8)".to_owned()))?;
+        let text = String::from_utf8(octets).map_err(|_| no_scenario("not UTF-8 text".to_owned()))?;
         text.parse().map_err(|error| ScenarioFileError::Scenario {
             path: path.to_owned(),
             error,
@@ -361,7 +360,8 @@ fn read(raw: &RawScenario) -> Result<Scenario, Located> {
 
 fn read_drive(raw: &RawDrive) -> Result<DrivePlan, Located> {
     let name = located(&raw.name, |name| {
-        check_name(name.as_bytes()).map_err(|rule| format!("`{name}` is no station name: {rule}"))?;
+        check_name(name.as_bytes())
+            .map_err(|rule| format!("`{name}` is not a valid station name: {rule}"))?;
         Ok::<_, String>(name.clone())
     })?;
     let model = match &raw.model {

@@ -111,7 +111,7 @@ impl RawController {
             Some(text) => located(text, |text| {
                 let cycle = time(text)?;
                 if Timing::for_interval(cycle).is_none() {
-                    return Err(format!("`{text}` is no update time: 1, 2, 4, 8 .. 512 ms"));
+                    return Err(format!("`{text}` is not an update time: 1, 2, 4, 8 .. 512 ms"));
                 }
                 if cycle.as_nanos() < u128::from(fastest) * 31_250 {
                     return Err(format!(

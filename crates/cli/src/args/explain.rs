@@ -71,7 +71,7 @@ pub struct Decode {
     /// The octets are cyclic data of this telegram: 1, 9 .., 101 to 108 (PPO types 1 to 8 of a VLT), 148 to 150 (Vacon)
     #[arg(long, value_name = "NUMBER", requires = "hex", conflicts_with_all = ["octets", "request"])]
     pub telegram: Option<u16>,
-    /// Who sent it, for words and telegrams that look the same from both; without it both are told
+    /// Who sent it, for words and telegrams that look the same from both; without it both are reported
     #[arg(long, value_enum, value_name = "WHO", requires = "hex")]
     pub from: Option<Sender>,
     /// The request that belongs to a response, in hexadecimal

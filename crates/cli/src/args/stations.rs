@@ -1,4 +1,4 @@
-//! What is said to stations, drives or not: who is there, name, address, signal, reset.
+//! Services of stations, drives or not: discovery, name, address, signal, reset.
 
 use std::net::Ipv4Addr;
 use std::time::Duration;
@@ -100,7 +100,7 @@ pub struct Network {
 }
 
 impl Network {
-    /// The subnet mask.
+    /// Returns the subnet mask.
     pub const fn mask(self) -> Ipv4Addr {
         Ipv4Addr::from_bits(match self.prefix {
             0 => 0,
@@ -125,7 +125,7 @@ impl std::str::FromStr for Network {
             || address.is_loopback()
             || address.is_broadcast()
         {
-            return Err(format!("`{text}`: this is no address for a station"));
+            return Err(format!("`{text}`: not a valid address of a station"));
         }
         Ok(Self { address, prefix })
     }

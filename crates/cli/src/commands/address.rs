@@ -47,9 +47,9 @@ pub fn name(args: &Name, interface: &Interface, output: &Output) -> Result<(), F
     Ok(())
 }
 
-/// Which rule a name breaks, with the name that keeps it.
+/// Returns the violated rule of a name, with a valid name.
 pub fn no_name(name: &str, rule: impl std::fmt::Display) -> Failure {
-    let failure = Failure::usage(format!("`{name}` is no station name: {rule}"));
+    let failure = Failure::usage(format!("`{name}` is not a valid station name: {rule}"));
     match legal_name(name) {
         legal if legal.is_empty() => failure,
         legal => failure.hint(format!("perhaps {legal}")),
@@ -60,7 +60,7 @@ fn shown(name: &str) -> &str {
     if name.is_empty() { "without a name" } else { name }
 }
 
-/// A name or address that is not kept takes the kept one with it.
+/// Describes how long a name or address lasts. A temporary one deletes the permanent one.
 fn kept(temporary: bool, then: &str) -> String {
     if temporary {
         format!("until the next power-on; after it the drive {then}")
@@ -79,7 +79,7 @@ fn not_owned(session: &mut Live, drive: &Drive, force: bool, undone: &'static st
     Ok(session.close().wait()?)
 }
 
-/// Says what to do where a drive is at work.
+/// Words the failure and its hint for a drive at work.
 fn at_work(error: Error) -> Failure {
     let hint = match &error {
         Error::AtWork { drive, works, .. } => match works {
@@ -99,7 +99,7 @@ fn at_work(error: Error) -> Failure {
     failure
 }
 
-/// Whether records can be read from a station: not where no answer can come.
+/// Returns whether records can be read from a station: not where no answer can come.
 fn in_reach(ip: IpSuite) -> Result<bool, Failure> {
     Ok(ip.is_set()
         && InterfaceInfo::list()?
@@ -250,7 +250,7 @@ pub fn reset(args: &Reset, interface: &Interface, output: &Output) -> Result<(),
     Ok(())
 }
 
-/// Why a reset was not done. A refusal that names its reason has its own advice.
+/// Returns why a reset was not done. A refusal that names its reason has its own advice.
 fn not_reset(error: Error) -> Failure {
     let refused = matches!(error, Error::Dcp { .. });
     let failure = at_work(error);
@@ -261,7 +261,7 @@ fn not_reset(error: Error) -> Failure {
     }
 }
 
-/// No station tells by DCP which resets it offers.
+/// No station reports by DCP which resets it offers.
 const OFFERED: &str = "the drive does not offer this reset; `--mode communication` is offered by every drive, which of \
     application, engineering, all and device are is in its device description (ResetToFactoryModes)";
 
@@ -275,16 +275,16 @@ const fn mode(mode: ResetMode) -> (u8, &'static str) {
     }
 }
 
-/// Asks a person; without one there is no yes. Ctrl-C is a no.
+/// Requests a confirmation on the terminal; without a terminal or after Ctrl-C it is denied.
 fn confirm(session: &mut Live, question: &str, output: &Output) -> Result<(), Failure> {
     /// How often Ctrl-C is looked at.
     const GLANCE: Duration = Duration::from_millis(50);
     if !io::stdin().is_terminal() {
-        return Err(Failure::new(Exit::Safety, "not reset: nobody is there to ask")
+        return Err(Failure::new(Exit::Safety, "not reset: no terminal to confirm on")
             .hint("--yes resets without asking"));
     }
     output.ask(&format!("{question} [y/N]"));
-    // reading a line cannot be interrupted, so somebody else waits for it
+    // reading a line cannot be interrupted, so another thread waits for it
     let (sender, receiver) = mpsc::channel();
     std::thread::spawn(move || {
         let mut answer = String::new();

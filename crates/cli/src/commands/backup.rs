@@ -23,13 +23,13 @@ pub struct Args {
     /// File to write; the settings go to stdout when left out
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
-    /// Also over a file that is no backup
+    /// Also over a file that is not a backup
     #[arg(long, requires = "output")]
     pub force: bool,
 }
 
 pub fn run(args: &Args, interface: &Interface, output: &Output) -> Result<(), Failure> {
-    // what cannot be written is told before anything is read
+    // what cannot be written is reported before anything is read
     let old = match &args.output {
         Some(path) => replaceable(path, args.force)?,
         None => None,
@@ -80,7 +80,7 @@ pub fn run(args: &Args, interface: &Interface, output: &Output) -> Result<(), Fa
     incomplete.map_or(Ok(()), Err)
 }
 
-/// What is missing in a backup, and why; `None` when it is complete.
+/// Returns what is missing in a backup, and why; `None` when it is complete.
 fn incomplete(backup: &Backup, drive: &str) -> Option<Failure> {
     let refused = backup.refused();
     let mut missing = Vec::new();
@@ -116,9 +116,9 @@ fn check_content(backup: &Backup, drive: &str) -> Result<(), Failure> {
     } else {
         format!("{} missing: {}", settings(refused.len()), reasons(refused))
     };
-    let message = format!("{drive} told none of its settings, nothing is written: {why}");
+    let message = format!("{drive} reports none of its settings, nothing is written: {why}");
     Err(Failure::new(Exit::Difference, message).hint(
-        "is it the model that was taken? `profidrive info DRIVE` tells, --model forces another; another tool may hold the parameter channel",
+        "is it the selected model? `profidrive info DRIVE` shows it, --model selects another; another tool may hold the parameter channel",
     ))
 }
 
@@ -129,7 +129,7 @@ fn settings(count: usize) -> String {
     }
 }
 
-/// Why settings are missing, each reason with who it was of, the first few by name.
+/// Returns why settings are missing, each reason with who it was of, the first few by name.
 fn reasons(refused: &[Refusal]) -> String {
     let mut reasons: Vec<(String, Vec<String>)> = Vec::new();
     for refusal in refused {
@@ -153,7 +153,7 @@ fn reasons(refused: &[Refusal]) -> String {
 /// Most names for one reason.
 const MOST_NAMED: usize = 3;
 
-/// All settings of a drive, and the drive.
+/// Returns all settings of a drive, and the drive.
 pub fn whole(name: &str, interface: &Interface, output: &Output) -> Result<(Backup, Drive), Failure> {
     let (mut session, mut drive) = connect::drive(interface, Need::Records, name, output)?;
     let bar = connect::bar(output, 0, "reading");
@@ -169,7 +169,7 @@ pub fn whole(name: &str, interface: &Interface, output: &Output) -> Result<(Back
     Ok((backup, drive))
 }
 
-/// The motion tasks, in their order; none where they are left out.
+/// Returns the motion tasks, in their order; none where they are left out.
 fn tasks_json(backup: &Backup) -> Option<Vec<Value>> {
     let complete = backup.header.tasks == TaskCoverage::All;
     complete.then(|| {
@@ -186,7 +186,7 @@ fn tasks_json(backup: &Backup) -> Option<Vec<Value>> {
     })
 }
 
-/// The values of a motion task; none of an empty one.
+/// Returns the values of a motion task; none of an empty one.
 pub fn task_json(task: &Task) -> Map<String, Value> {
     let values: Vec<Value> = task.values().iter().map(value::json).collect();
     fields! { "empty": *task == Task::Empty, "values": values }
@@ -200,13 +200,13 @@ pub fn read(path: &Path) -> Result<Backup, Failure> {
         .map_err(|error| Failure::new(Exit::Failed, error.to_string()))?
         .ok_or_else(|| wrong("there is no such file".to_owned()))?;
     if content.len() > MAX_TEXT {
-        return Err(wrong(format!("longer than {MAX_TEXT} octets, this is no backup")));
+        return Err(wrong(format!("longer than {MAX_TEXT} octets, not a backup")));
     }
     let text = String::from_utf8(content).map_err(|error| {
         let at = error.utf8_error().valid_up_to();
         let before = error.as_bytes().get(..at).unwrap_or_default();
         let line = 1 + before.iter().filter(|&&octet| octet == b'\n').count();
-        wrong(format!("line {line}: this is no text (UTF-8)"))
+        wrong(format!("line {line}: not UTF-8 text"))
     })?;
     Backup::parse(&text).map_err(|error| match error.problems.as_slice() {
         [one] => wrong(one.to_string()),
@@ -218,13 +218,13 @@ pub fn read(path: &Path) -> Result<Backup, Failure> {
     })
 }
 
-/// The old content, if the file may be replaced: a backup may, anything else only when told so.
+/// Returns the old content if the file may be replaced: a backup may, any other file only with `force`.
 fn replaceable(path: &Path, force: bool) -> Result<Option<Vec<u8>>, Failure> {
     if path.is_dir() {
         return Err(Failure::usage(format!("{} is a folder", path.display())));
     }
     if path.exists() && !path.is_file() {
-        let message = format!("{} is no file that can be replaced", path.display());
+        let message = format!("{} is not a file that can be replaced", path.display());
         return Err(Failure::usage(message).hint("without -o the settings go to stdout"));
     }
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
@@ -242,7 +242,7 @@ fn replaceable(path: &Path, force: bool) -> Result<Option<Vec<u8>>, Failure> {
     if is_backup || force {
         Ok(old)
     } else {
-        let message = format!("{} is no backup and is left alone", path.display());
+        let message = format!("{} is not a backup and is not replaced", path.display());
         Err(Failure::new(Exit::Failed, message).hint("choose another name; --force writes over it"))
     }
 }

@@ -169,7 +169,7 @@ fn row(one: &Difference) -> [String; 6] {
     ]
 }
 
-/// The elements of one array from the first that differs to the last, as both sides have them.
+/// Returns the elements of one array from the first that differs to the last, as both sides have them.
 fn folded(first: &Difference, last: &Difference, left: &Backup, right: &Backup) -> [String; 6] {
     let Some((first, last)) = first.reading().zip(last.reading()) else {
         return Default::default();
@@ -192,14 +192,14 @@ fn folded(first: &Difference, last: &Difference, left: &Backup, right: &Backup) 
     ]
 }
 
-/// What the controller decides by connecting: telegram, mapping, command source, address.
+/// Returns whether what the controller decides by connecting: telegram, mapping, command source, address.
 fn of_connection(one: &Difference, backup: &Backup) -> bool {
     one.reading().is_some_and(|reading| {
         client::backup::rule(backup.parameters(), reading.pnu, reading.index).role == Role::Network
     })
 }
 
-/// The file, where there is one of this name or the text is a path; `None` for a drive.
+/// Returns the file, where there is one of this name or the text is a path; `None` for a drive.
 fn source(text: &str) -> Result<Option<Backup>, Failure> {
     let path = Path::new(text);
     let drive = text.parse::<DriveAddress>();
@@ -215,7 +215,7 @@ fn source(text: &str) -> Result<Option<Backup>, Failure> {
     }
 }
 
-/// The parameters of a file, as the drive has them.
+/// Returns the parameters of a file, as the drive has them.
 fn like(file: &Backup, text: &str, interface: &Interface, output: &Output) -> Result<Backup, Failure> {
     let (mut session, mut drive) = connect::drive(interface, Need::Records, text, output)?;
     fits(file, &drive)?;
@@ -248,7 +248,7 @@ const fn given(side: &Side) -> Option<&Reading> {
     }
 }
 
-/// What stands where there is no value.
+/// Returns the text shown without a value.
 fn absent(side: &Side) -> String {
     match side {
         Side::Missing => "(missing)".into(),

@@ -1,4 +1,4 @@
-//! What a command that moves an axis would do: checked as far as reading can, said, not done.
+//! Dry run of a command that moves an axis: checked as far as possible by reading, and printed.
 
 use client::status::{Verdict, diagnose};
 use client::{AxisPlan, AxisSettings, Drive, Error, Wait};
@@ -19,8 +19,8 @@ pub struct DryRun {
     pub plan: Option<AxisPlan>,
 }
 
-/// Checks what taking the axis and enabling it would meet: whoever has the drive, its mode, the telegram, and what holds
-/// it back. Reads only.
+/// Checks the conditions for taking and enabling the axis: owner, mode, telegram, and causes that prevent operation.
+/// Reads only.
 pub fn axis(
     session: &mut Live,
     drive: &mut Drive,
@@ -67,7 +67,7 @@ impl DryRun {
         }
     }
 
-    /// The same for programs.
+    /// Returns the same for programs.
     pub fn json(&self) -> Map<String, Value> {
         let plan = self.plan.as_ref();
         fields! {

@@ -1,4 +1,4 @@
-//! `profidrive inject DRIVE fault=439`: lets something happen to a drive of a running `profidrive simulate`.
+//! `profidrive inject DRIVE fault=439`: injects an event into a drive of a running `profidrive simulate`.
 
 use std::time::Duration;
 
@@ -51,7 +51,7 @@ pub fn run(args: &Inject, output: &Output) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Says why nothing happened; the words of another process are cleaned.
+/// Returns why nothing happened; the words of another process are cleaned.
 fn failure(error: InjectError) -> Failure {
     let text = clean(&error.to_string());
     match error {

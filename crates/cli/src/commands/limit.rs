@@ -10,14 +10,14 @@ use crate::render::number;
 /// A limit may have been reckoned from a frequency: so much above it is the limit itself.
 const ROUNDING: f64 = 1.001;
 
-/// The limit of the drive that a speed is above, and what sets it: it would never be reached.
+/// Returns the limit of the drive that a speed is above, and what sets it: it would never be reached.
 pub fn above(speed: f64, facts: &MotionFacts) -> Option<(f64, Option<Part>)> {
     facts
         .speed_limit(speed)
         .filter(|(limit, _)| speed.abs() > limit * ROUNDING)
 }
 
-/// Where the limit of a direction is 0 the drive turns in the other one only.
+/// Returns the only direction in which the drive turns, if the limit of the other one is 0.
 fn beyond(speed: f64, limit: f64, by: &str) -> String {
     let asked = number(speed);
     if limit > 0.0 {
@@ -30,7 +30,7 @@ fn beyond(speed: f64, limit: f64, by: &str) -> String {
     format!("{asked} rpm is in a direction that the drive does not allow: it turns {only} only{by}")
 }
 
-/// The refusal of a speed above the limit of the drive.
+/// Returns the refusal of a speed above the limit of the drive.
 pub fn too_fast(speed: f64, (limit, part): (f64, Option<Part>), drive: &Drive) -> Failure {
     let named = part.map_or_else(Vec::new, |part| drive.named(&[part]));
     let by = named
@@ -48,7 +48,7 @@ pub fn too_fast(speed: f64, (limit, part): (f64, Option<Part>), drive: &Drive) -
     }
 }
 
-/// Refuses a jog above the limit of the speed. A reference and a direction are no limits of a jog.
+/// Refuses a jog above the limit of the speed. A reference and a direction are not limits of a jog.
 pub fn jog(speed: f64, facts: &MotionFacts, drive: &Drive) -> Result<(), Failure> {
     let limits = [Some(Part::ForwardLimit), Some(Part::BackwardLimit)];
     match above(speed, facts).filter(|(_, part)| limits.contains(part)) {

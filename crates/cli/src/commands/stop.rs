@@ -89,13 +89,13 @@ pub fn run(args: &Stop, interface: &Interface, output: &Output) -> Result<(), Fa
         ),
     )
     .hint(if args.disable || !has_disable {
-        "stop it at its controller or with its safety circuit; this command is no emergency stop"
+        "stop it at its controller or with its safety circuit; this command is not an emergency stop"
     } else {
-        "--disable switches the power stage off; this command is no emergency stop"
+        "--disable switches the power stage off; this command is not an emergency stop"
     }))
 }
 
-/// What was done, in one line.
+/// Returns what was done, in one line.
 fn summary(drive: &str, command: &str, outcome: &StopOutcome) -> String {
     let speed = |rpm: Option<f64>, percent: Option<f64>| match (rpm, percent) {
         (Some(rpm), _) => format!("{rpm:.1} rpm"),
@@ -107,7 +107,7 @@ fn summary(drive: &str, command: &str, outcome: &StopOutcome) -> String {
     let stage = match outcome.enabled {
         Some(true) => "the power stage is still on",
         Some(false) => "the power stage is off",
-        None => "the drive does not tell whether its power stage is on",
+        None => "the drive does not report whether its power stage is on",
     };
     if !outcome.sent && outcome.speed_before.is_some_and(|speed| speed.abs() >= 1.0) {
         let end = if outcome.at_rest {

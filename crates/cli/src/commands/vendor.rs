@@ -13,8 +13,8 @@ use virtual_drive::model;
 use crate::failure::{Exit, Failure};
 use crate::render::table::clean;
 
-/// Gives the drive what a device description says of it: the modules of its telegrams, its update times, and whether it
-/// accepts connections for records.
+/// Applies a device description to the drive: the modules of its telegrams, its update times, and whether it accepts
+/// connections for records.
 pub fn describe(path: &Path, drive: &mut Drive) -> Result<(), Failure> {
     let file = super::gsdml::read(path)?;
     let (name, vendor) = (path.display(), file.identity.vendor_id);
@@ -45,14 +45,15 @@ pub fn describe(path: &Path, drive: &mut Drive) -> Result<(), Failure> {
     Ok(())
 }
 
-/// What every access point of a description declares: which one is plugged is the project's choice.
+/// Returns what every access point of a description declares: which one is plugged is the project's choice.
 fn device_access(points: &[AccessPoint]) -> Option<bool> {
     let mut declared = points.iter().map(|point| point.features.device_access);
     let first = declared.next().flatten()?;
     declared.all(|other| other == Some(first)).then_some(first)
 }
 
-/// The update times that every access point of a description allows: which one is plugged is the project's choice.
+/// Returns the update times that every access point of a description allows: which one is plugged is the project's
+/// choice.
 fn timings(points: &[AccessPoint]) -> Vec<Timing> {
     let every = |timing: &Timing| {
         points.iter().all(|point| {

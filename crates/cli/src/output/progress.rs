@@ -1,4 +1,4 @@
-//! What goes on meanwhile, on a terminal that somebody watches.
+//! Progress on a terminal.
 
 use std::time::Duration;
 
@@ -6,10 +6,10 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use super::{Output, clean};
 
-/// Something is going on; nothing where nobody watches.
+/// Shows an activity on a terminal; nothing without one.
 #[expect(
     clippy::disallowed_methods,
-    reason = "the one place that makes it; its text is cleaned"
+    reason = "the only constructor; its text is cleaned"
 )]
 pub fn spinner(output: &Output, words: String) -> ProgressBar {
     if !output.progress() {
@@ -20,19 +20,19 @@ pub fn spinner(output: &Output, words: String) -> ProgressBar {
     bar
 }
 
-/// So many of something are done; nothing where nobody watches.
+/// Shows a number of finished steps on a terminal; nothing without one.
 pub fn bar(output: &Output, length: usize, words: &'static str) -> ProgressBar {
     counter(output, length as u64, "{msg} {bar:30} {pos}/{len}").with_message(words)
 }
 
-/// So many octets of a file are read; nothing where nobody watches.
+/// Shows the octets read of a file on a terminal; nothing without one.
 pub fn bytes(output: &Output, length: u64) -> ProgressBar {
     counter(output, length, "{bar:30} {percent:>3}% {bytes}/{total_bytes}")
 }
 
 #[expect(
     clippy::disallowed_methods,
-    reason = "the one place that makes it; its text is a constant"
+    reason = "the only constructor; its text is a constant"
 )]
 fn counter(output: &Output, length: u64, template: &'static str) -> ProgressBar {
     if !output.progress() {

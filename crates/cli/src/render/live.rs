@@ -28,21 +28,21 @@ pub struct AxisView {
     pub stw1: u16,
     /// Status word in the bits of the profile, once there is one.
     pub zsw1: Option<u16>,
-    /// Control word and status word as they are on the wire: a make may have words of its own.
+    /// Control word and status word as they are on the wire: a model may have words of its own.
     pub wire: (u16, Option<u16>),
     /// Control word that the status word answers.
     pub answered: u16,
-    /// The connection is lost: the drive said all of this before.
+    /// The connection is lost: the values are the last received ones.
     pub lost: bool,
     /// What the speeds are in.
     pub unit: SpeedUnit,
-    /// Speed asked for.
+    /// Speed requested.
     pub speed_set: Option<f64>,
     /// Speed of the motor.
     pub speed_actual: Option<f64>,
     /// The motor may turn faster than that: its signal has no higher number.
     pub speed_beyond: Option<Beyond>,
-    /// Position in the drive's unit, where somebody reads it.
+    /// Position in the drive's unit, if it is read.
     pub position: Option<f64>,
     /// Where a move leads, in turns.
     pub target: Option<f64>,
@@ -53,7 +53,7 @@ pub struct AxisView {
 }
 
 impl AxisView {
-    /// Out of what the client says about an axis.
+    /// Converts the status of an axis.
     pub fn of(status: &AxisStatus) -> Self {
         Self {
             mode: status.view.mode,
@@ -74,7 +74,7 @@ impl AxisView {
         }
     }
 
-    /// What is worth a line when it changes.
+    /// Returns the values whose change is worth a line.
     const fn words(&self) -> (u16, Option<u16>, u16, bool) {
         (self.stw1, self.zsw1, self.answered, self.lost)
     }
@@ -92,7 +92,7 @@ impl AxisView {
         if self.lost {
             return format!("connection lost, was in {state}");
         }
-        // what was sent a moment ago is no state of the drive
+        // what was sent a moment ago is not a state of the drive
         if words::state(zsw1, Some(self.stw1)) == state {
             return state;
         }
@@ -100,7 +100,7 @@ impl AxisView {
         format!("{state}, {order} commanded")
     }
 
-    /// Short name of the state that the drive has told.
+    /// Returns the short name of the state that the drive reported.
     pub fn state_number(&self) -> Option<&'static str> {
         self.zsw1
             .map(|zsw1| words::state_number(zsw1, Some(self.answered)))
@@ -118,7 +118,7 @@ pub struct LiveView {
 }
 
 impl LiveView {
-    /// A view for a command.
+    /// Creates a view for a command.
     pub const fn new(output: Output, command: &'static str) -> Self {
         Self {
             output,
@@ -148,7 +148,8 @@ impl LiveView {
         }
     }
 
-    /// As [`show`](Self::show), but a line only for new words: for views that lack something somebody else will add.
+    /// As [`show`](Self::show), but prints a line only for new text: for incomplete views that another source
+    /// completes.
     pub fn show_words(&mut self, view: &AxisView) {
         let same = self.last.is_some_and(|last| last.words() == view.words());
         if self.output.live() || !same {
@@ -180,7 +181,7 @@ impl LiveView {
     }
 }
 
-/// The bits of both words for programs, named as the profile does, beside the numbers on the wire.
+/// Returns the bits of both words for programs, named as the profile does, beside the numbers on the wire.
 fn words_json(view: &AxisView) -> Value {
     let beside = |mut bits: Value, wire: u16| {
         if let Some(hex) = bits.get_mut("hex") {
@@ -228,7 +229,7 @@ pub fn line(view: &AxisView) -> String {
     text
 }
 
-/// `> ` where the speed is at least the one told.
+/// Returns `> ` where the speed is at least the reported one.
 fn beyond(view: &AxisView) -> String {
     view.speed_beyond
         .map_or_else(String::new, |end| format!("{} ", end.sign()))
@@ -280,7 +281,7 @@ fn picture(view: &AxisView, output: &Output) -> Vec<String> {
     lines
 }
 
-/// A word on the wire with its bits, as far as they are those that are named behind it.
+/// Returns a word on the wire with its bits, as far as they are those that are named behind it.
 fn digits(wire: u16, profile: u16) -> String {
     if wire == profile {
         format!("{}  {}", hex16(wire), nibbles(wire))
@@ -289,7 +290,7 @@ fn digits(wire: u16, profile: u16) -> String {
     }
 }
 
-/// A bar as long as the speed is.
+/// Returns a bar as long as the speed is.
 fn scale(rpm: f64, reference: f64) -> String {
     const LENGTH: f64 = 30.0;
     let full = reference.abs().max(60.0);

@@ -27,12 +27,12 @@ impl Table {
             .push(cells.into_iter().map(|cell| clean(&cell)).collect());
     }
 
-    /// True when there is no row.
+    /// Returns true when there is no row.
     pub fn is_empty(&self) -> bool {
         self.rows.is_empty()
     }
 
-    /// The lines of the table, the last column ragged. Columns without any content are left out.
+    /// Returns the lines of the table, the last column ragged. Columns without any content are left out.
     pub fn lines(&self) -> Vec<String> {
         let width = |at: usize| {
             let cells = self.rows.iter().filter_map(|row| row.get(at));

@@ -5,17 +5,17 @@
 
 use std::process::{Command, Output, Stdio};
 
-/// The program with these arguments, without colours and with nothing from the environment.
+/// Returns the program with these arguments, without colours and with nothing from the environment.
 pub fn profidrive(line: &[&str]) -> Output {
     run(command(line).env_remove("PROFIDRIVE_INTERFACE"))
 }
 
-/// The same where the environment names an interface.
+/// Returns the same where the environment names an interface.
 pub fn profidrive_on(interface: &str, line: &[&str]) -> Output {
     run(command(line).env("PROFIDRIVE_INTERFACE", interface))
 }
 
-/// The same with what it prints going elsewhere.
+/// Returns the same with what it prints going elsewhere.
 pub fn onto(line: &[&str], stdout: Stdio) -> Output {
     run(command(line).env_remove("PROFIDRIVE_INTERFACE").stdout(stdout))
 }

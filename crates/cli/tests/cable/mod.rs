@@ -31,7 +31,7 @@ struct State {
 }
 
 impl Cable {
-    /// A cable that is whole.
+    /// Creates a cable that is whole.
     pub fn lay() -> Self {
         let (near_end, near) = Port::pair().expect("a pseudo-terminal");
         let (far_end, far) = Port::pair().expect("a pseudo-terminal");
@@ -46,12 +46,12 @@ impl Cable {
         }
     }
 
-    /// A drive as the user writes it.
+    /// Returns a drive as the user writes it.
     pub fn drive(&self, protocol: &str, number: u8) -> String {
         format!("{protocol}:{}/{number}", self.near)
     }
 
-    /// A drive as the simulation calls it: by its own end.
+    /// Returns a drive as the simulation calls it: by its own end.
     pub fn far_drive(&self, protocol: &str, number: u8) -> String {
         format!("{protocol}:{}/{number}", self.far)
     }
@@ -66,7 +66,7 @@ impl Cable {
         self.state.every.store(lumps, Ordering::SeqCst);
     }
 
-    /// How many were spoiled.
+    /// Returns how many were spoiled.
     pub fn spoiled(&self) -> u64 {
         self.state.spoiled.load(Ordering::SeqCst)
     }
@@ -101,7 +101,7 @@ fn carry(mut near: Port, mut far: Port, state: &State) {
             } else {
                 (&mut far, &mut near)
             };
-            // an end that nobody has open has nothing to say
+            // an end that is not open sends nothing
             let length = from.read(&mut buffer).unwrap_or(0);
             if length == 0 || state.cut.load(Ordering::SeqCst) {
                 continue;
@@ -186,7 +186,7 @@ impl Simulated {
         assert!(left.is_some_and(|status| status.success()), "{left:?}");
     }
 
-    /// What it prints until a line has these words.
+    /// Returns its output until a line contains this text.
     pub fn output_until(&mut self, words: &str) -> String {
         let (mut all, limit) = (String::new(), Instant::now() + Duration::from_secs(30));
         while !all.contains(words) && Instant::now() < limit {

@@ -124,7 +124,7 @@ impl LineAddress {
         Ok(address)
     }
 
-    /// The file of a serial port: `ttyUSB0` is `/dev/ttyUSB0`.
+    /// Returns the file of a serial port: `ttyUSB0` is `/dev/ttyUSB0`.
     #[must_use]
     pub fn path(port: &str) -> String {
         if port.contains('/') {

@@ -1,4 +1,4 @@
-//! Which telegram an axis is run with: by what is wanted, what the drive has, and what it reports.
+//! Selects the telegram of an axis by its purpose, the telegrams of the drive, and the values it reports.
 
 use profile::catalogue::{Device, TelegramModule};
 use profile::state::Mode;
@@ -6,7 +6,7 @@ use profile::telegram::{Telegram, signal};
 
 use super::wiring::{Wiring, WiringError};
 
-/// What an axis is wanted for.
+/// The purpose of an axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Purpose {
     /// Control word and status word alone: acknowledge, switch on, stop.
@@ -27,7 +27,7 @@ pub enum Purpose {
 }
 
 impl Purpose {
-    /// The mode of the drive that it needs; `None` when both will do.
+    /// Returns the mode of the drive that it needs; `None` when both will do.
     #[must_use]
     pub const fn mode(self) -> Option<Mode> {
         match self {
@@ -37,7 +37,7 @@ impl Purpose {
         }
     }
 
-    /// The setpoint signals that it needs besides STW1.
+    /// Returns the setpoint signals that it needs besides STW1.
     #[must_use]
     pub const fn signals(self) -> &'static [u16] {
         match self {
@@ -103,9 +103,9 @@ fn because(reported: Option<WiringError>) -> String {
     reported.map_or_else(String::new, |error| format!(" ({error})"))
 }
 
-/// The telegram for a purpose: the one that the drive reports if it carries everything, else the first of the usual
-/// ones that the drive has. Homing needs STW1 and ZSW1 alone, but a telegram of positioning (SATZANW) shows where the
-/// axis goes. A telegram of positioning does not jog a drive in velocity mode: its STW1 has other bits then.
+/// Returns the telegram for a purpose: the one that the drive reports if it carries everything, else the first of the
+/// usual ones that the drive has. Homing needs STW1 and ZSW1 alone, but a telegram of positioning (SATZANW) shows where
+/// the axis goes. A telegram of positioning does not jog a drive in velocity mode: its STW1 has other bits then.
 ///
 /// ```
 /// use profidrive_client::axis::{Purpose, ReportedTelegram, choose_telegram};
@@ -153,7 +153,7 @@ pub fn choose_telegram(
         .ok_or(NoTelegram { reported: trouble })
 }
 
-/// The telegram that a person names, if it carries what the purpose needs.
+/// Returns the telegram that a person names, if it carries what the purpose needs.
 ///
 /// # Errors
 /// When the drive does not have it, or it carries too little.
@@ -178,7 +178,8 @@ pub fn named_telegram(
         .ok_or(NoTelegram { reported: None })
 }
 
-/// The process data of a serial line, see [`Telegram::of_line`]; whose bits its words have [`Wiring::with_words`] says.
+/// Returns the process data of a serial line, see [`Telegram::of_line`]; whose bits its words have
+/// [`Wiring::with_words`] says.
 ///
 /// # Errors
 /// When the purpose needs more than that.
@@ -190,7 +191,7 @@ pub fn process_words(device: &Device, purpose: Purpose) -> Result<Wiring, NoTele
         .ok_or(NoTelegram { reported: None })
 }
 
-/// The telegram that the drive reports, where its signals are known.
+/// Returns the telegram that the drive reports, where its signals are known.
 fn own_wiring(
     device: &Device,
     reported: &ReportedTelegram,
@@ -288,7 +289,7 @@ mod tests {
         };
         assert_eq!(of(&reported, Purpose::Speed, Mode::Velocity), Ok(0));
         assert_eq!(of(&reported, Purpose::Move, Mode::Position), Ok(9));
-        // a mapping that makes no sense is left alone
+        // an inconsistent mapping is not changed
         reported.setpoint = vec![5, 1];
         assert_eq!(of(&reported, Purpose::Speed, Mode::Velocity), Ok(1));
     }

@@ -34,7 +34,7 @@ pub struct Traverse {
 }
 
 impl Traverse {
-    /// A task of the drive's own table (program mode).
+    /// Creates a task of the drive's own table (program mode).
     #[must_use]
     pub const fn task(number: u16) -> Self {
         Self {
@@ -68,7 +68,7 @@ impl Traverse {
         }
     }
 
-    /// The same with speed and ramps as they travel.
+    /// Returns the same with speed and ramps as they travel.
     #[must_use]
     pub const fn with_speed(self, velocity: u32, acceleration: u16, deceleration: u16) -> Self {
         Self {
@@ -79,13 +79,13 @@ impl Traverse {
         }
     }
 
-    /// True when the values of the telegram count, false for a task of the drive.
+    /// Returns true when the values of the telegram count, false for a task of the drive.
     #[must_use]
     pub const fn is_mdi(self) -> bool {
         self.satzanw & MDI != 0
     }
 
-    /// True for a position, false for a distance or a task of the drive.
+    /// Returns true for a position, false for a distance or a task of the drive.
     #[must_use]
     pub const fn is_absolute(self) -> bool {
         self.is_mdi() && self.modus & ABSOLUTE != 0
@@ -99,7 +99,7 @@ pub struct Command {
     pub stw1: Stw1,
     /// Speed setpoint A, where the telegram has it.
     pub nsoll_a: i16,
-    /// Traversing task, where the telegram has its signals. Counts with the edge of STW1 bit 6 only; without a task
-    /// the target is the position that the drive told last.
+    /// Traversing task, where the telegram has its signals. Takes effect only with the edge of STW1 bit 6; without a
+    /// task the target is the last reported position.
     pub traverse: Traverse,
 }

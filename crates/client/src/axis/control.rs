@@ -68,7 +68,7 @@ pub struct AxisControl {
     homed_before: bool,
     /// Since when the axis stands where it should not stay.
     astray: Option<Instant>,
-    /// When operation ends if nobody puts that off.
+    /// Time at which operation ends unless it is extended.
     deadline: Option<Instant>,
     /// It is brought to rest and released for good.
     ending: bool,
@@ -135,7 +135,7 @@ impl AxisControl {
         if self.ending && !matches!(goal, Goal::Stop | Goal::Released) {
             return;
         }
-        // a new setpoint while running is no new start
+        // a new setpoint while running is not a new start
         let same_motion = matches!((self.goal, goal), (Goal::Run { .. }, Goal::Run { .. }));
         // a quick stop under way is not taken back
         let same_stop = self.quick && (self.goal, goal) == (Goal::Stop, Goal::Stop);
@@ -155,7 +155,7 @@ impl AxisControl {
         }
     }
 
-    /// Stops an axis that is in operation, whoever moves it: who does is told by [`Trouble::Stopped`].
+    /// Stops an axis that is in operation, whoever moves it: who does is reported by [`Trouble::Stopped`].
     pub fn stop_now(&mut self, now: Instant) {
         if self.goal.operates() || self.goal == Goal::Keep {
             self.give_up(now, Trouble::Stopped);
@@ -180,20 +180,20 @@ impl AxisControl {
         self.deadline = deadline;
     }
 
-    /// What is wanted.
+    /// Returns the goal.
     #[must_use]
     pub const fn goal(&self) -> Goal {
         self.goal
     }
 
-    /// How far it is. A failure stays until the next [`pursue`](Self::pursue).
+    /// Returns the progress. A failure stays until the next [`pursue`](Self::pursue).
     #[must_use]
     pub fn progress(&self) -> Progress {
         // a failed motion is reported at once, while the stop is still under way
         self.trouble.map_or(self.progress, Progress::Failed)
     }
 
-    /// True when the axis stands with the pulses off, as far as the drive says.
+    /// Returns true when the axis stands with the pulses off, as far as the drive says.
     #[must_use]
     pub fn is_at_rest(&self) -> bool {
         matches!(
@@ -202,19 +202,19 @@ impl AxisControl {
         ) && self.progress == Progress::Reached
     }
 
-    /// What the drive is for.
+    /// Returns what the drive is for.
     #[must_use]
     pub const fn mode(&self) -> Mode {
         self.mode
     }
 
-    /// True once the drive has accepted the task, or has begun to home.
+    /// Returns true once the drive has accepted the task, or has begun to home.
     #[must_use]
     pub const fn is_accepted(&self) -> bool {
         matches!(self.phase, Phase::UnderWay | Phase::Done)
     }
 
-    /// The task that an intermediate stop holds.
+    /// Returns the task that an intermediate stop holds.
     #[must_use]
     pub const fn held(&self) -> Option<Traverse> {
         match self.goal {
@@ -223,7 +223,7 @@ impl AxisControl {
         }
     }
 
-    /// What is being sent.
+    /// Returns what is being sent.
     #[must_use]
     pub const fn command(&self) -> Command {
         self.command
@@ -395,7 +395,7 @@ impl AxisControl {
         }
     }
 
-    /// The way to S4 with `on` as the word that switches on; `None` once there. Failures turn into a stop.
+    /// Returns the way to S4 with `on` as the word that switches on; `None` once there. Failures turn into a stop.
     fn switch_on(&mut self, now: Instant, seen: Seen, on: Stw1) -> Option<Command> {
         let state = self.state(seen);
         let operation = state == Some(State::S4);
@@ -475,7 +475,7 @@ impl AxisControl {
         word(if self.quick { QUICK_STOP } else { Stw1::READY })
     }
 
-    /// The state the drive tells, read with the control word it was sent.
+    /// Returns the state reported by the drive, decoded with the control word it was sent.
     fn state(&self, seen: Seen) -> Option<State> {
         seen.state(self.command.stw1)
     }
@@ -495,7 +495,7 @@ impl AxisControl {
         }
     }
 
-    /// The axis stands, by what the telegram of its mode tells best.
+    /// Returns whether the axis stands, by the best value in the telegram of its mode.
     const fn stands(&self, seen: Seen) -> bool {
         match self.mode {
             Mode::Velocity => seen.stands(self.limits.standstill),
@@ -503,18 +503,18 @@ impl AxisControl {
         }
     }
 
-    /// The axis stands where its task does not end.
+    /// Returns whether the axis stands where its task does not end.
     pub(crate) const fn stays_away(&self) -> bool {
         self.astray.is_some()
     }
 
-    /// The ramp stop has been given up for a quick stop.
+    /// Returns whether the ramp stop has been given up for a quick stop.
     pub(crate) const fn stops_quickly(&self) -> bool {
         self.quick
     }
 
-    /// The axis moves for certain, whatever is wanted of it; a telegram that tells neither speed nor standstill says
-    /// nothing.
+    /// Returns true if the axis certainly moves, independent of the goal. Without speed and standstill bit in the
+    /// telegram the result is false.
     pub(crate) fn turns(&self, seen: Seen) -> bool {
         match self.mode {
             Mode::Velocity => {
@@ -525,8 +525,8 @@ impl AxisControl {
         }
     }
 
-    /// What the drive says is an answer to a control word: before that it may tell a word of another connection, with
-    /// other bits.
+    /// Returns whether the status word answers the present control word: before that it may be one of another
+    /// connection, with other bits.
     fn has_answered(&self, now: Instant) -> bool {
         self.command.stw1 != RELEASED && now - self.controlled_since >= self.limits.dwell
     }
@@ -539,7 +539,7 @@ impl AxisControl {
         now - self.word_since
     }
 
-    /// The present word stood long enough to be seen by the drive.
+    /// Returns whether the present word stood long enough to be seen by the drive.
     fn stood(&self, now: Instant) -> bool {
         self.word_age(now) >= self.limits.dwell
     }

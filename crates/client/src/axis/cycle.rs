@@ -34,7 +34,7 @@ impl Cycle {
     /// Fewest update times of a watchdog that is chosen by default.
     const LEAST_COUNT: u16 = 3;
 
-    /// Returns the update time and watchdog for a drive: those that are asked for, else [`CALM`](Self::CALM) and
+    /// Returns the update time and watchdog for a drive: those that are requested, else [`CALM`](Self::CALM) and
     /// [`CALM_HOLD`](Self::CALM_HOLD) or the next above them.
     ///
     /// `allowed` are the update times of the device description, empty where none was read; `least` is the shortest
@@ -42,8 +42,8 @@ impl Cycle {
     /// chosen.
     ///
     /// # Errors
-    /// When the update time asked for does not exist or the description does not allow it, or the watchdog is outside
-    /// 1 to 1.92 s.
+    /// When the update time requested does not exist or the description does not allow it, or the watchdog is outside 1
+    /// to 1.92 s.
     pub fn choose(
         allowed: &[Timing],
         least: Duration,
@@ -87,7 +87,7 @@ impl Cycle {
     }
 }
 
-/// The shortest update time that is calm and that the drive can do.
+/// Returns the shortest update time that is calm and that the drive can do.
 fn calm(allowed: &[Timing], least: Duration) -> Option<Timing> {
     let wanted = Cycle::CALM.max(least);
     if allowed.is_empty() {
@@ -113,7 +113,7 @@ pub struct Strained {
 }
 
 impl Strained {
-    /// True where this computer keeps to the cycle, and the watchdog alone leaves no room.
+    /// Returns true where this computer keeps to the cycle, and the watchdog alone leaves no room.
     #[must_use]
     pub fn is_watchdog_too_short(&self) -> bool {
         self.delay < self.cycle.interval()

@@ -25,7 +25,7 @@ pub struct Evidence {
 }
 
 impl Evidence {
-    /// What it points to.
+    /// Returns what it points to.
     #[must_use]
     pub fn cause(&self) -> Option<&'static str> {
         let behind = self.following_error.is_some_and(|error| error.abs() > BEHIND);
@@ -46,7 +46,7 @@ impl Evidence {
         }
     }
 
-    /// What to do about it.
+    /// Returns the hint.
     #[must_use]
     pub fn advice(&self) -> Option<Advice> {
         let advice = if self.limit_switch {
@@ -78,7 +78,7 @@ impl fmt::Display for Evidence {
             (false, Some(cause)) => write!(f, "{text}: {cause}"),
             (false, None) => f.write_str(&text),
             (true, Some(cause)) => f.write_str(cause),
-            (true, None) => f.write_str("the drive does not tell why"),
+            (true, None) => f.write_str("the drive does not report the cause"),
         }
     }
 }
@@ -111,6 +111,6 @@ mod tests {
         assert_eq!(held.cause(), Some("the axis does not follow: something holds it"));
         let nothing = Evidence::default();
         assert_eq!((nothing.cause(), nothing.advice()), (None, None));
-        assert_eq!(nothing.to_string(), "the drive does not tell why");
+        assert_eq!(nothing.to_string(), "the drive does not report the cause");
     }
 }

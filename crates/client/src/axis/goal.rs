@@ -1,4 +1,4 @@
-//! What is wanted of an axis, how far it is, and why it was given up.
+//! Goals of an axis, their progress, and the causes of failure.
 
 use core::time::Duration;
 
@@ -17,7 +17,7 @@ pub enum Jog {
 }
 
 impl Jog {
-    /// The bit of STW1 that starts it.
+    /// Returns the bit of STW1 that starts it.
     #[must_use]
     pub const fn bit(self) -> Stw1 {
         match self {
@@ -27,7 +27,7 @@ impl Jog {
     }
 }
 
-/// What is wanted of the axis.
+/// A goal of the axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Goal {
     /// Nothing: control is not taken.
@@ -71,7 +71,7 @@ pub enum Goal {
 }
 
 impl Goal {
-    /// True when the axis is in operation (S4) while this is pursued, so that it may turn.
+    /// Returns true when the axis is in operation (S4) while this is pursued, so that it may turn.
     #[must_use]
     pub const fn operates(self) -> bool {
         !matches!(
@@ -80,7 +80,7 @@ impl Goal {
         )
     }
 
-    /// The mode of the drive that this needs; `None` when it does not matter.
+    /// Returns the mode of the drive that this needs; `None` when it does not matter.
     #[must_use]
     pub const fn mode(self) -> Option<Mode> {
         match self {
@@ -123,8 +123,8 @@ pub enum Trouble {
         /// Where it is, `None` in a self test.
         state: Option<State>,
     },
-    /// The drive left S4 though nobody here told it to. It is not switched on again by itself.
-    #[error("the drive left operation by itself, it is in {} now", state_words(*state))]
+    /// The drive left S4 without a command of this client. It is not switched on again automatically.
+    #[error("the drive left operation without a command, it is in {} now", state_words(*state))]
     LeftOperation {
         /// Where it is, `None` in a self test.
         state: Option<State>,
@@ -165,7 +165,7 @@ pub enum Trouble {
     /// Its stop handle stopped it, or all axes were stopped.
     #[error("it was stopped from elsewhere in this program")]
     Stopped,
-    /// The deadline of a motion passed and nobody had put it off.
+    /// The deadline of a motion passed without an extension.
     #[error("no call was made for the axis in time, it was brought to rest")]
     Unattended,
     /// The connection lives, but the inputs are marked bad (IOPS).
@@ -203,7 +203,7 @@ pub struct Limits {
     pub accept: Duration,
     /// How long the axis may stand away from its target, or after homing without a home position.
     pub settle: Duration,
-    /// Bits of ZSW1 that tell a task under way, none where the maker has no such bit.
+    /// Bits of ZSW1 that report a running task; none where the vendor has no such bit.
     pub task_active: Zsw1,
 }
 

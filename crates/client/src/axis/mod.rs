@@ -1,4 +1,4 @@
-//! Moving an axis: control words chosen from what the drive says, telegrams chosen by what it is.
+//! Control of an axis: control words depend on the status of the drive, telegrams on its model.
 
 mod choose;
 mod command;

@@ -33,7 +33,7 @@ impl Bench {
         Self::with(AxisControl::new(Limits::default()), None)
     }
 
-    /// A drive in position mode, homed.
+    /// Creates a drive in position mode, homed.
     pub fn positioning() -> Self {
         let limits = Limits {
             task_active: Zsw1::TASK_ACTIVE,

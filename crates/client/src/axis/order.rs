@@ -1,4 +1,4 @@
-//! A move in engineering units: what goes into the telegram, and what speaks against it.
+//! A move in engineering units: its telegram values, and the objections to it.
 
 mod facts;
 mod modulo;
@@ -59,7 +59,7 @@ impl Move {
         }
     }
 
-    /// The same with ramps of its own in rpm/s.
+    /// Returns the same with ramps of its own in rpm/s.
     #[must_use]
     pub const fn with_ramps(self, acceleration: Option<f64>, deceleration: Option<f64>) -> Self {
         Self {
@@ -87,15 +87,16 @@ pub struct MovePlan {
     pub deceleration: f64,
     /// How long it should take in seconds, where both ends are known.
     pub duration: Option<f64>,
-    /// Everything that speaks against it.
+    /// All objections to it.
     pub objections: Vec<Objection>,
 }
 
-/// Plans a move: engineering units into what travels, checked against what the drive says and the caller allows.
+/// Plans a move: converts engineering units into telegram values, checked against the facts of the drive and the limits
+/// of the caller.
 ///
-/// A ramp becomes the nearest step that the drive can take, at least one, which is told; a target is exact to half an
-/// increment. A speed that would become another one ([`MOST_ROUNDING`](profile::value::MOST_ROUNDING)) and a distance
-/// that would become none are objections.
+/// A ramp becomes the nearest step that the drive can take, at least one, which is reported; a target is exact to half
+/// an increment. A speed that would become another one ([`MOST_ROUNDING`](profile::value::MOST_ROUNDING)) and a
+/// distance that would become none are objections.
 #[must_use]
 pub fn plan_move(
     order: &Move,
@@ -361,7 +362,7 @@ mod tests {
         let by = plan(&Move::by(Position::Turns(2.0), 300.0), &table(0));
         assert_eq!((by.target, by.objections), (Some(1.0), vec![]));
         assert_eq!(by.traverse.target, 131_072);
-        // the time tells which way it goes: 0.25 rev is 1.75 back, 1.25 on
+        // the time shows the direction: 0.25 rev is 1.75 back, 1.25 on
         let seconds = |way| plan(&turns(0.25), &table(way)).duration.unwrap();
         let ramps = (3052.0, 763.0);
         let of = |distance| duration(distance, 300.0, ramps.0, ramps.1);

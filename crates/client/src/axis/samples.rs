@@ -17,9 +17,9 @@ pub struct Sample {
     pub number: u64,
     /// Frames that the counter of the connection says were lost until now; 0 at a serial line, which has no counter.
     pub missed: u64,
-    /// What the drive said.
+    /// Decoded inputs of the drive.
     pub seen: Seen,
-    /// What it was told.
+    /// What it was reported.
     pub command: Command,
 }
 
@@ -33,7 +33,7 @@ pub(crate) struct SampleQueue {
 #[derive(Debug)]
 struct Open {
     samples: VecDeque<Sample>,
-    /// Samples that nobody took in time.
+    /// Samples that were not fetched in time.
     dropped: u64,
     ended: bool,
 }

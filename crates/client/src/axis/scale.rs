@@ -2,7 +2,7 @@
 
 use profile::unit::Linear;
 
-/// What speeds of an axis are told in.
+/// What speeds of an axis are reported in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum SpeedUnit {
     /// Revolutions per minute.
@@ -36,7 +36,7 @@ impl SpeedUnit {
         }
     }
 
-    /// How far from a speed is near it, however low that is.
+    /// Returns the tolerance within which a speed counts as reached, also at low speeds.
     #[must_use]
     pub const fn near(self) -> f64 {
         match self {
@@ -96,13 +96,13 @@ impl SpeedScale {
         Self::range(full, [0.0, 100.0], SpeedUnit::Percent)
     }
 
-    /// What its speeds are told in.
+    /// Returns the unit of its speeds.
     #[must_use]
     pub const fn unit(&self) -> SpeedUnit {
         self.unit
     }
 
-    /// The number of a speed; `None` where it has none.
+    /// Returns the number of a speed; `None` where it has none.
     #[must_use]
     pub fn raw(&self, speed: f64) -> Option<i16> {
         let raw = match self.numbers {
@@ -124,7 +124,7 @@ impl SpeedScale {
         i16::try_from(raw).ok()
     }
 
-    /// The speed of a number.
+    /// Returns the speed of a number.
     #[must_use]
     pub fn speed(&self, raw: i16) -> f64 {
         match self.numbers {

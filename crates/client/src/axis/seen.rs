@@ -1,11 +1,11 @@
-//! What the drive says about its state, read from its telegram.
+//! The state of the drive, decoded from its telegram.
 
 use profile::state::{State, Stw1, Zsw1};
 
 /// Input data of an axis; what its telegram does not carry is `None`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Seen {
-    /// Status word 1, in the bits of the profile whatever words the make has.
+    /// Status word 1, in the bits of the profile whatever words the model has.
     pub zsw1: Zsw1,
     /// The status word as it came.
     pub word: u16,
@@ -19,13 +19,13 @@ pub struct Seen {
     pub xist_error: Option<i32>,
 }
 
-/// A state for a sentence; `None` is a drive that is not ready, in its self test for example.
+/// Returns a state for a sentence; `None` is a drive that is not ready, in its self test for example.
 pub(super) fn state_words(state: Option<State>) -> String {
     state.map_or_else(|| "no state yet (not ready)".into(), |state| state.to_string())
 }
 
 impl Seen {
-    /// The state, read with the control word that the drive was sent; see [`Zsw1::state`].
+    /// Returns the state, read with the control word that the drive was sent; see [`Zsw1::state`].
     #[must_use]
     pub const fn state(self, sent: Stw1) -> Option<State> {
         self.zsw1.state(sent)
@@ -55,7 +55,7 @@ impl Seen {
         !self.zsw1.has(Zsw1::READY_TO_OPERATE)
     }
 
-    /// The speed is at most `threshold` (as NIST_A); a telegram without speed does not say so.
+    /// Returns whether the speed is at most `threshold` (as NIST_A); a telegram without speed does not say so.
     #[must_use]
     pub const fn stands(self, threshold: u16) -> bool {
         match self.nist_a {

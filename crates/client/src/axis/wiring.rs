@@ -37,7 +37,7 @@ pub enum WiringError {
     },
 }
 
-/// The signals of one axis in its telegram, with what stands in those that nobody commands.
+/// The signals of one axis in its telegram, with the values of uncommanded ones.
 ///
 /// ```
 /// use profidrive_client::axis::{Command, Wiring};
@@ -72,7 +72,7 @@ impl Wiring {
     /// From the signal number of each word, as in PNU 915 and 916.
     ///
     /// # Errors
-    /// When the words are no telegram.
+    /// When the words are not telegram.
     pub fn new(
         telegram: u16,
         setpoint: impl IntoIterator<Item = u16>,
@@ -100,7 +100,8 @@ impl Wiring {
         })
     }
 
-    /// The same with control and status words of this profile: what goes in and comes out here is STW1 and ZSW1.
+    /// Returns the same with control and status words of this profile: what goes in and comes out here is STW1 and
+    /// ZSW1.
     ///
     /// ```
     /// use profidrive_client::axis::{Command, Wiring};
@@ -120,7 +121,7 @@ impl Wiring {
         self
     }
 
-    /// Whose bits the control and status words have.
+    /// Returns whose bits the control and status words have.
     #[must_use]
     pub const fn words(&self) -> Profile {
         self.words
@@ -132,7 +133,7 @@ impl Wiring {
         self.kept = self.words.beside(word);
     }
 
-    /// A telegram whose signals are fixed, or the default of a free one.
+    /// Returns a telegram whose signals are fixed, or the default of a free one.
     ///
     /// # Errors
     /// When it does not start with STW1 and ZSW1: no telegram of an axis.
@@ -148,7 +149,7 @@ impl Wiring {
         )
     }
 
-    /// A telegram with parameter channel, or with words that settings choose.
+    /// Creates a telegram with parameter channel, or with words that settings choose.
     fn of_parameters(telegram: &Telegram) -> Self {
         Self {
             telegram: telegram.number,
@@ -177,7 +178,7 @@ impl Wiring {
         }
     }
 
-    /// The same in a module of this length: what is behind the signals stays 0.
+    /// Returns the same in a module of this length: what is behind the signals stays 0.
     ///
     /// # Errors
     /// When the module is too short.
@@ -200,19 +201,19 @@ impl Wiring {
         Ok(self)
     }
 
-    /// Number of the telegram.
+    /// Returns the number of the telegram.
     #[must_use]
     pub const fn telegram(&self) -> u16 {
         self.telegram
     }
 
-    /// True when the drive is sent this signal.
+    /// Returns true when the drive is sent this signal.
     #[must_use]
     pub fn commands(&self, signal: u16) -> bool {
         self.setpoint.position_of(signal).is_some()
     }
 
-    /// True when the drive sends this signal.
+    /// Returns true when the drive sends this signal.
     #[must_use]
     pub fn reports(&self, signal: u16) -> bool {
         self.actual.position_of(signal).is_some()
@@ -227,7 +228,7 @@ impl Wiring {
             .filter(|number| !COMMANDED.contains(number))
     }
 
-    /// What stands in a signal until a command says otherwise.
+    /// Presets the value of a signal until a command sets it.
     ///
     /// # Errors
     /// The telegram does not have it, or the value does not fit.
@@ -235,13 +236,13 @@ impl Wiring {
         self.setpoint.set(&mut self.image, signal, value)
     }
 
-    /// The control word that stands in the telegram, in the words of the make.
+    /// Returns the control word that stands in the telegram, in the words of the model.
     #[must_use]
     pub const fn sent(&self) -> u16 {
         self.sent
     }
 
-    /// The octets of a command. Does not allocate.
+    /// Returns the octets of a command. Does not allocate.
     pub fn encode(&mut self, command: &Command) -> &[u8] {
         let task = &command.traverse;
         let kept = if command.stw1.has(Stw1::CONTROL_BY_PLC) {
@@ -267,7 +268,7 @@ impl Wiring {
         &self.image
     }
 
-    /// What the drive says; `None` when the data are too short for its status word.
+    /// Returns the decoded inputs; `None` when the data is too short for the status word.
     #[must_use]
     pub fn decode(&self, data: &[u8]) -> Option<Seen> {
         let get = |number| self.actual.get(data, number);
@@ -295,7 +296,7 @@ const COMMANDED: [u16; 8] = [
     signal::MDI_MOD,
 ];
 
-/// A position of 32 bits, whether the table calls it signed or not.
+/// Returns a position of 32 bits, whether the table calls it signed or not.
 #[expect(clippy::cast_possible_truncation, reason = "keeps the 32 bits that travelled")]
 const fn wrapped(value: i64) -> i32 {
     value as i32

@@ -9,7 +9,7 @@ use profile::value::Reading;
 pub enum Side {
     /// The parameter is not there.
     Missing,
-    /// The drive refused to tell.
+    /// The drive refused the read.
     Refused(Refusal),
     /// The value.
     Value(Reading),
@@ -25,7 +25,7 @@ pub struct Difference {
 }
 
 impl Difference {
-    /// A side that has a value.
+    /// Returns a side that has a value.
     #[must_use]
     pub const fn reading(&self) -> Option<&Reading> {
         match (&self.left, &self.right) {
@@ -34,7 +34,7 @@ impl Difference {
         }
     }
 
-    /// Name of the parameter, where known.
+    /// Returns the name of the parameter, where known.
     #[must_use]
     pub fn name(&self) -> Option<&'static str> {
         self.reading().and_then(|reading| reading.name)

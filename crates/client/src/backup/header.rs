@@ -19,13 +19,13 @@ pub struct Header {
     pub device_id: u16,
     /// Name of station.
     pub station: String,
-    /// Order number, empty where the drive does not tell.
+    /// Order number; empty when the drive does not report it.
     pub order_id: String,
     /// Serial number.
     pub serial_number: String,
     /// Software revision, for example `V1.17.0`.
     pub software: String,
-    /// What is said about the motion tasks as a whole.
+    /// Coverage of the motion tasks.
     pub tasks: TaskCoverage,
 }
 
@@ -48,8 +48,8 @@ impl Header {
         }
     }
 
-    /// What is known about the kind of drive: by its numbers, else by the name of the model, as a drive may be taken for
-    /// one whatever its numbers are.
+    /// Returns what is known about the kind of drive: by its numbers, else by the name of the model, as a drive may be
+    /// taken for one whatever its numbers are.
     #[must_use]
     pub fn known(&self) -> Model {
         let by_numbers = Model::of(self.vendor_id, self.device_id);
@@ -59,7 +59,7 @@ impl Header {
         }
     }
 
-    /// Why the settings are of another kind of drive; `None` when they fit.
+    /// Returns why the settings are of another kind of drive; `None` when they fit.
     #[must_use]
     pub fn misfit(&self, drive: &Drive) -> Option<String> {
         let station = &drive.station;
@@ -93,7 +93,7 @@ impl Header {
         .collect()
     }
 
-    /// The lines of the text.
+    /// Returns the lines of the text.
     pub(super) fn lines(&self, scaling: Option<&Scaling>) -> Vec<String> {
         let mut lines = vec![
             format!("model: {}", line(&self.model)),
@@ -148,7 +148,7 @@ impl Header {
         units: &mut Option<UnitChoice>,
     ) -> Result<(), String> {
         if let Some(wrong) = value.chars().find(|c| c.is_control()) {
-            return Err(format!("`{key}:` has {wrong:?} in it, which is no text"));
+            return Err(format!("`{key}:` has {wrong:?} in it, which is not text"));
         }
         let text = || unescape(value).trim().to_owned();
         match key {
@@ -162,7 +162,7 @@ impl Header {
             "tasks" => self.tasks = TaskCoverage::parse(&text())?,
             "scaling" => *scaling = Some(read_scaling(value)?),
             "units" => *units = Some(read_units(value)?),
-            _ => return Err(format!("`{key}:` is no line of the head of a backup")),
+            _ => return Err(format!("`{key}:` is not a line of the head of a backup")),
         }
         Ok(())
     }
@@ -176,10 +176,10 @@ fn line(text: &str) -> String {
 fn number(text: &str) -> Result<u16, String> {
     text.strip_prefix("0x")
         .and_then(|digits| u16::from_str_radix(digits, 16).ok())
-        .ok_or_else(|| format!("`{text}` is no number of four hexadecimal digits such as 0x0105"))
+        .ok_or_else(|| format!("`{text}` is not a number of four hexadecimal digits such as 0x0105"))
 }
 
-/// The parameters behind the unit of positions, as a line has them.
+/// Returns the parameters behind the unit of positions, as a line has them.
 fn unit_values(unit: UnitChoice) -> [(&'static str, i64); 6] {
     [
         ("MOTOR.TYPE", i64::from(unit.linear)),
@@ -200,7 +200,7 @@ fn read_units(text: &str) -> Result<UnitChoice, String> {
             .ok_or_else(|| format!("`{part}`: write a parameter and its value"))?;
         let value: u32 = value
             .parse()
-            .map_err(|_| format!("`{value}` is no value of {name}"))?;
+            .map_err(|_| format!("`{value}` is not a value of {name}"))?;
         let value = i64::from(value);
         match name {
             "MOTOR.TYPE" => unit.linear = value == 1,
@@ -222,7 +222,7 @@ fn read_scaling(text: &str) -> Result<Scaling, String> {
             .trim()
             .rsplit_once(' ')
             .ok_or_else(|| format!("`{}`: write what is scaled and a number", part.trim()))?;
-        let wrong = || format!("`{value}` is no scaling of {what}");
+        let wrong = || format!("`{value}` is not a valid scaling of {what}");
         let whole = || {
             value
                 .parse::<u16>()

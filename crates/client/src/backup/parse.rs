@@ -1,4 +1,4 @@
-//! A backup out of its text, which may be anybody's: edited, cut, of another program.
+//! Parses a backup. The text is untrusted: edited, truncated, or written by another program.
 
 use std::collections::HashMap;
 use std::fmt;
@@ -16,7 +16,7 @@ use profile::value::{Interpretation, ParameterProblem, Parameters, Reading, Sele
 
 /// Longest text that is read: far more than any drive needs.
 pub const MAX_TEXT: usize = 4 << 20;
-/// Most mistakes that are told at once.
+/// Most mistakes that are reported at once.
 const MOST_PROBLEMS: usize = 20;
 /// Most octets of one value.
 const MAX_VALUE: usize = 240;
@@ -32,14 +32,14 @@ pub struct Problem {
 
 impl fmt::Display for Problem {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        // words of a file that is anybody's must not move the cursor
+        // text of an untrusted file must not move the cursor
         let clean = |c: char| if c.is_control() { '.' } else { c };
         let what: String = self.what.chars().map(clean).collect();
         write!(f, "line {}: {what}", self.line)
     }
 }
 
-/// Why a text is no backup; nothing of it is used then.
+/// Why a text is not a backup; nothing of it is used then.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct BackupError {
     /// The mistakes in the order of the lines, at most 20.
@@ -87,7 +87,7 @@ impl Backup {
         if text.len() > MAX_TEXT {
             return Err(BackupError::one(
                 1,
-                format!("longer than {MAX_TEXT} octets, this is no backup"),
+                format!("longer than {MAX_TEXT} octets, not a backup"),
             ));
         }
         let mut numbered = (1..).zip(text.lines());
@@ -159,7 +159,7 @@ fn first_line(line: &str) -> Result<(), BackupError> {
         None => Err(BackupError::one(
             1,
             format!(
-                "this is no backup: the first line is `{MAGIC} {FORM}`, not `{}`",
+                "not a backup: the first line is `{MAGIC} {FORM}`, not `{}`",
                 shorten(line)
             ),
         )),
@@ -272,7 +272,7 @@ fn select(text: &str, parameters: &Parameters) -> Result<Selection, String> {
     if selection.count != 1 || (array && reference.elements.is_none()) {
         return Err(format!("{}: one element in each line", selection.label()));
     }
-    // an element of a parameter that is no array is the parameter itself
+    // an element of a parameter that is not an array is the parameter itself
     if selection
         .parameter
         .is_some_and(|parameter| !parameter.is_array() && parameter.base.is_none())
@@ -290,7 +290,7 @@ fn select(text: &str, parameters: &Parameters) -> Result<Selection, String> {
     }
 }
 
-/// The number in front and what follows it: `p2108`, `1-20`, `ID 103`.
+/// Returns the number in front and what follows it: `p2108`, `1-20`, `ID 103`.
 fn number_and_name(text: &str) -> (&str, &str) {
     let blank = |text: &str| text.find(char::is_whitespace).unwrap_or(text.len());
     let (first, rest) = text.split_at(blank(text));
@@ -302,14 +302,14 @@ fn number_and_name(text: &str) -> (&str, &str) {
     text.split_at(start + blank(id))
 }
 
-/// A name that may have blanks in it, and its element.
+/// Returns a name that may have blanks in it, and its element.
 fn named(text: &str) -> Result<ParameterReference, String> {
     let (name, elements) = match text.strip_suffix(']').and_then(|text| text.rsplit_once('[')) {
         Some((name, element)) => {
             let first = element
                 .trim()
                 .parse()
-                .map_err(|_| format!("`{}` is no element of an array", shorten(element)))?;
+                .map_err(|_| format!("`{}` is not a valid array element", shorten(element)))?;
             (name.trim(), Some(Elements { first, count: 1 }))
         }
         None => (text, None),
@@ -331,7 +331,7 @@ fn explained(problem: &ParameterProblem) -> String {
     }
 }
 
-/// The number on the wire: out of the value in its unit, or the raw one where that stands there too and agrees.
+/// Returns the number on the wire: out of the value in its unit, or the raw one where that stands there too and agrees.
 fn number(
     text: &str,
     parameter: &'static Parameter,
@@ -370,7 +370,8 @@ fn number(
     }
 }
 
-/// The number on the wire for a value in its unit; an error when it is a fraction where there are none, or does not fit.
+/// Returns the number on the wire for a value in its unit; an error when it is a fraction where there are none, or does
+/// not fit.
 pub(super) fn nearest(value: f64, parameter: &Parameter, scaling: &Scaling) -> Result<i64, String> {
     if parameter.scale == Scale::Raw && value.fract() != 0.0 {
         return Err(format!("takes whole numbers, not {value}"));
@@ -393,7 +394,7 @@ fn raw_number(text: &str, parameter: &Parameter) -> Result<i64, String> {
     let raw = digits
         .filter(|digits| digits.bytes().all(|b| b.is_ascii_hexdigit()))
         .and_then(|digits| u64::from_str_radix(digits, 16).ok())
-        .ok_or_else(|| format!("`{}` is no raw value such as 0x002D", shorten(text)))?;
+        .ok_or_else(|| format!("`{}` is not a raw value such as 0x002D", shorten(text)))?;
     if let (true, true, Ok(low)) = (
         parameter.wide,
         digits.is_some_and(|d| d.len() <= 8),
@@ -413,7 +414,7 @@ fn raw_number(text: &str, parameter: &Parameter) -> Result<i64, String> {
     })
 }
 
-/// The octets of a value of which nothing is known.
+/// Returns the octets of a value of which nothing is known.
 fn hex_octets(text: &str) -> Result<Vec<u8>, String> {
     let form = || {
         format!(

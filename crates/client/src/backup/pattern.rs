@@ -20,7 +20,7 @@ pub struct Pattern {
     number: Option<(u16, Option<Elements>)>,
 }
 
-/// Why a text is no pattern.
+/// Why a text is not a pattern.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("`{text}`: write a name, with * for any part (MOTOR.*), or a number (2108, p915[0])")]
 pub struct PatternError {
@@ -29,14 +29,14 @@ pub struct PatternError {
 }
 
 impl Pattern {
-    /// True when it fits a name; case does not matter.
+    /// Returns true when it fits a name; case does not matter.
     #[must_use]
     pub fn names(&self, name: &str) -> bool {
         let lower = |text: &str| text.to_ascii_lowercase().chars().collect::<Vec<_>>();
         self.number.is_none() && fits(&lower(&self.text), &lower(name))
     }
 
-    /// True when it means the parameter of a reading.
+    /// Returns true when it means the parameter of a reading.
     #[must_use]
     pub fn means(&self, reading: &Reading) -> bool {
         match self.number {

@@ -224,7 +224,7 @@ pub(super) fn parse(
             None if needed => return Err(format!("{name}: {} is missing", word(parameter.name))),
             Some(0) if NEVER_ZERO.contains(&at) => {
                 return Err(format!(
-                    "{name}: with {} 0 it is no task; write `{EMPTY}`",
+                    "{name}: with {} 0 it is not a task; write `{EMPTY}`",
                     word(parameter.name)
                 ));
             }
@@ -403,7 +403,7 @@ mod tests {
             ("MT[1] = P 1", "MT[1]: V is missing"),
             ("MT[1] = P 1, P 2", "P stands there twice"),
             ("MT[1] = Q 1", "`Q` is none of P, V, ACC"),
-            ("MT[1] = P 1, V 0, ACC 1, DEC 1", "with V 0 it is no task"),
+            ("MT[1] = P 1, V 0, ACC 1, DEC 1", "with V 0 it is not a task"),
             ("MT[1] = P 1 A, V 1, ACC 1, DEC 1", "`A` is a unit of current"),
             ("tasks: some", "either `all` or `left out`"),
             ("MT[1] = empty\nMT[1] = empty", "MT[1] stands in line 6 already"),

@@ -172,13 +172,16 @@ fn mistakes_are_reported_with_their_lines() {
         ),
         (
             "colour: blue",
-            "line 6: `colour:` is no line of the head of a backup",
+            "line 6: `colour:` is not a line of the head of a backup",
         ),
         (
             "vendor: 261",
-            "line 6: `261` is no number of four hexadecimal digits",
+            "line 6: `261` is not a number of four hexadecimal digits",
         ),
-        ("scaling: velocity 0", "line 6: `0` is no scaling of velocity"),
+        (
+            "scaling: velocity 0",
+            "line 6: `0` is not a valid scaling of velocity",
+        ),
         ("scaling: warp 9", "line 6: nothing is scaled by `warp`"),
         ("p915 = 1", "one element in each line"),
         ("p915[16] = 1", "element 16 does not exist"),
@@ -192,9 +195,9 @@ fn mistakes_are_reported_with_their_lines() {
     for (text, expected) in [
         (
             "",
-            "line 1: this is no backup: the first line is `profidrive backup 1`, not ``",
+            "line 1: not a backup: the first line is `profidrive backup 1`, not ``",
         ),
-        ("#!/bin/sh\nrm x\n", "line 1: this is no backup"),
+        ("#!/bin/sh\nrm x\n", "line 1: not a backup"),
         (
             "profidrive backup 2\n",
             "line 1: a backup of form 2, this program reads form 1",

@@ -8,7 +8,7 @@ use crate::backup::{Backup, Pattern, Task, TaskCoverage, rule, selection, task};
 use profile::value::take_scale;
 use profile::value::{Content, Interpretation, Parameters, Reading, Selection};
 
-/// What a person wants to have restored.
+/// Options of a restore.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Choice {
     /// Only what one of these means; everything when there is none.
@@ -28,7 +28,7 @@ pub enum Skip {
     Same,
     /// It cannot be written.
     ReadOnly,
-    /// The drive does not know it, or does not tell its value.
+    /// The drive does not have it, or does not report its value.
     Unreadable(Refusal),
     /// The drive's value has another size.
     Size {
@@ -76,7 +76,7 @@ impl std::fmt::Display for Skip {
             Self::Same => f.write_str("same value"),
             Self::ReadOnly => f.write_str("read-only"),
             Self::Unreadable(refusal) if refusal.is_unsent() => f.write_str(&refusal.words()),
-            Self::Unreadable(refusal) => write!(f, "the drive does not tell it: {}", refusal.words()),
+            Self::Unreadable(refusal) => write!(f, "the drive does not report it: {}", refusal.words()),
             Self::Size { drive, file } => write!(f, "{file} octets in the file, {drive} in the drive"),
             Self::Limits {
                 minimum,
@@ -102,7 +102,8 @@ impl std::fmt::Display for Skip {
 }
 
 impl Skip {
-    /// True where the file asks for something that the drive cannot have; everything else is left out by rule or wish.
+    /// Returns true where the file requests something that the drive cannot have; everything else is left out by rule
+    /// or wish.
     #[must_use]
     pub const fn is_refusal(&self) -> bool {
         matches!(
@@ -144,8 +145,8 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// What has to be written to bring a drive from `present` to `wanted`. `present` holds the drive's answer for each
-    /// value of `wanted`.
+    /// Returns what has to be written to bring a drive from `present` to `wanted`. `present` holds the drive's answer
+    /// for each value of `wanted`.
     #[must_use]
     pub fn new(wanted: &Backup, present: &Backup, choice: &Choice) -> Self {
         let mut set = ChangeSet::of(present.header.clone(), *present.parameters(), Condition::Off);
@@ -226,7 +227,7 @@ impl Plan {
         wanted.header.remarks(&self.set.header)
     }
 
-    /// True when nothing of the file fits what was chosen.
+    /// Returns true when nothing of the file fits what was chosen.
     #[must_use]
     pub fn is_nothing(&self) -> bool {
         self.set.total() == 0
@@ -235,19 +236,19 @@ impl Plan {
             && self.tasks_left_out.is_none()
     }
 
-    /// How many values and motion tasks the drive has as the file has them.
+    /// Returns how many values and motion tasks the drive has as the file has them.
     #[must_use]
     pub fn same(&self) -> usize {
         self.skipped.len() + self.tasks_skipped.len() - self.left_out()
     }
 
-    /// How many values and motion tasks are left out for a reason other than that they are the same.
+    /// Returns how many values and motion tasks are left out for a reason other than that they are the same.
     #[must_use]
     pub fn left_out(&self) -> usize {
         self.reasons().filter(|why| **why != Skip::Same).count()
     }
 
-    /// How many values and motion tasks of the file the drive cannot have.
+    /// Returns how many values and motion tasks of the file the drive cannot have.
     #[must_use]
     pub fn refused(&self) -> usize {
         self.reasons().filter(|why| why.is_refusal()).count()
@@ -334,7 +335,7 @@ fn decide(
     Ok(change)
 }
 
-/// The task as the drive shall have it, in its numbers.
+/// Returns the task as the drive shall have it, in its numbers.
 fn decide_task(
     wanted: &Backup,
     present: &Backup,
@@ -363,7 +364,7 @@ fn decide_task(
     Ok(target)
 }
 
-/// The drive has the same number, and it means the same there.
+/// Returns whether the drive has the same number, and it means the same there.
 fn unchanged(wanted: &Backup, present: &Backup, reading: &Reading) -> bool {
     present.reading(reading.pnu, reading.index).is_some_and(|old| {
         old.raw() == reading.raw()
@@ -386,7 +387,7 @@ fn within(parameter: &Parameter, raw: i64, choice: &Choice, here: &Parameters) -
     })
 }
 
-/// The number in the size and format in which the drive has it.
+/// Returns the number in the size and format in which the drive has it.
 fn number(here: &Parameters, selection: &Selection, old: &Reading, raw: i64) -> Result<Reading, Skip> {
     let width = old.octets.len();
     let size = selection

@@ -9,13 +9,13 @@ use crate::Wire;
 
 /// Carries the bytes and the time of an [`Engine`]: a thread of its own on a real network, or whoever waits.
 pub trait Driver: Send + Sync {
-    /// The present time, if it can be told now; else it is that of the last turn.
+    /// Returns the present time, if it can be reported now; else it is that of the last turn.
     fn now(&self) -> Option<Instant>;
 
     /// Lets one thing happen. False where that happens without the caller, who then sleeps until it is woken.
     fn turn(&self) -> bool;
 
-    /// Somebody begins to wait, or has something to be done at once.
+    /// Wakes the driver: a caller begins to wait, or has posted work.
     fn ring(&self) {}
 
     /// There is nothing more to be carried.
@@ -41,7 +41,8 @@ impl<W: Wire + Send + 'static> World<W> {
         world
     }
 
-    /// The wire, to look at and to change: cables and taps of a simulated segment. Nobody waits meanwhile.
+    /// Returns the wire, to inspect and to change it: cables and taps of a simulated segment. The driver pauses
+    /// meanwhile.
     pub fn wire(&self) -> std::sync::MutexGuard<'_, W> {
         self.wire.lock().unwrap_or_else(PoisonError::into_inner)
     }

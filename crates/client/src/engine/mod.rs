@@ -1,7 +1,7 @@
 //! What callers and the driver of a network share: the client inside, whoever waits, and what has still to be done.
 //!
-//! A call is a future that looks at the client, posts what it wants and waits for the next turn. The driver carries
-//! bytes and time: each of its turns lets one thing happen and wakes everybody who waits.
+//! A call is a future that checks the client, posts its request and waits for the next turn. The driver carries bytes
+//! and time: each of its turns handles one event and wakes all waiting calls.
 
 mod driver;
 mod queue;
@@ -26,13 +26,13 @@ pub use driver::{Driver, World};
 pub(crate) use queue::{At, Queues, Turn, at};
 pub use wait::Wait;
 
-/// How long a driver sleeps when nobody waits for anything.
+/// How long a driver sleeps when no call waits.
 const IDLE: Duration = Duration::from_millis(50);
 
-/// Why the wire failed; shared by everybody who waited.
+/// Why the wire failed; shared by all waiting calls.
 pub type WireFailure = Arc<dyn std::error::Error + Send + Sync>;
 
-/// Something that is carried out beside the calls: an axis that is brought to rest.
+/// A background operation: an axis that is brought to rest.
 type Task = Pin<Box<dyn Future<Output = ()> + Send>>;
 
 /// The client of a network, shared by all who use it; clones are the same one.
@@ -52,7 +52,7 @@ struct Shared {
     time: AtomicU64,
     /// When the driver wakes at the latest, in nanoseconds.
     wakes: AtomicU64,
-    /// Something happened that those who wait have to look at.
+    /// An event occurred that waiting calls must check.
     happened: AtomicBool,
     /// The client may have something to send.
     touched: AtomicBool,
@@ -81,7 +81,7 @@ struct Turns {
     ended: bool,
 }
 
-/// Somebody who waits.
+/// A waiting call.
 struct Waiting {
     /// The turn in which it began.
     begun: u64,
@@ -101,7 +101,7 @@ fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 }
 
 impl Engine {
-    /// The engine around a client.
+    /// Returns the engine around a client.
     #[must_use]
     pub fn new(client: Client) -> Self {
         Self {
@@ -131,7 +131,7 @@ impl Engine {
         self.shared.driver.get()?.upgrade()
     }
 
-    /// The client inside, to start something; not to be held while waiting.
+    /// Returns the client inside, to start something; not to be held while waiting.
     pub(crate) fn client(&self) -> Touched<'_> {
         Touched {
             client: self.quietly(),
@@ -139,17 +139,17 @@ impl Engine {
         }
     }
 
-    /// The client inside, to take what it has: nothing is sent for that.
+    /// Returns the client inside, to take what it has: nothing is sent for that.
     pub(crate) fn quietly(&self) -> MutexGuard<'_, Client> {
         locked(&self.shared.client)
     }
 
-    /// What is known of connections for records.
+    /// Returns what is known of connections for records.
     pub(crate) fn records(&self) -> MutexGuard<'_, Records> {
         locked(&self.shared.records)
     }
 
-    /// The present time.
+    /// Returns the present time.
     #[must_use]
     pub fn now(&self) -> Instant {
         let last = || Instant::from_nanos(self.shared.time.load(Ordering::Relaxed));
@@ -172,12 +172,12 @@ impl Engine {
         self.shared.calls.store(hears, Ordering::Relaxed);
     }
 
-    /// True once every axis is to be brought to rest.
+    /// Returns true once every axis is to be brought to rest.
     pub(crate) fn is_closing(&self) -> bool {
         *self.shared.closing.read().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Begins something that has to be ended when the network is left: nobody leaves it before this guard goes.
+    /// Registers an operation that must end before the network is left: leaving waits until this guard is dropped.
     ///
     /// # Errors
     /// [`Error::Closed`] when the network is being left.
@@ -195,7 +195,7 @@ impl Engine {
         self.stir();
     }
 
-    /// Has everybody look again who waits, and what is carried out beside.
+    /// Wakes all waiting calls and background operations.
     pub fn stir(&self) {
         self.shared.happened.store(true, Ordering::Release);
         self.ring();
@@ -217,13 +217,13 @@ impl Engine {
         }
     }
 
-    /// Has something carried out beside the calls, in every turn until it is done.
+    /// Runs an operation in the background, in every turn until it is done.
     pub(crate) fn spawn(&self, task: impl Future<Output = ()> + Send + 'static) {
         locked(&self.shared.turns).tasks.push(Box::pin(task));
         self.stir();
     }
 
-    /// True while something is carried out beside the calls.
+    /// Returns true while background operations run.
     #[must_use]
     pub fn is_busy(&self) -> bool {
         let turns = locked(&self.shared.turns);
@@ -251,7 +251,7 @@ impl Engine {
         due
     }
 
-    /// Ends a turn: everybody who waits looks again, if anything happened or somebody's time is over.
+    /// Ends a turn: wakes all waiting calls if an event was handled or a timeout passed.
     pub fn end_turn(&self, now: Instant, failure: Option<WireFailure>) {
         self.shared.time.store(now.as_nanos(), Ordering::Relaxed);
         let happened = self.shared.happened.swap(false, Ordering::Acquire);
@@ -288,7 +288,7 @@ impl Engine {
         waiting.into_values().for_each(|one| one.waker.wake());
     }
 
-    /// The client, to be told what happened.
+    /// Returns the client, to pass events to it.
     fn heard(&self) -> MutexGuard<'_, Client> {
         self.shared.happened.store(true, Ordering::Release);
         self.quietly()
@@ -304,12 +304,14 @@ impl Engine {
         self.heard().handle_line_timeout(now);
     }
 
-    /// The next octets to send on the serial line: their number in `buffer`, which has [`uss::MAX_TELEGRAM`] of them.
+    /// Returns the next octets to send on the serial line: their number in `buffer`, which has [`uss::MAX_TELEGRAM`] of
+    /// them.
     pub fn poll_octets(&mut self, now: Instant, buffer: &mut [u8]) -> Option<usize> {
         self.quietly().poll_octets(now, buffer)
     }
 
-    /// When [`handle_line_timeout`](Self::handle_line_timeout) and [`poll_octets`](Self::poll_octets) are due.
+    /// Returns the time when [`handle_line_timeout`](Self::handle_line_timeout) and [`poll_octets`](Self::poll_octets)
+    /// are due.
     #[must_use]
     pub fn poll_line_timeout(&self) -> Option<Instant> {
         self.quietly().poll_line_timeout()
@@ -368,7 +370,7 @@ impl DerefMut for Touched<'_> {
 }
 
 impl Turns {
-    /// When the first of those is to be woken who wait for the present turn.
+    /// Returns the time when the first of those is to be woken who wait for the present turn.
     fn due(&self) -> Option<Instant> {
         let waiting = self.waiting.values().filter(|one| one.begun == self.number);
         waiting.map(|one| one.until).min()

@@ -14,7 +14,7 @@ thread_local! {
     static DRIVERS: RefCell<Vec<Weak<dyn Driver>>> = const { RefCell::new(Vec::new()) };
 }
 
-/// A call that waits says who carries it.
+/// Registers the driver of a waiting call.
 pub(super) fn driven_by(driver: Option<&Weak<dyn Driver>>) {
     let Some(driver) = driver else { return };
     DRIVERS.with_borrow_mut(|drivers| {
@@ -26,8 +26,8 @@ pub(super) fn driven_by(driver: Option<&Weak<dyn Driver>>) {
 
 /// Waits for calls; every future has it.
 ///
-/// Where a thread of its own carries the bytes of a network, the caller sleeps meanwhile. Else it carries them itself: so
-/// nothing happens on a network in memory unless somebody waits. Several calls at once are one future:
+/// Where a thread of its own carries the bytes of a network, the caller sleeps meanwhile. Otherwise the caller carries
+/// them itself: a network in memory advances only while a call waits. Several calls at once are one future:
 /// `futures::future::join_all(calls).wait()`.
 pub trait Wait: Future + Sized {
     /// Waits for the result.

@@ -124,11 +124,11 @@ impl Error {
             )
             .into(),
             Self::NoStopBeside { .. } => {
-                "stop it at its controller, at its panel, or by its inputs for coast or stop; this command is no emergency stop"
+                "stop it at its controller, at its panel, or by its inputs for coast or stop; this command is not an emergency stop"
                     .into()
             }
             Self::StopUnanswered { .. } => {
-                "it may turn on: stop it at its controller, by its inputs or with its safety circuit; this command is no emergency stop"
+                "it may turn on: stop it at its controller, by its inputs or with its safety circuit; this command is not an emergency stop"
                     .into()
             }
             Self::SpeedStep { .. } => format!(

@@ -4,7 +4,7 @@ use profile::value::ParameterProblem;
 
 use crate::{Action, Advice};
 
-/// What to do, where that is not said already.
+/// Returns what to do, where that is not said already.
 pub(super) fn advice(problem: &ParameterProblem) -> Option<Advice> {
     let describe = |parameter| {
         Advice::from(Action::Describe {
@@ -19,14 +19,14 @@ pub(super) fn advice(problem: &ParameterProblem) -> Option<Advice> {
             Some(describe(parameter).and(" shows unit and limits"))
         }
         ParameterProblem::Coarse { parameter, .. } => {
-            let shows = describe(parameter).and(" shows unit and scaling, which make the steps");
+            let shows = describe(parameter).and(" shows unit and scaling, which determine the steps");
             Some(Advice::from("write one of them").then(shows))
         }
         _ => problem.hint().map(Advice::from),
     }
 }
 
-/// A label (`DRV.ACC (p2108)`, `Ramp 1 Ramp up Time (3-41)`) as one word that a command takes.
+/// Returns a label (`DRV.ACC (p2108)`, `Ramp 1 Ramp up Time (3-41)`) as one word that a command takes.
 fn written(label: &str) -> String {
     match label.split_once(" (") {
         Some((name, number)) if !name.contains(' ') && !number.contains(" (") => name.to_owned(),

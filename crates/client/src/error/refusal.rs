@@ -63,7 +63,7 @@ pub enum NotCarried {
     /// The element does not fit IND.
     #[error("it has no room for element {0}")]
     Element(u16),
-    /// The parameter is one of those that one number collects, which are no array.
+    /// The parameter is one of those that one number collects, which are not array.
     #[error("it has no request for the parameters that number {0} collects")]
     Member(u16),
     /// The value does not fit PWE.
@@ -81,7 +81,7 @@ pub enum NotCarried {
 }
 
 impl NotCarried {
-    /// The number of records that is next to it, for those who look at numbers only.
+    /// Returns the number of records that is next to it, for those who look at numbers only.
     pub(crate) const fn number(self) -> ErrorNumber {
         match self {
             Self::Number(_) | Self::Member(_) => ErrorNumber::UNKNOWN_PARAMETER,
@@ -98,7 +98,7 @@ impl Refusal {
         self.channel.map(|channel| channel.cause)
     }
 
-    /// Why nothing was sent; `None` where the drive refused.
+    /// Returns why nothing was sent; `None` where the drive refused.
     #[must_use]
     pub fn not_carried(&self) -> Option<NotCarried> {
         match self.cause()? {
@@ -107,13 +107,13 @@ impl Refusal {
         }
     }
 
-    /// True where nothing was sent.
+    /// Returns true where nothing was sent.
     #[must_use]
     pub fn is_unsent(&self) -> bool {
         self.not_carried().is_some()
     }
 
-    /// The error number that was received; `None` where there was none.
+    /// Returns the error number that was received; `None` where there was none.
     #[must_use]
     pub fn received(&self) -> Option<u16> {
         match self.cause() {
@@ -123,7 +123,7 @@ impl Refusal {
         }
     }
 
-    /// What to do about it.
+    /// Returns the hint.
     #[must_use]
     pub fn remedy(&self) -> Option<Advice> {
         let general = || match self.cause() {
@@ -139,7 +139,7 @@ impl Refusal {
         self.advice.or_else(general).map(Advice::from)
     }
 
-    /// What came back: the number as received with its meaning, or why nothing was sent.
+    /// Returns the answer: the number as received with its meaning, or why nothing was sent.
     #[must_use]
     pub fn words(&self) -> String {
         match self.cause() {
@@ -150,7 +150,7 @@ impl Refusal {
         }
     }
 
-    /// The same with the word for what happened: `refused: 0x11 ..`.
+    /// Returns the same with the word for what happened: `refused: 0x11 ..`.
     #[must_use]
     pub fn outcome(&self) -> String {
         if self.is_unsent() {

@@ -9,23 +9,23 @@ use crate::axis::{Objection, SpeedUnit};
 use crate::session::{LossAction, LossReaction};
 use crate::{ClosedRoute, DriveAddress};
 
-/// What was heard instead of an answer.
+/// Describes the octets received instead of an answer.
 pub(super) fn in_place(telegrams: u64, noise: u64) -> String {
     match (telegrams, noise) {
         (0, 0) => "; the line is silent".into(),
         (_, 0) => "; others answer on this line".into(),
-        _ => format!("; {noise} octets or telegrams came that make no sense"),
+        _ => format!("; {noise} octets or invalid telegrams were received"),
     }
 }
 
-/// What scales NSOLL_A.
+/// Returns what scales NSOLL_A.
 pub(super) fn scaling_text(scaling: Option<&(String, u16)>) -> String {
     scaling.map_or_else(String::new, |(name, value)| {
         format!(" (NSOLL_A with {name} = {value})")
     })
 }
 
-/// Who has the drive.
+/// Returns the owner of the drive.
 pub(super) fn owner_text(controller: Option<&str>) -> String {
     match controller {
         Some(name) if !name.is_empty() => format!("controller \"{}\"", name.escape_debug()),
@@ -33,7 +33,7 @@ pub(super) fn owner_text(controller: Option<&str>) -> String {
     }
 }
 
-/// The ways that were tried, each with its reason.
+/// Returns the ways that were tried, each with its reason.
 pub(super) fn closed_text(closed: &[ClosedRoute]) -> String {
     let texts: Vec<String> = closed.iter().map(ToString::to_string).collect();
     if texts.is_empty() {
@@ -58,7 +58,7 @@ pub(crate) const fn mode_words(mode: Mode) -> &'static str {
     }
 }
 
-/// What was tried and why it failed; said once where the reason begins with it.
+/// Returns the operation and the cause of its failure, without repeating the operation when the cause begins with it.
 pub(super) fn once(what: &str, error: &ServiceError) -> String {
     let error = error.to_string();
     if error.starts_with(what) {
@@ -68,7 +68,8 @@ pub(super) fn once(what: &str, error: &ServiceError) -> String {
     }
 }
 
-/// What the drive does without its controller, by its settings: what somebody else has done since is not seen.
+/// Words the reaction of the drive to a lost controller, by its settings; later changes by other clients are not
+/// visible.
 pub(super) fn reaction_text(reaction: &Option<Box<LossReaction>>) -> String {
     let since = |reaction: &LossReaction| match reaction.action {
         LossAction::KeepsTurning => ", unless something else has stopped it meanwhile",
@@ -80,10 +81,10 @@ pub(super) fn reaction_text(reaction: &Option<Box<LossReaction>>) -> String {
 }
 
 pub(super) fn speed_text(speed: Option<f64>, unit: &str) -> String {
-    speed.map_or_else(|| "not told".into(), |speed| format!("{speed:.1} {unit}"))
+    speed.map_or_else(|| "not reported".into(), |speed| format!("{speed:.1} {unit}"))
 }
 
-/// The speed of an axis that should have moved.
+/// Returns the speed of an axis that should have moved.
 pub(super) fn highest_text(speed: Option<f64>, unit: &str) -> String {
     speed.map_or_else(String::new, |speed| {
         format!(", its highest speed was {speed:.1} {unit}")
@@ -114,10 +115,10 @@ pub(super) fn objections_text(objections: &[Objection]) -> String {
 /// Most stations of a list in a message.
 const MOST_LISTED: usize = 8;
 
-/// Who answered instead; of many those next to what was looked for.
+/// Lists the stations that answered instead; of many those with the most similar names.
 pub(super) fn others(drive: &DriveAddress, stations: &[Station]) -> String {
     if stations.is_empty() {
-        return "; nobody else answered either".into();
+        return "; no other station answered".into();
     }
     let mut nearest: Vec<&Station> = stations.iter().collect();
     if nearest.len() > MOST_LISTED {
@@ -146,7 +147,7 @@ fn number(mac: MacAddress) -> u64 {
         .fold(0, |number, octet| number << 8 | u64::from(*octet))
 }
 
-/// A station in a few words: `akd-1 (02:50:4e:00:00:01, 10.0.0.2)`.
+/// Returns a station in a few words: `akd-1 (02:50:4e:00:00:01, 10.0.0.2)`.
 #[must_use]
 pub fn describe(station: &Station) -> String {
     let name = if station.name.is_empty() {

@@ -12,14 +12,14 @@ use profile::pkw::{
 
 use crate::error::{ChannelCause, NotCarried};
 
-/// Request ID of a change that is kept over a power cycle (Danfoss).
+/// Request ID of a change that is retained over a power cycle (Danfoss).
 const CHANGE_PERMANENT: u8 = 0x42;
 /// Elements of a description that fit the channel: all but the name and what is reserved.
 const TRAVELLING: [u16; 8] = [1, 2, 3, 4, 7, 8, 11, 12];
 /// Octets of a whole description.
 const DESCRIPTION: usize = 46;
 
-/// What has to be known of a parameter, as the channel tells only word or double word.
+/// Properties of a parameter that the channel does not report: it distinguishes only word and double word.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Shape {
     /// Format code of the answer.
@@ -28,7 +28,7 @@ pub struct Shape {
     pub octets: usize,
     /// Characters of a text. The channel carries it without the spaces at its end; records carry them.
     pub characters: usize,
-    /// Its elements are told apart.
+    /// Its elements are distinguished.
     pub array: bool,
     /// Its elements are parameters of their own: no array that the channel could name an element of. No document has the
     /// application ids of a Vacon in a parameter channel.
@@ -101,7 +101,7 @@ pub struct Answered {
 }
 
 impl Answered {
-    /// The response of a record.
+    /// Returns the response of a record.
     pub const fn by_record(octets: Vec<u8>) -> Self {
         Self {
             octets,
@@ -109,7 +109,7 @@ impl Answered {
         }
     }
 
-    /// What happened in the channel for this address of the request.
+    /// Returns what happened in the channel for this address of the request.
     pub fn cause(&self, address: usize) -> Option<ChannelCause> {
         self.channel.get(address).copied().flatten()
     }
@@ -129,7 +129,8 @@ pub struct Bridge {
 }
 
 impl Bridge {
-    /// Takes a request apart; `names` tells whose error numbers come back, `shape` knows the parameters, as far as there are tables.
+    /// Splits a request; `names` selects the error numbers of the answer, `shape` returns the parameters, as far as
+    /// there are tables.
     ///
     /// # Errors
     /// When the request cannot be taken apart.
@@ -176,7 +177,7 @@ impl Bridge {
         self.at + self.parts.iter().map(|part| part.done).sum::<usize>()
     }
 
-    /// The next exchange; `None` when all are done.
+    /// Returns the next exchange; `None` when all are done.
     pub fn job(&mut self) -> Option<Job<'_>> {
         while let Some(part) = self.parts.get(self.at) {
             if part.outcome.is_ok() && part.done < part.steps.len() {
@@ -230,7 +231,7 @@ impl Bridge {
     /// How the exchange ended; `text` are the characters of a text.
     ///
     /// # Errors
-    /// When nobody answered: then the whole job is over.
+    /// When no slave answered: then the whole job is over.
     pub fn take(&mut self, outcome: Outcome, text: &[u8]) -> Result<(), JobError> {
         let answer = match outcome {
             Ok(answer) => answer,
@@ -295,8 +296,8 @@ impl Bridge {
         Ok(())
     }
 
-    /// A parameter without tables whose value has another data type may be text, which has a request of its own. True
-    /// when that request is to be tried.
+    /// Returns whether a parameter without tables whose value has another data type may be text, which has a request of
+    /// its own. True when that request is to be tried.
     fn is_text_instead(&mut self, number: PkwErrorNumber) -> bool {
         let Some(part) = self.parts.get_mut(self.at).filter(|part| part.shape.is_none()) else {
             return false;
@@ -331,7 +332,7 @@ impl Bridge {
         });
     }
 
-    /// The response to the whole request, and what happened in the channel.
+    /// Returns the response to the whole request, and what happened in the channel.
     pub fn answered(&self) -> Answered {
         let cause = |part: &Part| part.outcome.as_ref().err().map(|refused| refused.cause);
         Answered {
@@ -384,7 +385,7 @@ fn part(shape: Option<Shape>, steps: Vec<Step>, outcome: Result<Gathered, Refuse
     }
 }
 
-/// What the channel cannot carry.
+/// Returns what the channel cannot carry.
 fn unsent(shape: Option<Shape>, why: NotCarried) -> Part {
     let refused = Refused {
         number: why.number(),
@@ -394,7 +395,7 @@ fn unsent(shape: Option<Shape>, why: NotCarried) -> Part {
     part(shape, Vec::new(), Err(refused))
 }
 
-/// The element of an array; none for what is no array.
+/// Returns the element of an array; none for what is not an array.
 fn element(address: ParameterAddress, shape: Option<Shape>, offset: u8) -> Option<Option<u8>> {
     let array = match shape {
         Some(shape) => shape.array,
@@ -473,7 +474,7 @@ fn change(address: ParameterAddress, shape: Option<Shape>, block: &ValueBlock<'_
     part(shape, steps, Ok(Gathered::Written))
 }
 
-/// A value as it travels: one octet as a word, with its sign if it has one.
+/// Returns a value as it travels: one octet as a word, with its sign if it has one.
 fn sent(block: &ValueBlock<'_>, offset: u8, space: CodeSpace) -> Option<PkwValue> {
     match *block.octets(offset.into())? {
         [octet] if kind(block.format, space) == Some(Kind::Signed) => {

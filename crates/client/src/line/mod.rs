@@ -1,4 +1,4 @@
-//! The master of a serial line and what is wanted of each drive at it.
+//! The master of a serial line and the requests for each of its drives.
 
 mod bridge;
 
@@ -41,7 +41,7 @@ pub struct LineConfig {
 }
 
 impl LineConfig {
-    /// A line behind an ordinary adapter.
+    /// Creates a line behind an ordinary adapter.
     #[must_use]
     pub const fn new(protocol: Protocol, baud: u32) -> Self {
         Self {
@@ -63,8 +63,8 @@ impl LineConfig {
         }
     }
 
-    /// What a drive of this maker speaks in its parameter channel; without one of the maker, or of a maker that is not
-    /// known, it is that of whose protocol it is.
+    /// Returns the dialect of the parameter channel for this vendor; for an unknown vendor, or one without a dialect,
+    /// that of the protocol.
     pub(crate) fn dialect(self, vendor: Option<u16>) -> PkwDialect {
         let texts = self.layout().pkw == PkwPart::Variable;
         let by_vendor = vendor.and_then(|vendor| PkwDialect::of_line(vendor, texts));
@@ -78,7 +78,7 @@ impl LineConfig {
         self.master().layout
     }
 
-    /// Time of a telegram with parameter and process part and of the reply to it, when nobody waits.
+    /// Returns the time of a telegram with parameter and process part and of its reply, when no slave delays.
     #[must_use]
     pub fn exchange(self) -> Duration {
         const OCTETS: usize = 16;
@@ -102,13 +102,13 @@ struct Slave {
     channel: Channel,
     job: Option<Bridge>,
     done: Option<Result<Answered, JobError>>,
-    /// Somebody wants to know whether it answers.
+    /// A caller waits for its answer.
     asked: bool,
     /// `None` until that is known.
     answers: Option<bool>,
     /// Process data is wanted, not only parameters.
     cyclic: bool,
-    /// What it is sent: without control while nobody has taken it.
+    /// Process data sent to it: without control until a client takes control.
     outputs: [u8; PROCESS],
     /// What came last, until it is taken.
     inputs: Option<[u8; PROCESS]>,
@@ -116,7 +116,7 @@ struct Slave {
     latest: Option<[u8; PROCESS]>,
 }
 
-/// The master of a line: asks only those drives of which somebody wants something, and is silent else.
+/// The master of a line: polls only drives with pending requests, and is otherwise silent.
 #[derive(Debug)]
 pub struct Line {
     config: LineConfig,
@@ -140,12 +140,12 @@ impl Line {
         self.config
     }
 
-    /// What the line has brought so far.
+    /// Returns the counters of the line.
     pub const fn heard(&self) -> &ReceiverStatistics {
         self.master.line()
     }
 
-    /// The drive with this number; `None` for a number that no drive can have.
+    /// Returns the drive with this number; `None` for a number that no drive can have.
     pub fn slave(&mut self, number: u8) -> Option<SlaveId> {
         if let Some(slave) = self.slaves.iter().find(|slave| slave.number == number) {
             return Some(slave.id);
@@ -181,7 +181,7 @@ impl Line {
         self.slaves.iter_mut().find(|slave| slave.id == id)
     }
 
-    /// Asks whether the drive answers.
+    /// Polls the drive once.
     pub fn ask(&mut self, id: SlaveId) {
         if let Some(slave) = self.get_mut(id) {
             slave.asked = true;
@@ -189,12 +189,12 @@ impl Line {
         }
     }
 
-    /// Whether the drive answers, once that is known.
+    /// Returns whether the drive answers, once that is known.
     pub fn answers(&self, id: SlaveId) -> Option<bool> {
         self.get(id)?.answers
     }
 
-    /// Says what a drive speaks in its parameter channel. Not while a job is under way.
+    /// Sets the dialect of the parameter channel of a drive. Not while a job is under way.
     pub fn speak(&mut self, id: SlaveId, dialect: PkwDialect) {
         if let Some(slave) = self.get_mut(id)
             && slave.job.is_none()
@@ -204,7 +204,7 @@ impl Line {
         }
     }
 
-    /// What a drive is taken to speak.
+    /// Returns the assumed dialect of a drive.
     pub fn spoken(&self, id: SlaveId) -> Option<&PkwDialect> {
         self.get(id).map(|slave| slave.channel.dialect())
     }
@@ -228,17 +228,17 @@ impl Line {
         Ok(())
     }
 
-    /// How many exchanges of its job a drive has answered; `None` without a job.
+    /// Returns how many exchanges of its job a drive has answered; `None` without a job.
     pub fn progress(&self, id: SlaveId) -> Option<usize> {
         self.get(id)?.job.as_ref().map(Bridge::progress)
     }
 
-    /// The end of a parameter job.
+    /// Returns the end of a parameter job.
     pub fn take(&mut self, id: SlaveId) -> Option<Result<Answered, JobError>> {
         self.get_mut(id)?.done.take()
     }
 
-    /// Gives up a job whose end nobody waits for.
+    /// Drops a job whose result no caller waits for.
     pub fn drop_job(&mut self, id: SlaveId) {
         if let Some(slave) = self.get_mut(id) {
             slave.job = None;
@@ -257,7 +257,7 @@ impl Line {
         }
     }
 
-    /// True while process data is exchanged.
+    /// Returns true while process data is exchanged.
     pub fn is_cyclic(&self, id: SlaveId) -> bool {
         self.get(id).is_some_and(|slave| slave.cyclic)
     }
@@ -325,7 +325,7 @@ impl Line {
         }
     }
 
-    /// The next telegram, if there is one to send.
+    /// Returns the next telegram, if there is one to send.
     pub fn poll_octets(&mut self, now: Instant, buffer: &mut [u8]) -> Option<usize> {
         if !self.is_wanted() {
             return None;
@@ -349,7 +349,7 @@ impl Line {
         self.master.poll_transmit(now, buffer)
     }
 
-    /// When something is due.
+    /// Returns the time when something is due.
     pub fn poll_timeout(&self) -> Option<Instant> {
         if !self.is_wanted() {
             return None;
@@ -396,7 +396,7 @@ impl Slave {
     }
 }
 
-/// The data of a telegram.
+/// Returns the data of a telegram.
 fn compose(layout: Layout, pkw: &[u8], pzd: &[u8], data: &mut [u8]) -> Option<usize> {
     const REST: [u8; 8] = [0; 8];
     let pkw = if pkw.is_empty() && !layout.process_only {

@@ -24,10 +24,10 @@ const RELEASE_LIMIT: Duration = Duration::from_secs(10);
 /// The field of the answer to a connect that says whose it is.
 const RESPONDER: &str = "CMResponderMacAdd";
 
-/// Largest record asked for.
+/// Largest record requested.
 const MAX_RECORD: u32 = 4096;
 
-/// What all callers know of connections for records.
+/// Connections for records, shared by all callers.
 #[derive(Debug, Default)]
 pub(crate) struct Records {
     access: Vec<Access>,
@@ -37,18 +37,18 @@ pub(crate) struct Records {
     pub(super) reference: u8,
     /// The axes that were taken.
     pub(super) axes: Vec<Place>,
-    /// Who wants something of which drive.
+    /// Queued callers of each drive.
     pub(crate) queues: Queues,
 }
 
 impl Records {
-    /// An axis of this drive is being brought to rest.
+    /// Returns whether an axis of this drive is being brought to rest.
     pub(super) fn ends_axis(&mut self, drive: &Drive) -> bool {
         self.axes.retain(|axis| !axis.is_over());
         self.axes.iter().any(|axis| axis.is_of(drive) && axis.is_ending())
     }
 
-    /// An axis is being brought to rest.
+    /// Returns whether an axis is being brought to rest.
     pub(super) fn ends_axes(&mut self) -> bool {
         self.axes.retain(|axis| !axis.is_over());
         self.axes.iter().any(Place::is_ending)
@@ -84,7 +84,7 @@ impl Access {
     }
 }
 
-/// How to reach a drive for records.
+/// Returns the route to a drive for records.
 pub(super) fn target(drive: &Drive) -> Target {
     Target {
         // without discovery the MAC address is learned from the answer
@@ -93,7 +93,7 @@ pub(super) fn target(drive: &Drive) -> Target {
     }
 }
 
-/// The record of the parameter channel.
+/// Returns the record of the parameter channel.
 pub(super) const fn channel(drive: &Drive) -> RecordAddress {
     let channel = drive.model.channel;
     RecordAddress {
@@ -118,7 +118,7 @@ impl Session {
         Self::reached(drive, open).map(|_| ())
     }
 
-    /// Waits for its turn among the requests to a drive. What a stop or a motion asks for goes first.
+    /// Waits for its turn among the requests to a drive. What a stop or a motion requests goes first.
     async fn turn(&mut self, drive: &Drive) -> Result<Turn, Error> {
         let urgent = self.is_hurried();
         let turn = self.engine.turn_at(drive, urgent, self.due()).await?;
@@ -183,7 +183,7 @@ impl Session {
         access
     }
 
-    /// The ARUUIDs of the connections for records to a drive.
+    /// Returns the ARUUIDs of the connections for records to a drive.
     pub(super) fn record_ars(&self, drive: &Drive) -> Vec<Uuid> {
         let own = self.accesses(drive).into_iter();
         let client = self.client();
@@ -231,14 +231,14 @@ impl Session {
         }
     }
 
-    /// The first connection to a drive that is like this.
+    /// Returns the first connection to a drive that is like this.
     pub(super) fn access_to(&self, drive: &Drive, like: impl Fn(&Access) -> bool) -> Option<Access> {
         let records = self.engine.records();
         let mut own = records.access.iter().filter(|access| access.is_to(drive));
         own.find(|access| like(access)).copied()
     }
 
-    /// The connections for record access to a drive.
+    /// Returns the connections for record access to a drive.
     pub(super) fn accesses(&self, drive: &Drive) -> Vec<ArId> {
         let records = self.engine.records();
         let own = records.access.iter();
@@ -465,7 +465,7 @@ impl Session {
         }
     }
 
-    /// The error of a call whose connection is gone.
+    /// Returns the error of a call whose connection is gone.
     fn lost_access(&mut self, drive: &Drive, ar: ArId, what: &'static str) -> Error {
         let cause = match self.connection(ar) {
             Connection::Lost(cause) => cause,
@@ -527,8 +527,8 @@ impl Session {
 }
 
 impl Session {
-    /// Why a connection did not come about: a refusal because somebody else, `owner`, is connected, or an answer of somebody
-    /// else, has its own kind, as the user can do something about it.
+    /// Returns the error of a failed connection. A refusal because another controller, `owner`, is connected, and an
+    /// answer of another station have kinds of their own, as the user can act on them.
     async fn connect_error(&mut self, drive: &Drive, cause: LostCause, owner: Option<String>) -> Error {
         if is_owned(&cause) {
             return Error::OwnedByController {
@@ -551,7 +551,7 @@ impl Session {
     }
 }
 
-/// Somebody has the one cyclic connection.
+/// Returns true if another controller has the one cyclic connection.
 pub(super) fn is_owned(cause: &LostCause) -> bool {
     match cause {
         LostCause::Service(ServiceError::Refused { status, .. }) => out_of_ars(*status),
@@ -560,7 +560,7 @@ pub(super) fn is_owned(cause: &LostCause) -> bool {
     }
 }
 
-/// The answer to a connect came from another device than the one meant.
+/// Returns whether the answer to a connect came from another device than the one meant.
 fn is_of_other_device(cause: &LostCause) -> bool {
     let LostCause::Service(ServiceError::Mismatch { field, .. }) = cause else {
         return false;
@@ -568,7 +568,8 @@ fn is_of_other_device(cause: &LostCause) -> bool {
     *field == RESPONDER
 }
 
-/// RPC "out of AR resources" or "out of provider, consumer or alarm resources": somebody has the one cyclic connection.
+/// RPC "out of AR resources" or "out of provider, consumer or alarm resources": another controller has the one cyclic
+/// connection.
 const fn out_of_ars(status: PnioStatus) -> bool {
     status.code1 == 0x40 && matches!(status.code2, 0x04 | 0x07)
 }

@@ -14,14 +14,14 @@ use crate::{Drive, Error};
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Authority {
-    /// Somebody at the drive itself (ZSW1 bit 9 is 0).
+    /// Local operation at the drive itself (ZSW1 bit 9 is 0).
     Local(LocalControl),
     /// The controller of this station name, empty where it has none.
     Controller(String),
-    /// Nobody, and operation is enabled (S4) or the motor turns in S3: the last control word is still in force, or what the
-    /// drive does without its controller commands it.
+    /// No controller, and operation is enabled (S4) or the motor turns in S3: the last control word is still in force,
+    /// or the drive follows its setting for a lost controller.
     Ownerless,
-    /// Nobody, and it is not in operation.
+    /// No controller, and the drive is not in operation.
     Nobody,
     /// The device does not report its connections.
     Unknown,
@@ -42,12 +42,12 @@ pub enum LocalControl {
     },
     /// Its panel or its inputs.
     Panel,
-    /// It does not ask for control by the field bus; what commands it is not told.
+    /// It does not request control by the field bus; the commanding site is not reported.
     Elsewhere,
 }
 
 impl LocalControl {
-    /// What to do at the drive to hand control over to the field bus.
+    /// Returns what to do at the drive to hand control over to the field bus.
     #[must_use]
     pub fn remedy(&self) -> String {
         match self {
@@ -95,7 +95,7 @@ impl Session {
         self.authority_by(drive, word).await
     }
 
-    /// The same, by a status word that was read.
+    /// Returns the same, by a status word that was read.
     pub(super) async fn authority_by(
         &mut self,
         drive: &mut Drive,
@@ -127,7 +127,7 @@ impl Session {
         })
     }
 
-    /// Who at the drive itself commands it, by its settings.
+    /// Returns the source of local operation, by the settings of the drive.
     pub(super) async fn local_control(
         &mut self,
         drive: &mut Drive,
@@ -156,7 +156,7 @@ impl Session {
     }
 }
 
-/// The power stage may be on: switched on (S3) it is while the motor is stopped.
+/// Returns whether the power stage may be on: switched on (S3) it is while the motor is stopped.
 pub(crate) const fn power_is_on(word: Zsw1) -> bool {
     word.0 & (Zsw1::READY_TO_OPERATE.0 | Zsw1::OPERATION_ENABLED.0) != 0
 }

@@ -64,8 +64,8 @@ impl<'a> Enabled<'a> {
     /// nothing else was said.
     ///
     /// # Errors
-    /// A speed above the limit or one that cannot be told ([`Session::check_speed`](crate::Session::check_speed)), a drive in position mode, and when the axis is not
-    /// enabled any more.
+    /// A speed above the limit or one that cannot be reported ([`Session::check_speed`](crate::Session::check_speed)),
+    /// a drive in position mode, and when the axis is not enabled any more.
     pub async fn run(&mut self, rpm: f64) -> Result<(), Error> {
         let limit = self.axis.settings.speed_limit;
         if rpm.is_nan() || rpm.abs() > limit {
@@ -118,7 +118,7 @@ impl<'a> Enabled<'a> {
     /// Keeps the speed that [`reach_speed`](Self::reach_speed) has reached for `time`.
     ///
     /// # Errors
-    /// When the axis does not follow any more for a second, when somebody changes the scale of its speeds, and as
+    /// When the axis does not follow any more for a second, when another client changes the scale of its speeds, and as
     /// [`hold`](Axis::hold).
     pub async fn keep_speed(&mut self, rpm: f64, time: Duration) -> Result<(), Error> {
         let end = self.axis.session.now() + time;
@@ -192,7 +192,7 @@ impl<'a> Enabled<'a> {
         })
     }
 
-    /// How long the ramp of the drive needs up to this speed, if the drive reports its ramp.
+    /// Returns how long the ramp of the drive needs up to this speed, if the drive reports its ramp.
     #[must_use]
     pub fn speed_time(&self, rpm: f64) -> Duration {
         self.axis
@@ -260,7 +260,7 @@ impl<'a> Enabled<'a> {
         }))
     }
 
-    /// What holds an axis that stands though it was told to jog, as far as the drive says.
+    /// Returns what holds an axis that stands though it was commanded to jog, as far as the drive says.
     pub async fn held_back(&mut self) -> Option<Evidence> {
         let status = self.axis.status()?;
         let reports_rest = status.view.mode == Mode::Position || status.speed_actual.is_some();
@@ -389,7 +389,7 @@ impl<'a> Enabled<'a> {
             .map(|_| ())
     }
 
-    /// Nothing is pursued any more once the axis has been told to stop, or stopped by itself.
+    /// Nothing is pursued any more once the axis has been commanded to stop, or stopped by itself.
     async fn pursue_enabled(&mut self, goal: Goal) -> Result<(), Error> {
         let status = self.axis.look().await?;
         if !status.view.goal.operates() {
@@ -463,7 +463,7 @@ impl Moved {
     }
 }
 
-/// The axis has this speed, by the best value of its telegram.
+/// Returns whether the axis has this speed, by the best value of its telegram.
 fn has_speed(status: &AxisStatus, rpm: f64) -> bool {
     match status.speed_actual {
         Some(actual) => (actual - rpm).abs() <= (rpm.abs() * SPEED_NEAR).max(status.unit.near()),

@@ -18,7 +18,7 @@ const PARTS: [Part; 7] = [
     Part::SoftwareLimitState,
 ];
 
-/// How long a drive in motion may take to tell what is only told beside.
+/// Time for a drive in motion to report additional evidence.
 pub(super) const BESIDE: Duration = Duration::from_millis(500);
 
 impl Axis {
@@ -28,7 +28,7 @@ impl Axis {
             return;
         }
         let mut drive = self.drive.clone();
-        // why it does not move is told beside what went wrong, never in its place
+        // why it does not move is reported beside what went wrong, never in its place
         let due = self.session.now() + BESIDE;
         let readings = {
             let _meanwhile = self.session.bound_by(due);
@@ -57,7 +57,7 @@ impl Axis {
         });
     }
 
-    /// What went wrong, with what the drive said about it while it was still in operation.
+    /// Returns the trouble, with the evidence read while the drive was still in operation.
     pub(super) fn with_evidence(&self, error: Error) -> Error {
         let evident = self.evidence.filter(|evidence| evidence.cause().is_some());
         match (&error, evident) {

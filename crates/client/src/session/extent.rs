@@ -11,8 +11,8 @@ use profile::value::Selection;
 const MOST: u16 = 234;
 
 impl Session {
-    /// The elements of these parameters, 0 for one that is not there: as the tables say, else as the drive describes
-    /// itself, else found out by asking for single elements.
+    /// Returns the elements of these parameters, 0 for one that is not there: as the tables say, else as the drive
+    /// describes itself, else found out by requesting single elements.
     pub(super) async fn extents(&mut self, drive: &Drive, pnus: &[u16]) -> Result<Vec<u16>, Error> {
         let row = |pnu| drive.model.catalogue.and_then(|tables| tables.by_pnu(pnu));
         if drive.model.learned_or_none().is_none() {
@@ -63,12 +63,12 @@ impl Session {
     }
 }
 
-/// A search for the number of elements: it doubles the element asked for until one is missing, then halves what is left
+/// A search for the number of elements: it doubles the element requested until one is missing, then halves what is left
 /// between.
 struct Search {
     /// So many are there.
     there: u16,
-    /// So many are not, or were not asked for yet.
+    /// So many are not, or were not requested yet.
     most: u16,
     halving: bool,
 }
@@ -82,7 +82,7 @@ impl Search {
         }
     }
 
-    /// The element to ask for next; `None` once their number is known.
+    /// Returns the element to request next; `None` once their number is known.
     const fn next(&self) -> Option<u16> {
         if self.there >= MOST || self.halving && self.most - self.there <= 1 {
             None

@@ -36,7 +36,7 @@ pub struct FaultEntry {
     pub situation: u8,
     /// Position in the situation, 0 is the fault that came first.
     pub position: u8,
-    /// The maker's number.
+    /// The vendor's number.
     pub number: u16,
     /// What it means, where the tables know.
     pub meaning: Option<&'static str>,
@@ -55,7 +55,7 @@ pub struct FaultEntry {
 }
 
 impl FaultEntry {
-    /// A fault that is present, with what the tables of its vendor say.
+    /// Creates a fault that is present, with what the tables of its vendor say.
     #[must_use]
     pub fn of(number: u16, tables: Option<&Catalogue>) -> Self {
         let row = tables.and_then(|tables| tables.fault(number, false));
@@ -74,7 +74,7 @@ impl FaultEntry {
 /// One warning.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct WarningEntry {
-    /// The maker's number.
+    /// The vendor's number.
     pub number: u32,
     /// What it means, where the tables know.
     pub meaning: Option<&'static str>,
@@ -106,7 +106,7 @@ pub struct FaultReport {
 /// One entry of a log that only grows (VLT 15-30 to 15-32).
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct LoggedFault {
-    /// The maker's number.
+    /// The vendor's number.
     pub number: u16,
     /// What it means, where the tables know.
     pub meaning: Option<&'static str>,
@@ -117,7 +117,7 @@ pub struct LoggedFault {
 }
 
 impl FaultReport {
-    /// The faults that are not acknowledged.
+    /// Returns the faults that are not acknowledged.
     pub fn present(&self) -> impl Iterator<Item = &FaultEntry> {
         self.faults.iter().filter(|fault| fault.situation == 0)
     }
@@ -131,7 +131,7 @@ impl FaultReport {
 }
 
 impl Session {
-    /// The fault buffer, newest situation first, read so that all of it belongs together.
+    /// Returns the fault buffer, newest situation first, read so that all of it belongs together.
     ///
     /// # Errors
     /// When the drive cannot be reached, has no fault buffer, or the buffer keeps changing.
@@ -150,7 +150,7 @@ impl Session {
         let telegram = self.telegram_now(drive).await?;
         let readings = self.ask(drive, &PARTS).await?;
         let mut faults = faults;
-        // a drive may tell a fault by its bit before the buffer has it
+        // a drive may report a fault by its bit before the buffer has it
         for (number, _) in by_bits(drive, &readings, false) {
             let known = |fault: &FaultEntry| fault.situation == 0 && fault.number == number;
             if !faults.iter().any(known) {
@@ -181,7 +181,7 @@ impl Session {
         })
     }
 
-    /// The warnings that are present, by number and by bit; `None` where the drive has no numbers for them.
+    /// Returns the warnings that are present, by number and by bit; `None` where the drive has no numbers for them.
     ///
     /// # Errors
     /// When the drive cannot be reached.
@@ -191,7 +191,7 @@ impl Session {
         Ok(warnings(&drive, &readings))
     }
 
-    /// How the buffer is divided: as the tables say, else as the drive says if that fits its elements, else eight by
+    /// Returns the shape of the buffer: from the tables, else from the drive if that fits its elements, else eight by
     /// eight, or as many situations of one fault.
     async fn fault_shape(&mut self, drive: &mut Drive) -> Result<Shape, Error> {
         let elements = self
@@ -295,7 +295,7 @@ impl Session {
     }
 }
 
-/// The shape of a buffer with so many elements: eight by eight, or as many situations of one fault.
+/// Returns the shape of a buffer with so many elements: eight by eight, or as many situations of one fault.
 fn shape_of(elements: u16) -> Shape {
     match u8::try_from(elements) {
         Ok(situations @ 1..64) => Shape {
@@ -329,7 +329,7 @@ fn by_bits(drive: &Drive, readings: &Readings, warning: bool) -> Vec<(u16, &'sta
     set
 }
 
-/// The numbers that are told one by one.
+/// Returns the numbers that are reported one by one.
 fn numbers(readings: &Readings, part: Part) -> impl Iterator<Item = u32> {
     let numbers = readings.all(part);
     let numbers = numbers.filter_map(|reading| u32::try_from(reading.raw()?).ok());

@@ -12,11 +12,11 @@ use crate::{Client, Drive, DriveAddress, Error};
 const DCP_LIMIT: Duration = Duration::from_secs(30);
 /// Longer than the endpoint mapper may take with all repetitions.
 const MAPPER_LIMIT: Duration = Duration::from_secs(10);
-/// How long a second station of the same name may take to answer: ten times the response delay asked for.
+/// How long a second station of the same name may take to answer: ten times the response delay requested.
 const SECOND_ANSWER: Duration = Duration::from_millis(100);
 
 impl Session {
-    /// Everybody who answers within `time`, by name and address.
+    /// Returns all stations that answer within `time`, by name and address.
     ///
     /// # Errors
     /// When the medium fails or the caller wants to stop.
@@ -48,7 +48,7 @@ impl Session {
         Ok(stations)
     }
 
-    /// Who answers to a filter that fits one station: soon after the first answer nobody else is to be expected.
+    /// Identifies the station of a filter that fits only one: ends soon after the first answer.
     async fn identify_one(&mut self, filter: Filter) -> Result<Vec<Station>, Error> {
         let now = self.now();
         let id = self
@@ -70,7 +70,7 @@ impl Session {
         Ok(stations.unwrap_or_default())
     }
 
-    /// The one station that is meant.
+    /// Returns the one station that is meant.
     ///
     /// # Errors
     /// [`Error::NotFound`] with who was heard instead, [`Error::Ambiguous`] with all MAC addresses.
@@ -118,7 +118,7 @@ impl Session {
         }
     }
 
-    /// Everybody who has the IP address of a drive; nobody where discovery does not tell.
+    /// Returns the stations with the IP address of a drive; empty when discovery is not available.
     pub(super) async fn holders(&mut self, drive: &Drive) -> Result<Vec<MacAddress>, Error> {
         if !self.engine.discovers() {
             return Ok(Vec::new());

@@ -18,8 +18,7 @@ use profile::value::{Reading, Selection};
 const FIRST_PORT: u16 = 0x8001;
 /// Index of I&M0; I&M1 to 3 follow.
 const IM0: u16 = 0xAFF0;
-/// The page of parameters that tells who and how a drive is: identification, profile, object, telegram, mode, words,
-/// faults.
+/// Parameters that identify a drive: identification, profile, object, telegram, mode, words, faults.
 const PAGE: [u16; 8] = [
     pnu::IDENTIFICATION,
     pnu::PROFILE,
@@ -58,7 +57,7 @@ pub struct Identity {
     pub descriptor: String,
 }
 
-/// Somebody at the other end of a drive's cable.
+/// A station at the other end of a drive's cable.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Peer {
     /// The drive's own port.
@@ -76,10 +75,10 @@ pub struct Peer {
 pub struct Info {
     /// I&M0 to 3; `None` when the device has no I&M0.
     pub identity: Option<Identity>,
-    /// Name of the controller that has the cyclic connection: `Some(None)` when nobody has it, `None` when the
-    /// device does not tell.
+    /// Name of the controller that has the cyclic connection: `Some(None)` without a controller, `None` when the device
+    /// does not report it.
     pub controller: Option<Option<String>>,
-    /// Who is at the other end of its first cable; empty when it does not tell.
+    /// Stations at the other end of its first cable; empty when it does not report them.
     pub peers: Vec<Peer>,
     /// The modules that are plugged; empty when the device does not report them.
     pub modules: Vec<IdentifiedModule>,
@@ -92,8 +91,8 @@ pub struct Info {
 }
 
 impl Session {
-    /// Reads who a device is and in which state. A device that does not have something of it does not fail for that: one
-    /// that is no drive, or whose parameters cannot be reached now, still has its identity and its modules.
+    /// Reads who a device is and in which state. A device that does not have something of it does not fail for that:
+    /// one that is not a drive, or whose parameters cannot be reached now, still has its identity and its modules.
     ///
     /// # Errors
     /// When the device cannot be reached.
@@ -175,7 +174,7 @@ impl Session {
         self.read(drive, &page).await
     }
 
-    /// What tells who and how a drive is: by its tables, else the numbers of the profile that it has.
+    /// Returns the parameters that identify a drive: from its tables, else the numbers of the profile that it has.
     async fn page(&mut self, drive: &Drive) -> Result<Vec<Selection>, Error> {
         let own: Vec<Selection> = places(drive, Part::Page)
             .into_iter()
@@ -188,7 +187,7 @@ impl Session {
         }
     }
 
-    /// What a drive says about itself in I&M0; `None` when it has no such record.
+    /// Returns the identification of a drive from I&M0; `None` when it has no such record.
     ///
     /// # Errors
     /// When the drive cannot be reached.
@@ -201,15 +200,15 @@ impl Session {
         };
         let mut identity = None;
         match self.read_record(drive, at).await {
-            // a record that cannot be understood tells nothing
+            // a record that cannot be decoded is ignored
             Ok(data) => Ok(take_im(&mut identity, 0, &data).ok().and(identity)),
             Err(Error::Record { .. } | Error::NotOnLine { .. }) => Ok(None),
             Err(error) => Err(error),
         }
     }
 
-    /// Name of the controller that has the cyclic connection of a drive: `Some(None)` when nobody has it, `None` when
-    /// the device does not tell.
+    /// Returns the name of the controller that has the cyclic connection of a drive: `Some(None)` without a controller,
+    /// `None` when the device does not report it.
     ///
     /// # Errors
     /// When the drive cannot be reached.
@@ -233,7 +232,7 @@ impl Session {
 }
 
 impl Session {
-    /// Who is at the other end of the first cable of a drive; empty when the device does not tell.
+    /// Returns the stations at the other end of the first cable of a drive; empty when the device does not report them.
     ///
     /// # Errors
     /// When the drive cannot be reached.
@@ -272,15 +271,15 @@ impl Info {
         self.modules.is_empty() || modules.any(|module| module.api == drive.model.channel.api)
     }
 
-    /// The first value of a parameter.
+    /// Returns the first value of a parameter.
     #[must_use]
     pub fn raw(&self, pnu: u16) -> Option<i64> {
         self.readings.iter().find(|reading| reading.pnu == pnu)?.raw()
     }
 }
 
-/// The one relation that is no parameter tool, our `own` connections for records left out; `None` when the record has
-/// another form.
+/// Returns the one relation that is not a parameter tool, our `own` connections for records left out; `None` when the
+/// record has another form.
 pub(super) fn controller_of(data: &[u8], own: &[Uuid]) -> Option<Option<String>> {
     const DEVICE_ACCESS: u16 = 6;
     let ars = decode_ar_list(&mut Reader::new(data)).ok()??;

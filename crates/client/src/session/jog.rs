@@ -1,4 +1,4 @@
-//! Which parameter of a make is the speed of a jog setpoint.
+//! Which parameter of a model is the speed of a jog setpoint.
 
 use profile::catalogue::Part;
 use profile::notation::{Number, Position, Quantity};
@@ -16,24 +16,24 @@ pub struct JogSpeed {
     pub selection: Selection,
     /// Its number as a person types it: an application id of a Vacon.
     pub number: u16,
-    /// Where the make has a frequency there: pole pairs of the motor.
+    /// Where the model has a frequency there: pole pairs of the motor.
     pole_pairs: Option<f64>,
 }
 
-/// What tells it.
+/// Parts that show the speed.
 const PARTS: [Part; 3] = [Part::MotorFrequency, Part::MotorSpeed, Part::MotorPoles];
 /// Seconds in a minute: between Hz and rpm.
 const MINUTE: f64 = 60.0;
 
 impl JogSpeed {
-    /// The speed that a reading of it means, rpm.
+    /// Returns the speed that a reading of it means, rpm.
     #[must_use]
     pub fn rpm(&self, reading: &Reading) -> Option<f64> {
         let number = reading.number()?;
         Some(self.pole_pairs.map_or(number, |pairs| number * MINUTE / pairs))
     }
 
-    /// What is written for a speed.
+    /// Returns what is written for a speed.
     #[must_use]
     pub fn quantity(&self, speed: &Quantity) -> Quantity {
         match (self.pole_pairs, speed.in_unit("rpm")) {
@@ -47,7 +47,8 @@ impl JogSpeed {
 }
 
 impl Session {
-    /// The setting that is the speed of a jog setpoint of this drive, by its make and by whose control words it has now.
+    /// Returns the setting that is the speed of a jog setpoint of this drive, by its model and by whose control words
+    /// it has now.
     ///
     /// # Errors
     /// When no such setting is known, or the drive cannot be reached.

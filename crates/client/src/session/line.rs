@@ -28,7 +28,7 @@ impl Session {
         self.client().line_config().is_some()
     }
 
-    /// The drive at a place of the line, if it answers.
+    /// Returns the drive at a place of the line, if it answers.
     pub(super) async fn find_on_line(&mut self, at: &LineAddress) -> Result<Drive, Error> {
         let address = || DriveAddress::Line(at.clone());
         let same = self
@@ -92,7 +92,7 @@ impl Session {
             self.speak(slave, *first);
         }
         let vendor_of = |model: &Model| model.catalogue.map(|tables| tables.device.vendor_id);
-        // another VLT speaks like the one with tables; older ones do not name their maker
+        // another VLT speaks like the one with tables; older ones do not name their vendor
         let speaks_fc =
             |model: &Model| at.protocol == Protocol::Fc && (vendor == 0 || vendor_of(model) == Some(vendor));
         let by_protocol = || Model::by_name(FC_MODEL).filter(speaks_fc);
@@ -109,7 +109,7 @@ impl Session {
         Ok(drive)
     }
 
-    /// What a drive that is not known yet may speak, that of the protocol first.
+    /// Returns the candidate dialects of an unknown drive, that of the protocol first.
     fn dialects(&self) -> Vec<PkwDialect> {
         let line = self.client().line_config();
         let Some(line) = line else {

@@ -29,7 +29,7 @@ pub struct Snapshot {
     pub stw1: Option<u16>,
     /// Status word and speed.
     pub zsw1: Option<u16>,
-    /// Speed asked for, in the unit of the reading.
+    /// Speed requested, in the unit of the reading.
     pub speed_set: Option<Reading>,
     /// Speed.
     pub speed_actual: Option<Reading>,
@@ -37,7 +37,7 @@ pub struct Snapshot {
     pub position: Option<Reading>,
     /// Changes of the fault buffer so far.
     pub fault_counter: Option<u16>,
-    /// What else was asked for.
+    /// What else was requested.
     pub readings: Vec<Result<Reading, Refusal>>,
 }
 

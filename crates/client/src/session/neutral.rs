@@ -39,7 +39,7 @@ impl Session {
         if self.is_closed(drive, Route::Controller) {
             return Err(self.no_route(drive));
         }
-        // an owner keeps others out however they come: that is told before what else stands in the way
+        // an owner keeps others out however they come: that is reported before what else stands in the way
         let owner = self.glance_record(drive, 0, (0, 1), index::AR_DATA).await?;
         if let Some(Some(controller)) = owner.and_then(|data| controller_of(&data, &[])) {
             return Err(self.owned(drive, Some(controller)));

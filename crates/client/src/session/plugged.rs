@@ -1,4 +1,4 @@
-//! The modules of a drive as they really are: ident numbers are the maker's, and no table is sure to have them.
+//! The modules of a drive as they really are: ident numbers are the vendor's, and no table is sure to have them.
 
 use profile::catalogue::{Device, TelegramModule};
 use profinet::controller::{ModuleConfig, RecordAddress, SubmoduleConfig};
@@ -14,7 +14,7 @@ use profile::model::PROFIDRIVE_API;
 /// Application processes of a device whose modules are read.
 const MOST_APIS: usize = 16;
 
-/// What is plugged, as far as the device tells (RealIdentificationData).
+/// Plugged modules, as far as the device reports them (RealIdentificationData).
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub(super) struct Plugged {
     /// Slot 0.
@@ -32,7 +32,7 @@ pub(super) struct Layout {
 }
 
 impl Session {
-    /// Reads what is plugged. A device that does not tell has nothing to be known.
+    /// Reads the plugged modules. Empty for a device that does not report them.
     pub(super) async fn plugged(&mut self, drive: &Drive) -> Result<Plugged, Error> {
         let own = self.modules_of(drive, 0, (0, 1)).await?;
         Ok(Plugged::new(
@@ -94,7 +94,7 @@ impl Session {
     }
 }
 
-/// The modules of one API in RealIdentificationData.
+/// Returns the modules of one API in RealIdentificationData.
 pub(super) fn modules_in(data: &[u8], api: u32) -> Vec<IdentifiedModule> {
     let found = Identification::decode(&mut Reader::new(data), BlockType::REAL_IDENTIFICATION);
     let modules = found.map_or_else(|_| Vec::new(), |found| found.modules);
@@ -110,8 +110,8 @@ impl Plugged {
         }
     }
 
-    /// The modules of a connection for records: those that are plugged, so that nothing changes. `None` when slot 0 is
-    /// not known. The module of the drive is left out where nobody knows how long its data is.
+    /// Returns the modules of a connection for records: the plugged ones, so that nothing changes. `None` when slot 0
+    /// is unknown. The module of the drive is left out when the length of its data is unknown.
     pub(super) fn for_records(
         &self,
         device: Option<&Device>,
@@ -142,7 +142,7 @@ impl Plugged {
         Some(modules)
     }
 
-    /// The telegram that is plugged, where the tables know its module.
+    /// Returns the telegram that is plugged, where the tables know its module.
     pub(super) fn telegram(&self, device: &Device) -> Option<u16> {
         let module = self.drive.as_ref().filter(|module| is_ours(device, module))?;
         device
@@ -150,9 +150,9 @@ impl Plugged {
             .map(|known| known.telegram)
     }
 
-    /// The modules to connect with: the tables' where the drive has those, else the ones that are plugged. `None` when
-    /// the telegram wanted is not the one plugged and its ident number is not known. Of a drive without tables no ident
-    /// number is; where it does not say which telegram is plugged either, telegram 1 is tried.
+    /// Returns the modules to connect with: the tables' where the drive has those, else the ones that are plugged.
+    /// `None` when the telegram wanted is not the one plugged and its ident number is not known. Of a drive without
+    /// tables no ident number is; where it does not say which telegram is plugged either, telegram 1 is tried.
     pub(super) fn layout(
         &self,
         device: &Device,
@@ -200,8 +200,8 @@ impl Plugged {
         Some(Layout { modules, place })
     }
 
-    /// The modules of a telegram by the device description of the maker, if that has one as long and the drive has not
-    /// those of the tables.
+    /// Returns the modules of a telegram by the device description of the vendor, if that has one as long and the drive
+    /// has not those of the tables.
     pub(super) fn layout_of(
         &self,
         vendor_modules: &[VendorModule],
@@ -238,7 +238,7 @@ impl Plugged {
     }
 }
 
-/// A plugged module with the lengths of its data, one entry for each API; empty where they are not known.
+/// Returns a plugged module with the lengths of its data, one entry for each API; empty where they are not known.
 fn known_module(
     device: Option<&Device>,
     vendor_modules: &[VendorModule],
@@ -280,7 +280,7 @@ fn known_module(
     plugged.map_or_else(Vec::new, |module_set| module_set.modules.clone())
 }
 
-/// A submodule without cyclic data.
+/// Returns a submodule without cyclic data.
 const fn plain(subslot: u16, ident: u32) -> SubmoduleConfig {
     SubmoduleConfig {
         subslot,
@@ -290,7 +290,7 @@ const fn plain(subslot: u16, ident: u32) -> SubmoduleConfig {
     }
 }
 
-/// True for a module of the tables: then its siblings are known too.
+/// Returns true for a module of the tables: then its siblings are known too.
 fn is_ours(device: &Device, module: &IdentifiedModule) -> bool {
     device.telegram_of_module(module.ident).is_some_and(|known| {
         let carries = |submodule: &IdentifiedSubmodule| {

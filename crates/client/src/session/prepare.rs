@@ -101,7 +101,7 @@ fn check_jog(drive: &Drive, purpose: Purpose, profile: Profile) -> Result<(), Er
 }
 
 impl Session {
-    /// What a move of an axis would be, and everything that speaks against it.
+    /// Returns the plan of a move of an axis, and all objections to it.
     ///
     /// # Errors
     /// When the model is not known, or the drive cannot be reached.
@@ -138,7 +138,7 @@ impl Session {
         ))
     }
 
-    /// What a drive says that matters for a move; what it refuses to tell is left out.
+    /// Reads the facts of a drive that matter for a move; refused values are left out.
     ///
     /// # Errors
     /// When the drive cannot be reached.
@@ -199,9 +199,8 @@ impl Session {
             .collect())
     }
 
-    /// The mode of the drive, the telegram for a purpose and the modules to connect with, which a serial line has none
-    /// of; in the telegram everything in it that no command carries preset to
-    /// what the drive has now.
+    /// Returns the mode of the drive, the telegram for a purpose and the modules to connect with, which a serial line
+    /// has none of; in the telegram everything in it that no command carries preset to what the drive has now.
     pub(super) async fn prepare(
         &mut self,
         drive: &mut Drive,
@@ -271,8 +270,8 @@ impl Session {
         })
     }
 
-    /// The telegram for a purpose and the modules to connect with. Where settings of the drive decide about its words and
-    /// cannot be read, it is telegram 1, if the drive has that.
+    /// Returns the telegram for a purpose and the modules to connect with. Where settings of the drive decide about its
+    /// words and cannot be read, it is telegram 1, if the drive has that.
     fn telegram_for(
         &self,
         drive: &Drive,
@@ -297,7 +296,7 @@ impl Session {
             drive: drive.label(),
             problem,
         })?;
-        // what a maker's file says is surer than that the module plugged is the one of PNU 922
+        // what a vendor's file says is surer than that the module plugged is the one of PNU 922
         let layout = |choice: &Choice| {
             plugged
                 .layout_of(&drive.vendor_modules, device, &choice.module)
@@ -358,8 +357,7 @@ impl Session {
         Ok(())
     }
 
-    /// Checks that nobody at the drive itself commands it, and that it is not in operation without a controller. Reads
-    /// only.
+    /// Checks that the drive is neither in local operation nor in operation without a controller. Reads only.
     ///
     /// # Errors
     /// [`Error::LocalOperation`], [`Error::Ownerless`], and when the drive cannot be reached.
@@ -368,7 +366,7 @@ impl Session {
         permitted(drive, authority)
     }
 
-    /// The telegram of a drive's process data: what PNU 922 says, or that of its line.
+    /// Returns the telegram of a drive's process data: what PNU 922 says, or that of its line.
     pub(super) async fn telegram_now(&mut self, drive: &mut Drive) -> Result<Option<u16>, Error> {
         let readings = self.read_numbers(drive, &[pnu::TELEGRAM]).await?;
         let raw = readings.first().and_then(Reading::raw);
@@ -385,12 +383,12 @@ impl Session {
         }
     }
 
-    /// The mode, if it is the one that the purpose needs.
+    /// Returns the mode, if it is the one that the purpose needs.
     fn mode_for(&self, drive: &Drive, readings: Option<u16>, purpose: Purpose) -> Result<Mode, Error> {
         let present = readings.map(|number| mode_of(i64::from(number)));
         let needed = purpose.mode();
         match (present, needed) {
-            // a drive that does not tell is taken at the caller's word
+            // for a drive that does not report it the caller's value counts
             (None, needed) => Ok(needed.unwrap_or_default()),
             (Some(Some(mode)), None) => Ok(mode),
             (Some(Some(mode)), Some(needed)) if mode == needed => Ok(mode),
@@ -399,7 +397,12 @@ impl Session {
                 drive: drive.label(),
                 needed: needed.unwrap_or_default(),
                 present: present.map_or_else(
-                    || format!("a mode of its maker (PNU 930 = 0x{:04X})", readings.unwrap_or(0)),
+                    || {
+                        format!(
+                            "a vendor-specific mode (PNU 930 = 0x{:04X})",
+                            readings.unwrap_or(0)
+                        )
+                    },
                     |mode| mode_words(mode).to_owned(),
                 ),
             }),
@@ -427,7 +430,7 @@ fn permitted(drive: &Drive, authority: Authority) -> Result<(), Error> {
     }
 }
 
-/// The refusal of a motion of a drive that is in operation without a controller.
+/// Returns the refusal of a motion of a drive that is in operation without a controller.
 pub(super) fn ownerless(drive: &Drive) -> Error {
     let tables = drive.model.catalogue;
     let by_parameter = tables.is_some_and(|tables| tables.part(Part::Disable).is_some());
@@ -442,14 +445,14 @@ pub(super) fn ownerless(drive: &Drive) -> Error {
     }
 }
 
-/// The status word of a drive in the bits of the profile.
+/// Returns the status word of a drive in the bits of the profile.
 pub(super) fn zsw1_of(drive: &Drive, readings: &Readings, telegram: Option<u16>) -> Option<Zsw1> {
     let status = readings.word(Part::StatusWord)?;
     let sent = readings.word(Part::ControlWord).unwrap_or_default();
     Some(readings.profile(drive, telegram).zsw1(status, sent))
 }
 
-/// What the numbers of the speeds in a telegram mean, and the ramps up and down in that unit a second.
+/// Returns what the numbers of the speeds in a telegram mean, and the ramps up and down in that unit a second.
 fn scale_of(
     drive: &Drive,
     readings: &Readings,
@@ -493,7 +496,7 @@ fn scale_of(
 /// 100 % of a speed in N2.
 const PERCENT_100: u16 = 0x4000;
 
-/// The lowest of the limits of the speed in each direction, and what sets it.
+/// Returns the lowest of the limits of the speed in each direction, and what sets it.
 fn speed_limits(readings: &Readings) -> [Option<(f64, Part)>; 2] {
     let of = |part| readings.rpm(part).map(|limit| (limit.abs(), part));
     let forward = of(Part::ForwardLimit);
@@ -514,8 +517,8 @@ fn speed_limits(readings: &Readings) -> [Option<(f64, Part)>; 2] {
     ]
 }
 
-/// How many units of the position parameters one turn of a rotary motor has; `None` for a linear one.
-/// Source: AKD UNIT.PROTARY, UNIT.PIN, UNIT.POUT; MOTOR.TYPE 1 is linear.
+/// Returns how many units of the position parameters one turn of a rotary motor has; `None` for a linear one. Source:
+/// AKD UNIT.PROTARY, UNIT.PIN, UNIT.POUT; MOTOR.TYPE 1 is linear.
 fn units_per_turn(raw: impl Fn(Part) -> Option<i64>) -> Option<f64> {
     if raw(Part::MotorType) == Some(1) {
         return None;

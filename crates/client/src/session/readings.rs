@@ -1,4 +1,4 @@
-//! What a drive tells of what every make has somewhere: asked for by the part of the parameter, found by the tables.
+//! Reads parameters by role (`Part`) instead of by number; the tables of the model map roles to numbers.
 
 use profile::catalogue::{Part, Scaling};
 use profile::notation::Notation;
@@ -37,12 +37,12 @@ pub(super) struct Readings {
     scaling: Scaling,
     /// Status word and actual value of a serial line, where no parameter has them.
     line: Option<[u16; 2]>,
-    /// The actual value of the line that is 100 % of the reference; `None` where it is no part of one.
+    /// The actual value of the line that is 100 % of the reference; `None` where it is not a part of one.
     full: Option<u16>,
 }
 
 impl Session {
-    /// Reads the parameters with these parts in as few jobs as possible; what the make has not or the drive refuses is
+    /// Reads the parameters with these parts in as few jobs as possible; what the model has not or the drive refuses is
     /// left out.
     pub(super) async fn ask(&mut self, drive: &mut Drive, parts: &[Part]) -> Result<Readings, Error> {
         let wanted: Vec<(Part, Selection)> = parts.iter().flat_map(|&part| places(drive, part)).collect();
@@ -72,7 +72,7 @@ impl Session {
     }
 }
 
-/// The actual value at a line that is 100 % of the reference of a converter.
+/// Returns the actual value at a line that is 100 % of the reference of a converter.
 fn full_speed(drive: &Drive) -> Option<u16> {
     let tables = drive.model.catalogue?;
     let telegram = Telegram::of_line(drive.station.vendor_id);
@@ -80,7 +80,7 @@ fn full_speed(drive: &Drive) -> Option<u16> {
     tables.part(Part::Reference).map(|_| own.unwrap_or(FULL))
 }
 
-/// The parameters of a drive that have a part.
+/// Returns the parameters of a drive that have a part.
 pub(super) fn places(drive: &Drive, part: Part) -> Vec<(Part, Selection)> {
     let tables = drive.model.catalogue;
     let known = tables.into_iter().flat_map(|tables| {
@@ -107,7 +107,7 @@ pub(super) fn places(drive: &Drive, part: Part) -> Vec<(Part, Selection)> {
 }
 
 impl Readings {
-    /// The first value of a part.
+    /// Returns the first value of a part.
     pub fn find(&self, part: Part) -> Option<&Reading> {
         self.all(part).next()
     }
@@ -140,12 +140,12 @@ impl Readings {
         }
     }
 
-    /// The actual value of a serial line as it travels, where no parameter has the speed.
+    /// Returns the actual value of a serial line as it travels, where no parameter has the speed.
     pub fn line_speed(&self) -> Option<i16> {
         self.line.map(|[_, actual]| actual.cast_signed())
     }
 
-    /// Whether the axis stands: slower than `rpm`, else by the actual value as it travels.
+    /// Returns whether the axis stands: slower than `rpm`, else by the actual value as it travels.
     pub fn stands(&self, rpm: f64) -> Option<bool> {
         let speed = self.rpm(Part::Speed).map(|speed| speed.abs() < rpm);
         let actual = || self.word(Part::SpeedActual).map(u16::cast_signed);
@@ -158,7 +158,7 @@ impl Readings {
         u32::try_from(raw & 0xFFFF_FFFF).ok()
     }
 
-    /// The actual value of a line as a reading in percent of the reference.
+    /// Returns the actual value of a line as a reading in percent of the reference.
     fn line_reading(&self) -> Option<Reading> {
         let (raw, full) = self.line_speed().zip(self.full)?;
         Some(Reading {
@@ -181,8 +181,8 @@ impl Readings {
         })
     }
 
-    /// A speed as a reading in rpm, also where the drive tells it in percent of its reference. In percent where only a line
-    /// has it: then the reference was not read either.
+    /// Returns a speed as a reading in rpm, converted if the drive reports it in percent of its reference. In percent
+    /// when only the serial line reports it: then the reference was not read either.
     pub fn speed(&self, part: Part) -> Option<Reading> {
         let Some(mut reading) = self.find(part).cloned() else {
             return self.line_reading().filter(|_| part == Part::SpeedActual);
@@ -204,13 +204,13 @@ impl Readings {
         self.speed(part).filter(|speed| speed.unit != PERCENT)?.number()
     }
 
-    /// A speed in percent of the reference, where that is not known.
+    /// Returns a speed in percent of the reference, where that is not known.
     pub fn percent(&self, part: Part) -> Option<f64> {
         self.speed(part).filter(|speed| speed.unit == PERCENT)?.number()
     }
 
-    /// A ramp in rpm/s: as the drive has it, or out of its time, which counts to the synchronous speed of the motor or to
-    /// the reference, whichever is lower.
+    /// Returns a ramp in rpm/s: as the drive has it, or out of its time, which counts to the synchronous speed of the
+    /// motor or to the reference, whichever is lower.
     pub fn ramp(&self, rate: Part, time: Part) -> Option<f64> {
         let positive = |number: f64| Some(number).filter(|number| *number > 0.0);
         if let Some(rate) = self.number(rate).and_then(positive) {
@@ -224,7 +224,7 @@ impl Readings {
         Some(speed / self.number(time).and_then(positive)?)
     }
 
-    /// The pole pairs of the motor: as the drive tells them, or out of its name plate; 1 where nothing is known.
+    /// Returns the pole pairs of the motor: from the drive or its nameplate; 1 when unknown.
     pub fn pole_pairs(&self) -> f64 {
         let poles = self.number(Part::MotorPoles).filter(|poles| *poles >= 2.0);
         let plate = || {
@@ -238,12 +238,13 @@ impl Readings {
             .max(1.0)
     }
 
-    /// The speed that is 100 % of the reference, in rpm; `None` where the reference is no speed, or not told.
+    /// Returns the speed that is 100 % of the reference, in rpm; `None` when the reference is not a speed, or not
+    /// reported.
     pub fn reference(&self) -> Option<f64> {
         self.reference_at(Part::Reference).filter(|value| *value > 0.0)
     }
 
-    /// A reference in rpm.
+    /// Returns a reference in rpm.
     pub fn reference_at(&self, part: Part) -> Option<f64> {
         let reading = self.find(part)?;
         let unit = self.find(Part::ReferenceUnit).and_then(|unit| unit.choice);
@@ -255,7 +256,7 @@ impl Readings {
         }
     }
 
-    /// Whose bits the control and status word have now.
+    /// Returns whose bits the control and status word have now.
     pub fn profile(&self, drive: &Drive, telegram: Option<u16>) -> Profile {
         let choice = self.raw(Part::ControlProfile);
         let found = telegram.and_then(|number| Telegram::find(number, drive.station.vendor_id));

@@ -134,7 +134,7 @@ impl Session {
         self.routes_to(drive, |routes| routes.closed.clone())
     }
 
-    /// What is known about the ways to a drive, to read and to note.
+    /// Returns what is known about the ways to a drive, to read and to note.
     fn routes_to<T>(&self, drive: &Drive, with: impl FnOnce(&mut Routes) -> T) -> T {
         let mut records = self.engine.records();
         let routes = &mut records.routes;
@@ -191,7 +191,7 @@ impl Session {
     }
 }
 
-/// The device answered a connect, but with a refusal: another kind of connection may be accepted.
+/// Returns the device answered a connect, but with a refusal: another kind of connection may be accepted.
 pub(super) fn refusal(cause: &LostCause) -> Option<String> {
     match cause {
         LostCause::Service(error @ (ServiceError::Refused { .. } | ServiceError::Call { .. })) => {
@@ -202,7 +202,7 @@ pub(super) fn refusal(cause: &LostCause) -> Option<String> {
     }
 }
 
-/// The device does not serve implicit reads at all; a refusal of the record itself is an answer.
+/// Returns whether the device does not serve implicit reads at all; a refusal of the record itself is an answer.
 pub(super) const fn is_no_service(error: &ServiceError) -> bool {
     match error {
         ServiceError::Refused { status, .. } => status.decode != DECODE_RECORD,
@@ -211,7 +211,7 @@ pub(super) const fn is_no_service(error: &ServiceError) -> bool {
     }
 }
 
-/// The state of the connection forbids the write: the device may want cyclic data first.
+/// Returns whether the state of the connection forbids the write: the device may want cyclic data first.
 pub(super) const fn wants_data(error: &ServiceError) -> bool {
     const WRITE: u8 = 0xDF;
     const fn forbids(status: PnioStatus) -> bool {

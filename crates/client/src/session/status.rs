@@ -1,4 +1,4 @@
-//! Everything that tells why a drive does not run, read in as few jobs as possible. Reads only.
+//! Reads all values that explain why a drive does not run, in as few jobs as possible. Reads only.
 
 use profile::catalogue::Part;
 use profile::parameter::pnu;
@@ -44,8 +44,7 @@ const PARTS: [Part; 21] = [
 ];
 
 impl Session {
-    /// Reads how a drive is; [`diagnose`](crate::status::diagnose) says what it comes down to. What the drive refuses
-    /// to tell is left out.
+    /// Reads the status of a drive; [`diagnose`](crate::status::diagnose) evaluates it. Refused values are left out.
     ///
     /// # Errors
     /// When the drive cannot be reached.
@@ -138,7 +137,7 @@ impl Session {
     }
 }
 
-/// The telegram in use, by the signals that the drive tells.
+/// Returns the telegram in use, from the signals that the drive reports.
 fn wiring(drive: &Drive, parts: &[Reading]) -> Option<Wiring> {
     let words = |pnu| {
         parts
@@ -148,7 +147,7 @@ fn wiring(drive: &Drive, parts: &[Reading]) -> Option<Wiring> {
             .filter_map(|raw| u16::try_from(raw & 0xFFFF).ok())
     };
     let number = words(pnu::TELEGRAM).next()?;
-    // the signals of a fixed telegram are known; of a free one the drive tells them
+    // the signals of a fixed telegram are known; those of a free one are read from the drive
     let vendor = drive.station.vendor_id;
     if let Some(fixed) = Telegram::find(number, vendor).filter(|telegram| !telegram.free) {
         return Wiring::of(fixed, vendor).ok();

@@ -1,4 +1,4 @@
-//! Taking control of a drive that is in operation though nobody commands it: what it does now goes on until the first goal.
+//! Takes control of an ownerless drive in operation: its present motion continues until the first goal.
 
 use profile::catalogue::Part;
 use profile::state::{State, Stw1, Zsw1};
@@ -63,7 +63,7 @@ impl Session {
     }
 }
 
-/// The setpoint that was commanded, but no more than the speed that the axis has: nothing is to make it faster.
+/// Returns the setpoint that was commanded, but no more than the speed that the axis has: nothing is to make it faster.
 fn slower(commanded: Option<i16>, actual: Option<i16>) -> i16 {
     match (commanded, actual) {
         (Some(commanded), Some(actual)) => {
@@ -75,7 +75,7 @@ fn slower(commanded: Option<i16>, actual: Option<i16>) -> i16 {
     }
 }
 
-/// True for a status word of a drive whose present command is to be kept.
+/// Returns true for a status word of a drive whose present command is to be kept.
 pub(super) fn is_kept(word: Option<Zsw1>) -> bool {
     word.is_some_and(super::authority::in_operation)
 }

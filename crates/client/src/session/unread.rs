@@ -42,7 +42,7 @@ impl Unread {
 }
 
 impl Manner {
-    /// When the request under way is given up because nothing has answered for too long.
+    /// Returns the time when the request under way is given up because nothing has answered for too long.
     fn silent(&self) -> Option<Instant> {
         self.unread.as_ref()?.due
     }
@@ -56,13 +56,14 @@ impl Session {
         self.manner().unread.get_or_insert_default();
     }
 
-    /// Why parameters are not read any more, since [`tolerate_unread`](Self::tolerate_unread); `None` while they are.
+    /// Returns why parameters are not read any more, since [`tolerate_unread`](Self::tolerate_unread); `None` while
+    /// they are.
     #[must_use]
     pub fn unread(&self) -> Option<String> {
         self.manner().unread.as_ref()?.cause.clone()
     }
 
-    /// Whether this error of a parameter request is tolerated; then no more are sent.
+    /// Returns whether this error of a parameter request is tolerated; then no more are sent.
     pub(super) fn gives_up(&self, error: &Error) -> bool {
         let mut manner = self.manner();
         let Some(unread) = manner.unread.as_mut().filter(|_| is_unread(error)) else {
@@ -72,19 +73,19 @@ impl Session {
         true
     }
 
-    /// A stop or a motion waits for what is asked for now.
+    /// Returns whether a stop or a motion waits for what is requested now.
     pub(super) fn is_hurried(&self) -> bool {
         let manner = self.manner();
         manner.bound.is_some() || manner.unread.is_some()
     }
 
-    /// When the parameter request under way is given up, if not by its own limit.
+    /// Returns the time when the parameter request under way is given up, if not by its own limit.
     pub(super) fn due(&self) -> Option<Instant> {
         let manner = self.manner();
         [manner.silent(), manner.bound].into_iter().flatten().min()
     }
 
-    /// The end of a wait that may take so long.
+    /// Returns the end of a wait that may take so long.
     pub(super) fn end_of(&self, limit: Duration) -> Instant {
         let now = self.now();
         let manner = self.manner();
@@ -93,7 +94,7 @@ impl Session {
         manner.bound.map_or(end, |bound| end.min(bound.max(now)))
     }
 
-    /// How long one parameter of a serial line may remain without an answer.
+    /// Returns how long one parameter of a serial line may remain without an answer.
     pub(super) fn silence(&self, limit: Duration) -> Duration {
         if self.manner().unread.is_some() {
             limit.min(SILENCE)
@@ -103,7 +104,7 @@ impl Session {
     }
 }
 
-/// The drive is there, its parameters are not.
+/// Returns whether the drive is there, its parameters are not.
 const fn is_unread(error: &Error) -> bool {
     matches!(
         error,

@@ -1,4 +1,4 @@
-//! Warnings of an axis under control: the status word has one bit for all of them, their numbers are asked for.
+//! Warnings of an axis under control: the status word has one bit for all of them, their numbers are requested.
 
 use std::time::Duration;
 
@@ -11,14 +11,14 @@ use crate::{Connection, Error};
 /// How often a drive that has a warning is asked which ones it has.
 const AGAIN: Duration = Duration::from_secs(1);
 
-/// Who wants to know, and what was told.
+/// Who wants to know, and what was reported.
 #[derive(Default)]
 pub(super) struct Warnings {
     watcher: Option<WarningWatcher>,
     reported: Reported,
 }
 
-/// What was told since the warning bit came.
+/// What was reported since the warning bit came.
 #[derive(Debug, Default, PartialEq)]
 enum Reported {
     /// There is no warning.
@@ -38,7 +38,7 @@ impl Warnings {
 }
 
 impl Axis {
-    /// Tells of warnings that are new. What the drive does not answer holds nothing up: it is asked once.
+    /// Reports new warnings. A drive that does not answer causes no delay: it is queried once.
     pub(super) async fn look_for_warnings(&mut self, status: &AxisStatus) {
         if self.warnings.watcher.is_none() || self.connection() != Connection::Running {
             return;
@@ -70,7 +70,7 @@ impl Axis {
             return;
         };
         let Some(present) = present else {
-            // gone before it was asked for, or without a number
+            // gone before it was requested, or without a number
             if still && before.is_empty() {
                 watcher(status, &[]);
             }

@@ -6,7 +6,7 @@ use super::rules::{self, RULES};
 use super::{Cause, DriveStatus, vendors};
 use crate::{Advice, WarningEntry};
 
-/// Causes that are told beside another one too: what the controller does is no news then, what is at the drive is.
+/// Causes that are reported beside another one too: what the controller does is not news then, what is at the drive is.
 const NOTED: [Cause; 6] = [
     Cause::Sto,
     Cause::NoPower,

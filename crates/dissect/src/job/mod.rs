@@ -52,7 +52,7 @@ impl fmt::Display for Side {
 
 /// Octets that are not parameter job of this side.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("this is no parameter {side}: {reason}")]
+#[error("not a valid parameter {side}: {reason}")]
 pub struct NoJob {
     /// What they were taken for.
     pub side: Side,

@@ -15,7 +15,7 @@ use crate::fields;
 /// Decodes a response, with the request it answers where that is known, and learns the values of the drive.
 pub fn decode_response(drive: &mut JobDrive, data: &[u8], request: Option<&[u8]>) -> Result<Decoded, String> {
     let &[reference, id, axis, count, ref rest @ ..] = data else {
-        return Err(format!("{} octets are no header", data.len()));
+        return Err(format!("{} octets are not a header", data.len()));
     };
     let job = request.and_then(|bytes| Request::parse(bytes, drive.code_space()).ok());
     let mut warnings = request.map_or(Ok(Vec::new()), |request| mismatches(request, reference, id))?;

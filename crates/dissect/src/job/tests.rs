@@ -322,7 +322,7 @@ fn a_request_cut_off_has_the_answer_of_the_drive() {
     let failure = failure.err().unwrap().to_string();
     assert_eq!(
         failure,
-        "this is no parameter request: the header needs 4 octets, the block has 3"
+        "not a valid parameter request: the header needs 4 octets, the block has 3"
     );
 }
 

@@ -162,7 +162,10 @@ impl Check<'_, '_, '_> {
         if let Some(name) = &point.dns_name
             && !is_station_name(name)
         {
-            let message = format!("DNS_CompatibleName `{}` is no name of station", shortened(name));
+            let message = format!(
+                "DNS_CompatibleName `{}` is not a valid station name",
+                shortened(name)
+            );
             self.error(Rule::Value, at, message);
         }
         if point.min_device_interval == 0 {

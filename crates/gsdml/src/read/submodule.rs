@@ -157,7 +157,7 @@ impl Reader<'_> {
                 .and_then(|digits| u8::from_str_radix(digits, 16).ok());
             let Some(value) = value else {
                 let at = attribute(node, "Data").map_or(0, |attribute| attribute.range().start);
-                let message = format!("Data: `{}` is no octet as 0x1F", shortened(octet));
+                let message = format!("Data: `{}` is not an octet such as 0x1F", shortened(octet));
                 self.problem(Severity::Unusable, Rule::Value, at, message);
                 return None;
             };

@@ -30,7 +30,7 @@ pub enum ReadError {
     #[error("cannot read the capture: {0}")]
     Io(#[from] io::Error),
     /// Neither pcap nor pcapng.
-    #[error("this is no capture file: neither pcap nor pcapng begins like this")]
+    #[error("not a capture file: the header is neither pcap nor pcapng")]
     NotACapture,
     /// The file ends in the middle of a block.
     #[error("the capture ends in the middle of a block that begins at octet {offset}")]

@@ -7,7 +7,7 @@ use std::io;
 #[non_exhaustive]
 pub enum Error {
     /// There is no such port.
-    #[error("there is no serial port {port}")]
+    #[error("there is not a serial port {port}")]
     NoSuchPort {
         /// As it was named.
         port: String,
@@ -29,7 +29,7 @@ pub enum Error {
         holders: Vec<Holder>,
     },
     /// It is something else than a serial port.
-    #[error("{port} is no serial port")]
+    #[error("{port} is not a serial port")]
     NotSerial {
         /// The file.
         port: String,

@@ -57,7 +57,7 @@ pub enum Error {
         port: u16,
     },
     /// The local address belongs to no interface.
-    #[error("{address} is no address of this computer")]
+    #[error("{address} is not an address of this computer")]
     NotOurAddress {
         /// The address requested.
         address: Ipv4Addr,

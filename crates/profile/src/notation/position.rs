@@ -57,7 +57,7 @@ impl fmt::Display for NoPosition {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.given_dimension {
             Some(dimension) => write!(f, "`{}` is a unit of {dimension}", self.given)?,
-            None => write!(f, "`{}` is no unit known here", self.given)?,
+            None => write!(f, "`{}` is not a known unit", self.given)?,
         }
         f.write_str("; a position is in ")?;
         for unit in units_of(Dimension::Turns) {

@@ -101,7 +101,7 @@ impl fmt::Display for UnitMismatch {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.given_dimension {
             Some(dimension) => write!(f, "`{}` is a unit of {dimension}", self.given)?,
-            None => write!(f, "`{}` is no unit known here", self.given)?,
+            None => write!(f, "`{}` is not a known unit", self.given)?,
         }
         if self.wanted.is_empty() {
             return f.write_str("; this value has no unit, write the bare number");
@@ -353,7 +353,7 @@ mod tests {
         let error = read("5parsec").in_unit("").unwrap_err().to_string();
         assert_eq!(
             error,
-            "`parsec` is no unit known here; this value has no unit, write the bare number"
+            "`parsec` is not a known unit; this value has no unit, write the bare number"
         );
         let error = read("5A").in_unit("counts/V").unwrap_err().to_string();
         assert_eq!(

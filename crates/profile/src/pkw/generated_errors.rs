@@ -11,7 +11,7 @@ impl PkwErrorNumber {
     pub const LIMIT: Self = Self(2);
     /// 3: subindex does not exist.
     pub const SUBINDEX: Self = Self(3);
-    /// 4: parameter is no array.
+    /// 4: parameter is not an array.
     pub const NO_ARRAY: Self = Self(4);
     /// 5: data type does not match the parameter.
     pub const DATA_TYPE: Self = Self(5);
@@ -50,7 +50,7 @@ pub static PKW_ERRORS: &[PkwErrorInfo] = &[
     PkwErrorInfo { number: 1, meaning: "no write access to the parameter", remedy: "the parameter is read-only", source: "Danfoss FC parameter block description p.73" },
     PkwErrorInfo { number: 2, meaning: "value exceeds the limits of the parameter", remedy: "give a value inside the limits that `describe` shows", source: "Danfoss FC parameter block description p.73" },
     PkwErrorInfo { number: 3, meaning: "subindex does not exist", remedy: "the array has no such element: give a smaller subindex", source: "Danfoss FC parameter block description p.73" },
-    PkwErrorInfo { number: 4, meaning: "parameter is no array", remedy: "the parameter has no elements: leave the subindex away", source: "Danfoss FC parameter block description p.73" },
+    PkwErrorInfo { number: 4, meaning: "parameter is not an array", remedy: "the parameter has no elements: leave the subindex away", source: "Danfoss FC parameter block description p.73" },
     PkwErrorInfo { number: 5, meaning: "data type does not match the parameter", remedy: "send the value in the size of the parameter: word, double word or text", source: "Danfoss FC parameter block description p.73" },
     PkwErrorInfo { number: 6, meaning: "setting not permitted, only resetting", remedy: "only 0 may be written", source: "ABB FPBA-01 p.90, MASTERDRIVES compendium p.8.2-97" },
     PkwErrorInfo { number: 7, meaning: "description element cannot be changed", remedy: "write the value, not the description", source: "ABB FPBA-01 p.90, MASTERDRIVES compendium p.8.2-97" },

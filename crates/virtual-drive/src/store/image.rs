@@ -48,7 +48,7 @@ pub enum ImageError {
         found: String,
     },
     /// The text does not end with a checksum: its end is missing.
-    #[error("the saved state is damaged: its end is missing, the last line is no checksum")]
+    #[error("the saved state is damaged: its end is missing, the last line is not a checksum")]
     Cut,
     /// The checksum does not fit: the text was changed.
     #[error("the saved state is damaged: {found:?}, computed {computed:08x}")]
@@ -59,7 +59,7 @@ pub enum ImageError {
         computed: u32,
     },
     /// A line is neither empty nor `NAME = value`.
-    #[error("line {line} of the saved state is no assignment: {text:?}")]
+    #[error("line {line} of the saved state is not an assignment: {text:?}")]
     Line {
         /// Counted from 1.
         line: usize,

@@ -178,7 +178,7 @@ impl Meanings {
             .chain(self.not_now.keys())
             .find(|name| !used.contains(*name))
         {
-            Some(name) => Err(format!("meanings: {name} is no parameter").into()),
+            Some(name) => Err(format!("meanings: {name} is not a parameter").into()),
             None => Ok(text),
         }
     }

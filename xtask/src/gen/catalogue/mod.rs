@@ -130,7 +130,7 @@ impl Model {
         let mut device = device::DeviceFile::read(root, &data("device.toml"))?;
         let table = parameters::render(&parameters, &meanings, &Formats::read(root)?, &mut device.values)?;
         if let Some(name) = device.values.keys().next() {
-            return Err(format!("{}: [values] {name} is no parameter", data("device.toml")).into());
+            return Err(format!("{}: [values] {name} is not a parameter", data("device.toml")).into());
         }
         let made = |file: &str, from: &str, text: String| Generated {
             path: format!("crates/profile/src/catalogue/{}/{file}.rs", self.folder),

@@ -144,7 +144,7 @@ fn render_parameter(
     let scale = match row.text("scale")?.strip_prefix("10^") {
         Some(exponent) => match exponent.parse::<i8>() {
             Ok(exponent) if exponent != 0 => format!("Decimal({exponent})"),
-            _ => return Err(format!("{}: 10^{exponent} is no scale", row.place()).into()),
+            _ => return Err(format!("{}: 10^{exponent} is not a scale", row.place()).into()),
         },
         None => word(
             "scale",
@@ -261,7 +261,7 @@ impl ValueType {
             1 => "Byte",
             2 => "Word",
             4 => "Dword",
-            _ => return Err(format!("{octets} octets of {} are no number", format.name).into()),
+            _ => return Err(format!("{octets} octets of {} are not a number", format.name).into()),
         };
         Ok(Self {
             size,

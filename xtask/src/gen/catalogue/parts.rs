@@ -42,7 +42,7 @@ pub fn render(parts: &Table, names_of_parts: &Table, known: &[Known]) -> Outcome
         }
         let (pattern, values) = cell.split_once('=').unwrap_or((cell, ""));
         let values: Result<Vec<i64>, _> = values.split_whitespace().map(str::parse).collect();
-        let values = values.map_err(|_| format!("{place}: {cell:?} has a value that is no number"))?;
+        let values = values.map_err(|_| format!("{place}: {cell:?} has a value that is not a number"))?;
         let mut found = known.iter().filter(|one| names(pattern, one));
         let (Some(parameter), None) = (found.next(), found.next()) else {
             return Err(format!("{place}: {pattern:?} is not the name of one parameter").into());

@@ -159,7 +159,7 @@ struct Session<'a> {
     idle: Duration,
     now: Duration,
     began: bool,
-    /// An event of the station that was asked for was seen, printed or not.
+    /// An event of the station that was requested was seen, printed or not.
     met: bool,
 }
 
@@ -231,7 +231,7 @@ impl<'a> Session<'a> {
         }
     }
 
-    /// True for an event of the station that was asked for, or of any station without such a wish.
+    /// Returns true for an event of the station that was requested, or of any station without such a wish.
     fn is_of_drive(&self, event: &Event) -> bool {
         self.args.drive.as_ref().is_none_or(|wanted| {
             let mut walkers = std::iter::once(&self.walker).chain(&self.known);
@@ -261,7 +261,7 @@ fn print(event: &Event, output: &Output) {
     }
 }
 
-/// An event for programs: the frame, who, the words, and the numbers under `data`, whose form `kind` names.
+/// Returns an event for programs: the frame, who, the words, and the numbers under `data`, whose form `kind` names.
 fn event_json(event: &Event) -> Map<String, Value> {
     let mut fields = fields! {
         "frame": event.frame, "time": event.at.as_secs_f64(), "from": event.from.as_str(), "to": event.to.as_str(),

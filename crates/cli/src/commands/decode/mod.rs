@@ -71,7 +71,7 @@ fn octets(data: &[u8], args: &Decode) -> Result<Decoded, Failure> {
 /// Octets from text: `05 02`, `0502`, `05:02`, `0x05, 0x02`.
 fn parse_hex(text: &str) -> Result<Vec<u8>, Failure> {
     let wrong = |part: &str| {
-        Failure::usage(format!("`{part}` is no octet in hexadecimal"))
+        Failure::usage(format!("`{part}` is not a hexadecimal octet"))
             .hint("write them as \"05 02 00 01\" or 05020001")
     };
     let mut octets = Vec::new();

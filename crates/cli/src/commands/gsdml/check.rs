@@ -113,7 +113,7 @@ fn json(problem: &Problem) -> Map<String, Value> {
     }
 }
 
-/// The first octets of a picture, where its size stands.
+/// Returns the first octets of a picture, where its size stands.
 fn head(path: &Path) -> Option<Vec<u8>> {
     let mut octets = Vec::new();
     let file = File::open(path).ok()?;
@@ -126,7 +126,7 @@ fn pictures(path: &Path, description: &Gsdml) -> Vec<String> {
     let folder = path.parent().unwrap_or(Path::new(""));
     let mut wrong = Vec::new();
     for graphic in &description.graphics {
-        // a name with a folder in it is told already, and not followed
+        // a name with a folder in it is reported already, and not followed
         if graphic.file.is_empty() || graphic.file.contains(['/', '\\', ':', '\0']) {
             continue;
         }
@@ -140,7 +140,7 @@ fn pictures(path: &Path, description: &Gsdml) -> Vec<String> {
                 "{}.bmp has {width} x {height} points, not 70 x 40",
                 graphic.file
             )),
-            Some(None) => wrong.push(format!("{}.bmp is no bitmap", graphic.file)),
+            Some(None) => wrong.push(format!("{}.bmp is not a bitmap", graphic.file)),
         }
     }
     wrong

@@ -126,7 +126,7 @@ impl<'a> View<'a> {
                 ),
             ),
             ("family", family.join(", ")),
-            ("schema", version.unwrap_or_else(|| "not told".to_owned())),
+            ("schema", version.unwrap_or_else(|| "not given".to_owned())),
             (
                 "texts",
                 format!(

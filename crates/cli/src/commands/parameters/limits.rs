@@ -11,7 +11,7 @@ use crate::render::number;
 /// What is known of the limits of one parameter.
 #[derive(Debug, Clone, Copy)]
 pub struct Limits<'a> {
-    /// Where the tables or what the drive told have them.
+    /// Limits from the tables or the description of the drive.
     tables: (Option<f64>, Option<f64>),
     /// What fits the data type.
     size: Option<(f64, f64)>,
@@ -19,7 +19,7 @@ pub struct Limits<'a> {
 }
 
 impl<'a> Limits<'a> {
-    /// Of a parameter in the tables, and what the drive told of it.
+    /// Returns the limits of a parameter in the tables, combined with the description of the drive.
     pub fn of(drive: &Parameters, parameter: &Parameter, description: Option<&'a Described>) -> Self {
         let (low, high) = drive.limits(parameter);
         let range = parameter.range();
@@ -27,7 +27,7 @@ impl<'a> Limits<'a> {
         let size = (shown(*range.start()), shown(*range.end()));
         let known = (parameter.minimum.map(|_| low), parameter.maximum.map(|_| high));
         Self {
-            // a drive without tables was asked before, and may have told nothing but the type
+            // a drive without tables was queried before, and may have reported only the type
             tables: if known == (Some(size.0), Some(size.1)) && !parameter.wide {
                 (None, None)
             } else {
@@ -38,7 +38,7 @@ impl<'a> Limits<'a> {
         }
     }
 
-    /// Of a parameter that only the drive knows.
+    /// Limits of a parameter that is in no table, from the description of the drive.
     pub const fn description(description: &'a Described) -> Self {
         Self {
             tables: (None, None),
@@ -50,7 +50,7 @@ impl<'a> Limits<'a> {
         }
     }
 
-    /// The limits with their unit, and whose they are.
+    /// Returns the limits with their unit, and whose they are.
     pub fn words(&self, unit: &str) -> String {
         let shown = |value: f64| format!("{} {unit}", number(value)).trim_end().to_owned();
         let span = |low: f64, high: f64| format!("{} to {}", shown(low), shown(high));
@@ -61,9 +61,9 @@ impl<'a> Limits<'a> {
             let own = span(low, high);
             return match self.tables {
                 (Some(first), Some(last)) if span(first, last) != own => {
-                    format!("{own}, as the drive tells (tables: {})", span(first, last))
+                    format!("{own}, reported by the drive (tables: {})", span(first, last))
                 }
-                _ => format!("{own}, as the drive tells"),
+                _ => format!("{own}, reported by the drive"),
             };
         }
         let of_type = of_type.unwrap_or_else(|| "the type has none".to_owned());
@@ -75,7 +75,7 @@ impl<'a> Limits<'a> {
         }
     }
 
-    /// Texts that the drive tells of values that the tables have none of.
+    /// Returns the texts reported by the drive for values without a text in the tables.
     pub fn other_texts(&self, parameter: &'a Parameter) -> impl Iterator<Item = (i32, &'a str)> {
         let texts = self
             .description
@@ -87,7 +87,7 @@ impl<'a> Limits<'a> {
     }
 }
 
-/// What the drive told: its limits, null where it has none of its own, and its texts.
+/// Returns the description of the drive: its limits, null where it has none of its own, and its texts.
 pub fn json(description: Option<&Described>) -> Map<String, Value> {
     let Some(description) = description else {
         return fields! { "told": Value::Null };
@@ -134,7 +134,7 @@ mod tests {
         assert_eq!(words(None, None), none);
         assert_eq!(words(Some(0.01), None), format!("at least 0.01 s; {size}"));
         assert_eq!(words(None, Some(60.0)), format!("at most 60 s; {size}"));
-        // learned from a drive that told what fits
+        // learned from a drive that reported suitable values
         assert_eq!(words(Some(0.0), Some(42_949_672.95)), none);
     }
 }

@@ -81,7 +81,7 @@ impl AxisControl {
         self.astray = None;
     }
 
-    /// A task: values first, then the edge, until the target.
+    /// Returns a task: values first, then the edge, until the target.
     pub(super) fn traverse(&mut self, now: Instant, seen: Seen, task: Traverse) -> Command {
         if let Some(command) = self.operation(now, seen).or_else(|| self.brake(now, seen)) {
             return command;
@@ -169,7 +169,7 @@ impl AxisControl {
         command(way)
     }
 
-    /// The task stays, the axis stands.
+    /// Pauses: the task stays, the axis stands.
     pub(super) fn pause(&mut self, now: Instant, seen: Seen) -> Command {
         if let Some(command) = self.operation(now, seen) {
             return command;
@@ -199,7 +199,7 @@ impl AxisControl {
         word(IDLE)
     }
 
-    /// What is under way is stopped along its ramp, then discarded; `None` once that is done.
+    /// Stops the present motion along its ramp, then discards it; `None` once that is done.
     fn brake(&mut self, now: Instant, seen: Seen) -> Option<Command> {
         if !self.braking {
             return None;
@@ -264,7 +264,7 @@ impl AxisControl {
         word(IDLE)
     }
 
-    /// The way to operation; `None` once there.
+    /// Returns the way to operation; `None` once there.
     fn operation(&mut self, now: Instant, seen: Seen) -> Option<Command> {
         let command = self.switch_on(now, seen, IDLE)?;
         if self.goal.operates() {
@@ -273,7 +273,7 @@ impl AxisControl {
         Some(command)
     }
 
-    /// True when the axis has stood for too long where it should not.
+    /// Returns true when the axis has stood for too long where it should not.
     fn strays(&mut self, now: Instant, stands: bool) -> bool {
         if !stands {
             self.astray = None;

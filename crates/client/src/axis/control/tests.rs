@@ -243,8 +243,8 @@ fn release_gives_control_back() {
     assert_eq!(bench.command(), Command::default());
 }
 
-/// The first status word may be one of an earlier connection, with other bits: a VLT that had its PROFIdrive words tells
-/// ones in which a fault seems to be.
+/// The first status word may be one of an earlier connection, with other bits: a VLT that used its PROFIdrive words
+/// reports bits that look like a fault.
 #[test]
 fn a_fault_is_believed_after_the_control_word_had_its_time_only() {
     let mut axis = AxisControl::new(Limits::default());

@@ -1,10 +1,10 @@
-//! What a drive says that matters for a move.
+//! Facts of a drive that matter for a move.
 
 use profile::catalogue::Part;
 
 use super::ModuloRange;
 
-/// What the drive says that matters for a move; `None` where it does not say.
+/// Facts of a drive that matter for a move; `None` where it does not report them.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct MotionFacts {
     /// Where the axis is, in turns (XIST_A).
@@ -40,7 +40,7 @@ pub struct MotionFacts {
 }
 
 impl MotionFacts {
-    /// The highest speed in the direction of a speed in rpm, and what sets it.
+    /// Returns the highest speed in the direction of a speed in rpm, and what sets it.
     #[must_use]
     pub fn speed_limit(&self, speed: f64) -> Option<(f64, Option<Part>)> {
         let (limit, by) = if speed < 0.0 {

@@ -18,12 +18,12 @@ impl ModuloRange {
         (high - low > 0.0 && (high - low).is_finite()).then_some(Self { low, high, way })
     }
 
-    /// The place in the range.
+    /// Returns the place in the range.
     pub(super) fn wrap(self, position: f64) -> f64 {
         self.low + (position - self.low).rem_euclid(self.high - self.low)
     }
 
-    /// How far it is from one position to another one inside the range.
+    /// Returns how far it is from one position to another one inside the range.
     pub(super) fn distance(self, from: f64, target: f64) -> f64 {
         let length = self.high - self.low;
         let way = target - self.wrap(from);

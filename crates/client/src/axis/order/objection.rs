@@ -1,4 +1,4 @@
-//! What speaks against a move.
+//! Objections to a move.
 
 use std::fmt;
 
@@ -57,11 +57,11 @@ pub enum Objection {
         /// Distance wanted, in increments.
         counts: f64,
     },
-    /// A speed between two that can be told, and neither is near.
+    /// A speed between two that can be reported, and neither is near.
     SpeedStep {
         /// Speed wanted, rpm.
         speed: f64,
-        /// The speeds below and above it that can be told, rpm.
+        /// The speeds below and above it that can be reported, rpm.
         nearest: [f64; 2],
     },
     /// Above what the setpoint carries.
@@ -121,7 +121,7 @@ impl fmt::Display for Objection {
                 f,
                 "the target of {counts:.0} counts does not fit 32 bits (MDI_TARPOS)"
             ),
-            Self::NoSpeed { speed } => write!(f, "{} rpm is no speed for a move", figures(*speed)),
+            Self::NoSpeed { speed } => write!(f, "{} rpm is not a valid speed for a move", figures(*speed)),
             Self::NoDistance { counts } => write!(
                 f,
                 "a distance of {} counts is less than half an increment: the axis would not move",
@@ -129,7 +129,7 @@ impl fmt::Display for Objection {
             ),
             Self::SpeedStep { speed, nearest } => write!(
                 f,
-                "{} rpm cannot be told: the nearest speeds are {} rpm and {} rpm (MDI_VELOCITY)",
+                "{} rpm is not representable: the nearest speeds are {} rpm and {} rpm (MDI_VELOCITY)",
                 figures(*speed),
                 figures(nearest[0]),
                 figures(nearest[1])
@@ -170,12 +170,12 @@ impl fmt::Display for Objection {
 }
 
 impl Objection {
-    /// What to do about it.
+    /// Returns the hint.
     #[must_use]
     pub fn advice(&self) -> Advice {
         match self {
             Self::NotHomed => "{home} sets the home position",
-            Self::Fault => "{status} tells which, {acknowledge} acknowledges it",
+            Self::Fault => "{status} shows which, {acknowledge} acknowledges it",
             Self::NoTask { .. } => "the table of motion tasks shows which ones there are (MT.NUM, MT.LOAD)",
             Self::SoftwareLimit { .. } => {
                 "{read SWLS.EN SWLS.LIMIT0 SWLS.LIMIT1} shows the limits"

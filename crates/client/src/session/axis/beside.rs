@@ -1,4 +1,4 @@
-//! What may be done with an axis from elsewhere while somebody moves it: stop it, record it.
+//! Operations on an axis that another handle moves: stop it, record it.
 
 use std::sync::Arc;
 
@@ -6,7 +6,7 @@ use super::{Axis, Ending};
 use crate::axis::{Sample, SampleQueue};
 use crate::{Engine, Error, Link};
 
-/// Stops an axis from any thread, whoever moves it and whatever waits for its drive. Who moves it is told by
+/// Stops an axis from any thread, whoever moves it and whatever waits for its drive. Who moves it is reported by
 /// [`Trouble::Stopped`](crate::axis::Trouble::Stopped).
 ///
 /// Clones stop the same axis. Nothing happens once it was given back.
@@ -62,7 +62,7 @@ pub struct Samples {
 }
 
 impl Samples {
-    /// The next one, if it came already.
+    /// Returns the next one, if it came already.
     pub fn take(&mut self) -> Option<Sample> {
         self.queue.take()
     }
@@ -84,7 +84,7 @@ impl Samples {
         }
     }
 
-    /// Samples that were dropped because nobody took them in time.
+    /// Returns the number of samples that were dropped because they were not fetched in time.
     #[must_use]
     pub fn dropped(&self) -> u64 {
         self.queue.dropped()
@@ -92,7 +92,7 @@ impl Samples {
 }
 
 impl Axis {
-    /// What stops this axis from any thread.
+    /// Returns a handle that stops this axis from any thread.
     #[must_use]
     pub fn stop_handle(&self) -> StopHandle {
         StopHandle {

@@ -46,7 +46,7 @@ pub struct AtLine(pub Shared<Bus>);
 pub type Bench = On<AtLine>;
 
 impl Bus {
-    /// A number from 0 to 99, the same in each run.
+    /// Returns a number from 0 to 99, the same in each run.
     fn dice(&mut self) -> u64 {
         self.random = self
             .random
@@ -55,7 +55,7 @@ impl Bus {
         (self.random >> 33) % 100
     }
 
-    /// A reply without what the parameter channel has to say.
+    /// Returns a reply without what the parameter channel has to say.
     fn reply(&self, octets: &[u8]) -> Vec<u8> {
         let mut octets = octets.to_vec();
         if let (true, [_, _, _, pkw @ .., _, _, _, _, _]) = (self.line.mute, octets.as_mut_slice()) {

@@ -58,7 +58,7 @@ impl<W: Wire + Send + 'static> On<W> {
         Self { network, world }
     }
 
-    /// The wire, to look at and to change.
+    /// Returns the wire, to look at and to change.
     pub fn medium(&self) -> impl DerefMut<Target = W> + '_ {
         self.world.wire()
     }
@@ -69,21 +69,21 @@ impl<W: Wire + Send + 'static> On<W> {
         let _ = self.network.settled().wait();
     }
 
-    /// The same without discovery.
+    /// Returns the same without discovery.
     #[must_use]
     pub fn without_discovery(mut self) -> Self {
         self.network = self.network.without_discovery();
         self
     }
 
-    /// The same where drives cannot call.
+    /// Returns the same where drives cannot call.
     #[must_use]
     pub fn without_calls(mut self) -> Self {
         self.network = self.network.without_calls();
         self
     }
 
-    /// The wire alone, for what goes on beside a caller that has the network.
+    /// Returns the wire alone, for what goes on beside a caller that has the network.
     pub fn world(&self) -> Arc<World<W>> {
         Arc::clone(&self.world)
     }

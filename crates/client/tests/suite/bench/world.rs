@@ -56,7 +56,7 @@ struct State {
     killed: bool,
     /// When the cable is put in again.
     cable_in: Option<Instant>,
-    /// Highest speed since it was last asked for, rpm.
+    /// Highest speed since it was last requested, rpm.
     fastest: f64,
 }
 
@@ -76,7 +76,7 @@ impl fmt::Display for Gone {
 
 impl std::error::Error for Gone {}
 
-/// Somebody who hears frames and does nothing.
+/// Returns an endpoint that receives frames and ignores them.
 fn idle_engine() -> Engine {
     Engine::new(Client::new(ControllerConfig::new(
         CLIENT,
@@ -123,14 +123,14 @@ impl World {
         }))
     }
 
-    /// A new client, and the drive as it finds it.
+    /// Returns a new client, and the drive as it finds it.
     pub fn client(&self, model: &str, transport: Transport, seed: u64) -> Result<(On<Self>, Drive), Error> {
         let (mut session, address) = self.session(transport, seed);
         let drive = session.find(&address).wait()?;
         Ok((session, drive.as_model(Model::by_name(model).expect("a model"))))
     }
 
-    /// A new client, and the address of the drive.
+    /// Returns a new client, and the address of the drive.
     pub fn session(&self, transport: Transport, seed: u64) -> (On<Self>, DriveAddress) {
         {
             let mut state = self.0.borrow_mut();
@@ -212,7 +212,7 @@ impl World {
         self.look(|drive| drive.axis().speed())
     }
 
-    /// The highest speed since this was last asked, rpm.
+    /// Returns the highest speed since this was last asked, rpm.
     pub fn fastest(&self) -> f64 {
         let speed = self.speed().abs();
         std::mem::replace(&mut self.0.borrow_mut().fastest, speed)

@@ -1,9 +1,9 @@
-//! What keeps a drive of each make from running: faults, warnings, words.
+//! What keeps a drive of each model from running: faults, warnings, words.
 
 use super::*;
 use profidrive_client::Wait;
 
-/// Whatever keeps a drive from running is told with what to do, in the parameters and words of its make.
+/// Whatever keeps a drive from running is reported with what to do, in the parameters and words of its model.
 #[test]
 fn causes_that_prevent_running_are_reported_with_a_remedy() {
     type Row = (
@@ -119,7 +119,7 @@ fn a_warning_of_each_model_is_reported_with_its_remedy() {
             .iter()
             .flat_map(|&part| tables.parts_of(part));
         if numbers.next().is_none() {
-            // a Vacon tells that there is one, not which
+            // a Vacon reports that there is one, not which
             assert!(note.sentence.contains("ZSW1 bit 7"), "{name}: {note:?}");
             continue;
         }
@@ -196,7 +196,7 @@ fn a_fault_of_each_model_is_reported_with_its_meaning_and_acknowledged() {
                 "{name}: {:04X?}",
                 report.zsw1
             );
-            // what was is still told
+            // its cause is still reported
             let before = report.faults.iter().map(|fault| (fault.number, fault.meaning));
             let mut all = before.chain(report.log.iter().map(|fault| (fault.number, fault.meaning)));
             assert!(
@@ -209,7 +209,7 @@ fn a_fault_of_each_model_is_reported_with_its_meaning_and_acknowledged() {
     }
 }
 
-/// What only an AKD has is in no text about another make.
+/// What only an AKD has is in no text about another model.
 #[test]
 fn motion_facts_come_from_the_parameters_of_the_model() {
     let mut session = all_models();
