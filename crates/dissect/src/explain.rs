@@ -451,7 +451,7 @@ fn number(text: &str, bits: u32) -> Result<u32, NotExplained> {
         .filter(|number| u64::from(*number) < 1 << bits)
         .ok_or_else(|| {
             NotExplained::new(format!(
-                "`{text}` is no {bits}-bit number: write 0x047F, 1151 or 0b0000_0100_0111_1111"
+                "`{text}` is not a {bits}-bit number: write 0x047F, 1151 or 0b0000_0100_0111_1111"
             ))
         })
 }

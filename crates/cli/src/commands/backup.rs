@@ -277,9 +277,9 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_file_and_what_has_no_folder_is_refused_before_anything_is_read() {
+    fn an_invalid_target_is_refused_before_reading() {
         for (path, words) in [
-            ("/dev/full", "no file that can be replaced"),
+            ("/dev/full", "not a file that can be replaced"),
             (
                 "/no-such-folder/sub/a.b",
                 "there is no folder /no-such-folder/sub",

@@ -154,7 +154,7 @@ fn every_rule_is_looked_at() {
             "DNS_CompatibleName=\"My_Drive\"",
             Error,
             R::Value,
-            "no name of station",
+            "not a valid station name",
         ),
         (
             "MaxSupportedRecordSize=\"65535\"",
@@ -295,7 +295,7 @@ fn every_rule_is_looked_at() {
             "Data=\"0x00,1,2,3\"",
             Unusable,
             R::Value,
-            "no octet as 0x1F",
+            "not an octet such as 0x1F",
         ),
         (
             "MenuTarget=\"MENU_B\"",
