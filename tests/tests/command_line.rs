@@ -54,7 +54,7 @@ fn from_an_unnamed_drive_to_a_turning_axis_and_over_a_restart() {
     client(&lab, &["blink", "akd-1", "--for", "1s"]).ok();
     let info = client(&lab, &["info", "akd-1"]).ok().out;
     assert!(info.contains("AKD-P00306"), "{info}");
-    assert!(info.contains("nobody: no controller is connected"), "{info}");
+    assert!(info.contains("none: no controller is connected"), "{info}");
 
     for address in ["akd-1", "192.168.77.50", mac] {
         let read = client(&lab, &["read", address, "DRV.ACC", "p930", "r947[0]"])

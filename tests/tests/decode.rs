@@ -143,11 +143,11 @@ fn a_capture_is_cut_by_time_and_by_station() {
         .filter(|text| !texts(&by_name).contains(text))
         .collect();
     assert_eq!(missing, [] as [Value; 0]);
-    let no_match = documents(&decode(&["--drive", "nobody"], &file));
+    let no_match = documents(&decode(&["--drive", "no-such-drive"], &file));
     assert_eq!(no_match.len(), 1, "the end only: {no_match:?}");
-    let no_match = decode(&["--drive", "nobody"], &file);
+    let no_match = decode(&["--drive", "no-such-drive"], &file);
     let warning = String::from_utf8_lossy(&no_match.stderr).into_owned();
-    assert!(warning.contains("about no device"), "{warning}");
+    assert!(warning.contains("about no-such-drive"), "{warning}");
     let none = decode(&["--since", "2s", "--until", "1s"], &file);
     assert_eq!(none.status.code(), Some(2), "{none:?}");
 }

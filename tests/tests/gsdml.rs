@@ -247,7 +247,7 @@ fn profinet_py_connects_by_the_exported_file() {
 
 #[test]
 fn profinet_py_connects_by_a_vendor_file() {
-    let lab = Lab::new("gsdml-maker");
+    let lab = Lab::new("gsdml-vendor");
     let file = vendor_file(MODULES);
     let simulate = ["--gsdml", file.to_str().unwrap()];
     connects(&lab, &file, &simulate, &["--module", "ID_MOD_9"], "16");

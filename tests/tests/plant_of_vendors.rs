@@ -117,7 +117,7 @@ fn each_drive_of_a_plant_has_its_model() {
 
 #[test]
 fn a_device_description_determines_the_model() {
-    let lab = Lab::new("maker-unknown");
+    let lab = Lab::new("vendor-unknown");
     let network = ["--name", "strange-1", "--ip", "192.168.77.50/24"];
     // of a vendor whose drives are simulated: no word about the model is needed
     let file = exported(&lab, "vlt", &[]);

@@ -34,7 +34,7 @@ use crate::commands::{
 )]
 #[command(
     after_help = "DRIVE is a station name (akd-1), an IP address (10.0.0.2) or a MAC address.\n\
-    PARAM is a name (DRV.ACC) or a number (930, p930, r947[0], 947[0..7], 0x3A2), as the maker writes it \
+    PARAM is a name (DRV.ACC) or a number (930, p930, r947[0], 947[0..7], 0x3A2), as the vendor writes it \
     (VLT: 1-20, Vacon: ID103).\n\
     Exit codes: 0 ok, 1 failed (also an incomplete backup), 2 usage, 3 refused by the drive, 4 not reachable, \
     5 difference found, 6 stopped by a safety rule."
@@ -191,7 +191,7 @@ pub enum Command {
     /// Set the home position by the procedure the drive is set up for (moves the axis)
     #[command(after_help = CYCLIC)]
     Home(OnDrive<Home>),
-    /// Stop a drive that somebody else commands: DRV.STOP, or DRV.DIS with --disable
+    /// Stop a drive that another controller commands: DRV.STOP, or DRV.DIS with --disable
     Stop(OnDrive<Stop>),
     /// Say in one sentence why a drive does not run; reads only (exit code 5 when something keeps it)
     Status(OnDrive<Status>),
@@ -393,7 +393,7 @@ mod tests {
             "profidrive write vacon-1 ID103=5s 104=5s --save --model Vacon -i v0",
             "profidrive explain 13 --as fault --model vlt",
             "profidrive simulate --model akd --name akd-1 -i v0 --count 4 --ip 10.0.0.2/24 --mac host",
-            "profidrive simulate --gsdml GSDML-V2.3-Maker-Drive-20200101.xml --access-point DAP_1",
+            "profidrive simulate --gsdml GSDML-V2.3-Vendor-Drive-20200101.xml --access-point DAP_1",
             "profidrive gsdml export --model akd -o folder",
             "profidrive gsdml show file.xml --texts --language de",
             "profidrive gsdml check file.xml --json",

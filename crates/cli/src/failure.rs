@@ -64,7 +64,7 @@ impl Failure {
         }
     }
 
-    /// An end that the data on stdout tells already: the exit code says it, nothing else does.
+    /// Ends with an exit code only, as stdout already has the result.
     pub const fn silent(exit: Exit) -> Self {
         Self {
             exit,

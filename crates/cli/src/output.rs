@@ -78,7 +78,7 @@ pub struct Output {
     /// Stands before each colour in text that is not printed yet. It is random, so that no foreign text has it.
     mark: Arc<str>,
     held: Arc<Mutex<Held>>,
-    /// Nobody reads stdout any more, or it takes no more.
+    /// Stdout is closed or cannot be written.
     closed: Arc<AtomicBool>,
     /// The command that reports: `read`, `gsdml show`.
     command: String,
@@ -259,7 +259,7 @@ impl Output {
         self.write_json(&document(command, fields));
     }
 
-    /// Tells something that went wrong, while the command goes on to its end, which will be another failure.
+    /// Prints a failure while the command continues; it ends with another failure.
     pub fn problem(&self, failure: &Failure) {
         let failure = &failure.clone().about(self.drive.as_deref());
         self.error(failure);
@@ -268,7 +268,7 @@ impl Output {
         }
     }
 
-    /// Ends the command: tells the failure, if it is one that nothing told yet, and prints the document.
+    /// Ends the command: prints the failure, unless it was printed already, and the document.
     pub fn end(&self, failure: Option<&Failure>) {
         let failure = failure
             .filter(|failure| !failure.message.is_empty())
@@ -322,8 +322,8 @@ impl Output {
         ))
     }
 
-    /// True once somebody who read stdout went away (`| head`), or it takes no more. Nothing goes on unseen: whoever waits for a drive takes it
-    /// for a wish to stop.
+    /// Returns true once stdout is closed (`| head`) or cannot be written. Motion without visible output must not
+    /// continue: waiting calls treat it as a stop.
     pub fn is_closed(&self) -> bool {
         self.closed.load(Ordering::Relaxed)
     }

@@ -302,7 +302,11 @@ fn decode_names_the_error() {
     );
     let output = profidrive(&["decode", env!("CARGO_MANIFEST_PATH")]);
     assert_eq!(output.status.code(), Some(1));
-    assert!(stderr(&output).contains("not a capture file"), "{}", stderr(&output));
+    assert!(
+        stderr(&output).contains("not a capture file"),
+        "{}",
+        stderr(&output)
+    );
 }
 
 #[test]

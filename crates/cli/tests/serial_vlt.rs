@@ -115,7 +115,7 @@ fn every_command_over_both_protocols() {
         assert_eq!(differs.status.code(), Some(5), "{}", stderr(&differs));
         assert!(stdout(&differs).contains("3-41"), "{}", stdout(&differs));
         let restored = ok(&["restore", &drive, &file]);
-        // how this make keeps values
+        // how this model saves values
         assert!(
             stderr(&restored).contains("not saved: lost at the next power cycle (use --save)"),
             "{}",
@@ -146,7 +146,7 @@ fn every_command_over_both_protocols() {
             "{}",
             stderr(&ran)
         );
-        // what is changed for a jog is as before afterwards; it is at rest already when somebody stops it
+        // temporary changes of a jog are restored; the axis already stands when another client stops it
         let before = values(&drive, &["3-19"]);
         let jogged = ok(&[
             "jog",
@@ -364,7 +364,7 @@ fn follow_advice(drive: &str) {
     }
 }
 
-/// What becomes of a drive whose `run` is killed is its own setting, and the one that lets it go on is told beforehand.
+/// The reaction of a drive to a killed `run` is its own setting; a drive that runs on is reported beforehand.
 #[test]
 fn after_a_killed_run_the_drive_acts_per_parameter_8_04() {
     let cable = Cable::lay();
@@ -412,7 +412,7 @@ fn after_a_killed_run_the_drive_acts_per_parameter_8_04() {
         if warned {
             let status = stdout(&status);
             assert!(
-                // which word that was is not told once another master has asked something
+                // the word is not reported once another master has sent a request
                 status.contains("is still in force"),
                 "{status}"
             );
@@ -489,7 +489,7 @@ fn the_eeprom_survives_a_restart() {
     );
 }
 
-/// What the drive counts comes to the folder when it is switched off in order, and nothing else that nobody saved.
+/// An orderly shutdown writes the counters of the drive to the folder, and no other unsaved values.
 #[test]
 fn an_orderly_end_keeps_what_the_drive_counted() {
     let cable = Cable::lay();

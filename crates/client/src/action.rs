@@ -77,7 +77,7 @@ pub enum Action {
     Choose(Choice),
 }
 
-/// A choice of the caller that makes a difference.
+/// A choice of the caller.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Choice {

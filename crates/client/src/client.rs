@@ -79,7 +79,7 @@ impl From<SlaveId> for Link {
 /// let mut buffer = [0; MAX_FRAME];
 /// let sent = client.poll_transmit(Instant::ZERO, &mut buffer);
 /// assert!(matches!(sent, Some(Transmit::Frame { .. }))); // who is there?
-/// // what comes back goes to `handle_frame`; here nobody answers, and the time runs out
+/// // what comes back goes to `handle_frame`; without an answer the time runs out
 /// while let Some(wake) = client.poll_timeout() {
 ///     client.handle_timeout(wake);
 ///     while client.poll_transmit(wake, &mut buffer).is_some() {}

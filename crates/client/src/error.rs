@@ -56,7 +56,7 @@ pub enum Error {
         /// How it was seen last.
         seen: String,
     },
-    /// Nobody of this name or address answered.
+    /// No station with this name or address answered.
     #[error("no station {drive} answered{}", others(.drive, .heard))]
     NotFound {
         /// Who was looked for.
@@ -100,14 +100,14 @@ pub enum Error {
         /// The drive.
         drive: String,
     },
-    /// Nobody answers at this address of a serial line.
+    /// No answer from this address of a serial line.
     #[error("no answer from {drive}{}", in_place(*.telegrams, *.noise))]
     NoAnswer {
         /// Who was asked.
         drive: DriveAddress,
         /// Telegrams heard of others.
         telegrams: u64,
-        /// Octets and telegrams that make no sense.
+        /// Invalid octets and telegrams.
         noise: u64,
     },
     /// A drive at a serial line does not answer any more.
@@ -165,7 +165,7 @@ pub enum Error {
         drive: String,
         /// The address.
         ip: Ipv4Addr,
-        /// Everybody who says to have it.
+        /// All stations that claim it.
         macs: Vec<MacAddress>,
     },
     /// Another controller owns what was asked for.
@@ -173,7 +173,7 @@ pub enum Error {
     OwnedByController {
         /// The drive.
         drive: String,
-        /// Its station name, where the drive tells it.
+        /// Its station name, if the drive reports it.
         controller: Option<String>,
         /// What the drive said.
         cause: String,
@@ -269,7 +269,7 @@ pub enum Error {
         /// What happened.
         trouble: Trouble,
     },
-    /// The drive is in another mode than this needs. It is not changed without being told to.
+    /// The drive is in another mode than required. It is changed only on request.
     #[error("{drive} is in {present}, this needs {}", mode_words(*needed))]
     WrongMode {
         /// The drive.
@@ -305,7 +305,7 @@ pub enum Error {
         /// What is missing.
         problem: NoTelegram,
     },
-    /// The module plugged is of a maker's file that nobody here knows, and it is not the telegram that is needed.
+    /// The plugged module comes from an unknown device description of the vendor, and is not the required telegram.
     #[error("{drive} has {} plugged, module 0x{ident:08X}, which is not in the tables; the ident number of the module of telegram {wanted} is not known", telegram_text(*.plugged))]
     ForeignModule {
         /// The drive.
@@ -317,7 +317,7 @@ pub enum Error {
         /// The telegram needed.
         wanted: u16,
     },
-    /// Somebody at the drive itself commands it; nothing was sent.
+    /// The drive is in local operation; nothing was sent.
     #[error("{drive} is in local operation (ZSW1 bit 9 is 0): {by}")]
     LocalOperation {
         /// The drive.
@@ -385,7 +385,7 @@ pub enum Error {
         drive: String,
         /// Speed asked for.
         wanted: f64,
-        /// Highest speed in that direction, where the telegram tells speeds.
+        /// Highest speed in that direction, if the telegram carries speeds.
         highest: Option<f64>,
         /// How long.
         limit: Duration,
@@ -402,7 +402,7 @@ pub enum Error {
         drive: String,
         /// Speed of the jog, rpm.
         wanted: f64,
-        /// Highest speed, where the telegram tells speeds.
+        /// Highest speed, if the telegram carries speeds.
         highest: Option<f64>,
         /// How long it jogged.
         time: Duration,
@@ -416,14 +416,14 @@ pub enum Error {
         drive: String,
         /// Speed asked for.
         wanted: f64,
-        /// Speed it has, where the telegram tells speeds.
+        /// Actual speed, if the telegram carries speeds.
         actual: Option<f64>,
         /// How long it was away from its speed.
         time: Duration,
         /// Unit of the speeds.
         unit: &'static str,
     },
-    /// Somebody changed what the speed setpoint means while the axis ran; it is being stopped.
+    /// Another client changed the scale of the speed setpoint while the axis ran; it is being stopped.
     #[error(
         "{drive}: the scale of its speeds was changed while it ran, from {before} to {now}: the setpoint meant another speed"
     )]
@@ -435,10 +435,10 @@ pub enum Error {
         /// Scale of the drive.
         now: u16,
     },
-    /// A speed that cannot be told to the drive, and what can is too far away
+    /// A speed that is not representable, and the nearest step is too far away
     /// ([`MOST_ROUNDING`](profile::value::MOST_ROUNDING)); nothing was sent.
     #[error(
-        "{drive}: {} {unit} cannot be told: the nearest speeds are {} {unit} and {} {unit}",
+        "{drive}: {} {unit} is not representable: the nearest speeds are {} {unit} and {} {unit}",
         figures(*.wanted),
         figures(.nearest[0]),
         figures(.nearest[1])
@@ -448,7 +448,7 @@ pub enum Error {
         drive: String,
         /// Speed asked for.
         wanted: f64,
-        /// The speeds below and above it that can be told.
+        /// The nearest representable speeds below and above.
         nearest: [f64; 2],
         /// Unit of the speeds.
         unit: &'static str,
@@ -490,14 +490,14 @@ pub enum Error {
         /// Unit of the speeds.
         unit: &'static str,
     },
-    /// A make without a parameter that stops it, while its controller has the control word.
+    /// A model without a parameter that stops it, while its controller has the control word.
     #[error(
         "{drive}: model {model} has no parameter that stops it, and controller \"{controller}\" has its control word"
     )]
     NoStopBeside {
         /// The drive.
         drive: String,
-        /// The make.
+        /// The model.
         model: &'static str,
         /// Name of the controller.
         controller: String,
@@ -516,7 +516,7 @@ pub enum Error {
         /// What became of its parameters.
         cause: String,
     },
-    /// Speeds of this drive are not told in that unit.
+    /// Speeds of this drive have another unit.
     #[error("{drive}: {}", unit_text(*.wanted))]
     SpeedUnit {
         /// The drive.
@@ -546,7 +546,7 @@ pub enum Error {
         /// Device.
         device_id: u16,
     },
-    /// A drive nobody has tables of, and no room for those it tells.
+    /// A drive without a built-in catalogue, and no room for its descriptions.
     #[error(
         "{drive}: no room for the tables of one more kind of drive, this program has learned {} already",
         crate::learn::MOST_KINDS

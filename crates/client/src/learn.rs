@@ -1,4 +1,4 @@
-//! Tables of a drive that nobody has tables of, out of what it says of its parameters.
+//! Builds a catalogue for a drive without a built-in one from its parameter descriptions.
 //!
 //! Made once for each kind of drive and kept for the life of the program, in a registry that has an end.
 
@@ -20,14 +20,14 @@ use profile::model::Model;
 pub const MOST_KINDS: usize = 16;
 /// Parameters of one kind.
 pub const MOST_PARAMETERS: usize = 4096;
-/// Octets of a string in an array of them, where the description tells only how many there are.
+/// Octets of a string in an array of strings, where the description has only their number.
 const STRING: u16 = 16;
 
 /// Where these facts are from.
 const SOURCE: &str = "description that the drive gives of itself";
 
-/// What is asked of a drive before anything is known of it: both axes that makes use, both numberings of the formats.
-/// The limits are the lowest of all makes.
+/// Dialects tried on an unknown drive: both axis numbers of the vendors, both numberings of the formats. The limits are
+/// the lowest of all vendors.
 pub static DIALECTS: [Dialect; 4] = [
     dialect(1, CodeSpace::V4),
     dialect(0, CodeSpace::V4),
@@ -73,7 +73,7 @@ pub fn space_of(descriptions: &[(u16, Description)]) -> CodeSpace {
 pub struct KindOfDrive {
     pub vendor_id: u16,
     pub device_id: u16,
-    /// PNU 964 index 1, where the drive tells it.
+    /// PNU 964 index 1, if the drive reports it.
     pub unit_type: Option<i64>,
     pub unit: Vec<u8>,
 }
@@ -111,7 +111,7 @@ pub fn keep(
 /// The tables out of descriptions and texts.
 pub fn tables(station: &Station, parameters: Vec<Parameter>) -> Catalogue {
     let station_type = station.station_type.trim();
-    // what has the name of a make there are tables of is not to be taken for it
+    // a drive with the name of a known model must not be mistaken for it
     let model = if station_type.is_empty() || Model::by_name(station_type).is_some() {
         format!("drive 0x{:04X}/0x{:04X}", station.vendor_id, station.device_id)
     } else {
@@ -126,7 +126,7 @@ pub fn tables(station: &Station, parameters: Vec<Parameter>) -> Catalogue {
     )
 }
 
-/// What is taken for granted of a drive that nobody described: telegram 1 in a module of slot 1.
+/// Returns the assumed device of a drive without a description: telegram 1 in a module of slot 1.
 pub fn device_of(station: &Station) -> Device {
     Device {
         vendor_id: station.vendor_id,
@@ -201,7 +201,7 @@ impl Values {
         }
     }
 
-    /// Lowest and highest value that the drive tells; none for texts and octets.
+    /// Returns the lowest and highest value reported by the drive; none for texts and octets.
     pub fn limits(&self, description: &Description) -> Option<(f64, f64)> {
         if !matches!(self.octets, 1 | 2 | 4) || matches!(self.kind, Kind::Text | Kind::Octets) {
             return None;

@@ -8,7 +8,7 @@
 //! ```
 //! let text = r#"<?xml version="1.0" encoding="UTF-8"?>
 //! <ISO15745Profile xmlns="http://www.profibus.com/GSDML/2003/11/DeviceProfile"><ProfileBody>
-//!   <DeviceIdentity VendorID="0x0105" DeviceID="0x0001"><VendorName Value="Some maker"/></DeviceIdentity>
+//!   <DeviceIdentity VendorID="0x0105" DeviceID="0x0001"><VendorName Value="Some vendor"/></DeviceIdentity>
 //!   <ApplicationProcess><DeviceAccessPointList>
 //!     <DeviceAccessPointItem ID="DAP" ModuleIdentNumber="0x1" MinDeviceInterval="512"/>
 //!   </DeviceAccessPointList><ExternalTextList><PrimaryLanguage/></ExternalTextList></ApplicationProcess>

@@ -35,7 +35,7 @@ const ETHERNET: usize = 14;
 /// let mut probe = Probe::new(Host::new(Engine), vec![Ipv4Addr::new(10, 0, 0, 11)]);
 /// let mut buffer = [0; profinet::MAX_FRAME];
 /// assert_eq!(probe.poll_transmit(Instant::ZERO, &mut buffer), Some(60));
-/// assert!(probe.found().is_empty(), "nobody answered yet");
+/// assert!(probe.found().is_empty(), "no answer yet");
 /// ```
 #[derive(Debug)]
 pub struct Probe<S> {

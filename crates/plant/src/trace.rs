@@ -25,7 +25,7 @@ pub enum What {
     /// Something of the time line happened.
     Happened(Played),
     /// The drive reported an event.
-    Told(String),
+    Reported(String),
     /// Its controller reported an event.
     Controller(String),
     /// Where the drive is, at a sample or because its status word has changed.
@@ -65,7 +65,7 @@ impl fmt::Display for What {
                 what,
                 lasts: Some(lasts),
             }) => write!(f, "! {what} for {} s", lasts.as_secs_f64()),
-            Self::Told(text) => f.write_str(text),
+            Self::Reported(text) => f.write_str(text),
             Self::Controller(text) => write!(f, "controller: {text}"),
             Self::Values {
                 stw1,

@@ -352,7 +352,7 @@ impl World {
                         record(Entry {
                             at: now,
                             drive: seat.name.clone(),
-                            what: What::Told(text.trim_end().to_owned()),
+                            what: What::Reported(text.trim_end().to_owned()),
                         });
                     }
                 }

@@ -8,7 +8,7 @@
 //! | [`device`] | [`Device`](device::Device): DCP, connections, records, cyclic data and alarms of a station that is controlled |
 //! | [`controller`] | [`Controller`](controller::Controller): finds, names, connects, reads and writes, exchanges data |
 //! | [`cyclic`], [`alarm`], [`rpc`] | the engines both sides share |
-//! | [`lldp`], [`snmp`] | neighbours heard, and an agent that tells of them |
+//! | [`lldp`], [`snmp`] | neighbours, and an SNMP agent that reports them |
 //! | [`wire`] | what the bytes of each PDU mean, without behaviour |
 //!
 //! [`Endpoint`] is the interface between an engine and its carrier, [`Medium`] carries one endpoint until an event.

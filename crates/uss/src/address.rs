@@ -23,7 +23,7 @@ pub enum Addressee {
     /// A special telegram, of which nothing more is known.
     Special,
     /// No slave can have this address.
-    Nobody,
+    Invalid,
 }
 
 /// The third octet of a telegram. A reply has that of its request.
@@ -95,14 +95,14 @@ impl Address {
             Protocol::Uss if long => Addressee::Special,
             Protocol::Fc if long => match self.0 & !LONG {
                 0 => Addressee::Broadcast,
-                127 => Addressee::Nobody,
+                127 => Addressee::Invalid,
                 number => Addressee::Slave(number),
             },
             _ if self.0 & BROADCAST != 0 => Addressee::Broadcast,
             Protocol::Uss if self.0 & MIRROR != 0 => Addressee::Mirror(self.0 & NUMBER),
             Protocol::Uss => Addressee::Slave(self.0 & NUMBER),
             Protocol::Fc => match self.0 & NUMBER {
-                0 => Addressee::Nobody,
+                0 => Addressee::Invalid,
                 number => Addressee::Slave(number),
             },
         }
@@ -125,10 +125,10 @@ mod tests {
             let address = Address(octet);
             let fc = match octet {
                 0x80 => Addressee::Broadcast,
-                0xFF => Addressee::Nobody,
+                0xFF => Addressee::Invalid,
                 0x81.. => Addressee::Slave(octet - 0x80),
                 _ if octet & 0x20 != 0 => Addressee::Broadcast,
-                _ if octet & 0x1F == 0 => Addressee::Nobody,
+                _ if octet & 0x1F == 0 => Addressee::Invalid,
                 _ => Addressee::Slave(octet & 0x1F),
             };
             assert_eq!(address.addressee(Protocol::Fc), fc, "{address}");

@@ -6,7 +6,7 @@
 //! |---|---|
 //! | [`station`] | [`Station`](station::Station): a drive on the network, a PROFINET device with a drive in it |
 //! | [`serial`] | [`SerialStation`](serial::SerialStation): a drive at a serial line |
-//! | [`description`] | [`Description`](description::Description): identity and modules, from the model or a maker's GSDML file; the exported GSDML |
+//! | [`description`] | [`Description`](description::Description): identity and modules, from the model or a vendor's GSDML file; the exported GSDML |
 //! | [`mod@drive`] | [`Drive`](drive::Drive): state machine, process data, parameters and faults, one tick per cycle |
 //! | [`axis`] | motor, load, speed loop and ramps |
 //! | [`store`] | parameter values and what of them survives |

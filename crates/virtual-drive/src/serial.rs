@@ -81,7 +81,7 @@ enum Master {
 ///
 /// let mut station = SerialStation::new(SerialConfig::new(&model::AKD, SlaveConfig::fc(1, 9600)));
 /// let now = Instant::from_millis(1000);
-/// // process data without control: the drive only tells how it is
+/// // process data without control: the drive only reports its status
 /// station.handle_octets(now, &[0x02, 0x06, 0x81, 0x00, 0x00, 0x00, 0x00, 0x85]);
 /// let now = station.poll_timeout().unwrap();
 /// station.handle_timeout(now);

@@ -49,7 +49,7 @@ pub fn in_unit(quantity: &Quantity, unit: &str, what: &str) -> Result<f64, Failu
         .map_err(|error| Failure::usage(format!("{what}: {error}")))
 }
 
-/// An update time that no connection can have is told before anything is opened.
+/// Rejects an unsupported update time before anything is opened.
 pub fn checked(cyclic: &Cyclic) -> Result<(), Failure> {
     match cyclic.cycle {
         Some(cycle) if Timing::for_interval(cycle).is_none() => Err(Failure::usage(format!(
@@ -61,7 +61,7 @@ pub fn checked(cyclic: &Cyclic) -> Result<(), Failure> {
     }
 }
 
-/// Says that a speed travels or is held as another one; steps too fine for the figures shown are not told.
+/// Reports the rounding of a speed; differences below the printed digits are not reported.
 pub fn report_rounding(asked: f64, rounded: f64, unit: &str, output: &Output) {
     let (asked, rounded) = (number(asked), number(rounded));
     if asked != rounded {
@@ -83,7 +83,7 @@ pub fn left(place: Option<f64>, now: Option<f64>) -> Option<f64> {
         .map(|(now, _)| now)
 }
 
-/// How far an axis may be away from where it was before that is told, turns.
+/// Distance from the former position that is reported, turns.
 const LEFT: f64 = 0.01;
 
 /// The settings of an axis.
@@ -98,7 +98,7 @@ pub fn settings(cyclic: &Cyclic, consent: &Consent, purpose: Purpose, limit: f64
     }
 }
 
-/// Warns of a limit switch that the drive is told to turn into.
+/// Warns of an active limit switch in the direction of motion.
 pub fn warn_switch(speed: f64, facts: &MotionFacts, output: &Output) {
     if facts.is_at_switch(speed) {
         output.warn("the limit switch in this direction is hit: the drive may not turn");
@@ -326,7 +326,7 @@ fn report_warnings(command: &str, status: &AxisStatus, warnings: &[WarningEntry]
     }
 }
 
-/// A ramp that takes its time is told once.
+/// Reports a long ramp once.
 #[derive(Debug, Default)]
 struct LongStop {
     since: Option<Duration>,
@@ -362,7 +362,7 @@ pub enum End {
     Target(&'static str),
 }
 
-/// Stops and releases whatever happened, then tells what did.
+/// Stops and releases in any case, then reports the result.
 pub fn finish(
     axis: Axis,
     result: Result<(), Error>,
@@ -377,7 +377,7 @@ pub fn finish(
     let rest = *released.as_ref().unwrap_or(&Rest::Stands);
     let interrupted = matches!(result, Err(Error::Interrupted));
     if interrupted && output.is_closed() {
-        output.say("nobody reads the output any more: stopped");
+        output.say("the output has no reader any more: stopped");
     }
     let result = match (result, end) {
         (Err(Error::Interrupted), End::Open) => Ok(()),
@@ -408,8 +408,8 @@ pub fn finish(
     result.and(released.map(|_| ()))
 }
 
-/// What the cyclic connection was like. Which frames are missing between two that came their counter tells; how long none
-/// came is a time of this computer, which may have slept.
+/// Summary of the cyclic connection. Missing frames come from the cycle counter; the longest gap is measured by this
+/// computer, which may have been suspended.
 fn frames(statistics: &CyclicStatistics) -> String {
     format!(
         "{} cyclic frames received, {} lost between them, longest time without one {:.1} ms",
@@ -428,15 +428,15 @@ fn unfinished(end: End) -> Option<String> {
     }
 }
 
-/// A failed motion is told with what the drive says about itself: fault by number and text, warnings, and the reason
-/// why it does not run.
+/// Adds the status of the drive to a failed motion: fault by number and text, warnings, and the cause that prevents
+/// operation.
 pub fn explained(error: Error, end: End, session: &mut Live, drive: &mut Drive) -> Failure {
     if matches!(error, Error::Interrupted)
         && let Some(how) = unfinished(end)
     {
         return Failure::new(Exit::Failed, format!("{}: {how}", drive.label()));
     }
-    // what the drive said while it was still in operation is told already
+    // the evidence read while the drive was still in operation is reported already
     let asked = matches!(
         error,
         Error::Axis { .. }
@@ -471,7 +471,7 @@ pub fn explained(error: Error, end: End, session: &mut Live, drive: &mut Drive) 
         failure.message = format!("{}; warning {}", failure.message, warned(warning));
     }
     let diagnosis = diagnose(&status);
-    // the axis is released by now: that nobody commands it is no news
+    // the axis is released by now, so a missing controller is expected
     if diagnosis.verdict == Verdict::Held && status.faults.is_empty() && !held {
         failure.message = format!("{}; {}", failure.message, diagnosis.sentence);
         failure.hint = advice::next(&diagnosis, &drive.label()).or(failure.hint);

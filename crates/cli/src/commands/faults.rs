@@ -104,7 +104,7 @@ fn lines(report: &FaultsReport) -> Vec<Line> {
     }
     if report.warning_bit == Some(true) && report.warnings.is_empty() {
         lines.push(Line::Warning(
-            "ZSW1 bit 7 tells a warning, the drive has no number for it".into(),
+            "ZSW1 bit 7 reports a warning, the drive has no number for it".into(),
         ));
     }
     if report.history {
@@ -412,7 +412,7 @@ mod tests {
         );
         let text = format!("{:?}", lines_of(Vec::new(), 0x0088));
         assert!(
-            text.contains("ZSW1 bit 3 tells a fault") && text.contains("ZSW1 bit 7 tells a warning"),
+            text.contains("ZSW1 bit 3 reports a fault") && text.contains("ZSW1 bit 7 reports a warning"),
             "{text}"
         );
         let unknown = lines_of(vec![fault(9999, 0)], 8);

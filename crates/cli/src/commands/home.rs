@@ -78,7 +78,8 @@ fn go(args: &Home, session: &mut Live, drive: &mut Drive, output: &Output) -> Re
         .map_err(|error| axis::explained(error, END, session, drive))
 }
 
-/// ` by HOME.MODE 1 (To a limit switch), HOME.DIR 1, HOME.V 60 rpm`, as far as the drive tells.
+/// Returns the procedure, ` by HOME.MODE 1 (To a limit switch), HOME.DIR 1, HOME.V 60 rpm`, as far as the drive reports
+/// it.
 fn procedure(session: &mut Live, drive: &mut Drive) -> Result<String, Error> {
     let mut parts = Vec::new();
     for name in SETTINGS {

@@ -195,7 +195,7 @@ fn identity_lines(identity: &Identity) -> [(&'static str, String); 8] {
     ]
 }
 
-/// What a person may write into the drive (I&M1 to I&M3); that nobody did is told too.
+/// Formats user-defined identification (I&M1 to I&M3), also when it is empty.
 fn given(text: &str) -> String {
     match text.trim() {
         "" => "-".into(),

@@ -221,7 +221,7 @@ fn go(
             let leftover = Leftover { pnu, old, set };
             if let Err(why) = note.write(&leftover) {
                 output.warn(&format!(
-                    "if this program is killed, {called} stays changed and nobody knows that it was {old_value}: {why}"
+                    "if this program is killed, {called} stays changed; it was {old_value}: {why}"
                 ));
             }
             // put back at the end, whatever happens

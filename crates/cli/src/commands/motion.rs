@@ -23,7 +23,7 @@ pub fn ack(args: &Ack, interface: &Interface, output: &Output) -> Result<(), Fai
     }
     axis::checked(&args.cyclic)?;
     let (mut session, mut drive) = connect::drive(interface, Need::Cyclic, &args.drive, output)?;
-    // a drive that does not tell its faults so may have one all the same
+    // a drive that does not report its faults may have one all the same
     match session.fault_report(&mut drive).wait() {
         Ok(report) => {
             let bit = report.zsw1.is_none_or(words::has_fault);
@@ -101,7 +101,7 @@ pub fn monitor(args: &Monitor, interface: &Interface, output: &Output) -> Result
             Ok(None) => break,
             Ok(Some(snapshot)) => snapshot,
             Err(failure) => {
-                // nobody is there to close the connection with
+                // the device does not answer, so there is no orderly release
                 session.forget(&drive);
                 return Err(failure);
             }
@@ -131,10 +131,10 @@ pub fn monitor(args: &Monitor, interface: &Interface, output: &Output) -> Result
     Ok(session.close().wait()?)
 }
 
-/// A drive that answers takes some milliseconds: longer than this is told.
+/// A drive usually answers within milliseconds; a longer silence is reported.
 const SILENCE: Duration = Duration::from_secs(1);
 
-/// What the drive answers; `None` when the person wants to end. A drive that is silent is told at once.
+/// Returns the answer of the drive; `None` when the user ends the command. A silent drive is reported at once.
 fn answered(
     session: &mut Live,
     drive: &mut Drive,
@@ -173,7 +173,7 @@ fn gone(failure: Failure) -> Failure {
     failure.hint("check power and cable of the drive; `profidrive scan` lists who answers")
 }
 
-/// Status and control word in the bits of the profile, whatever bits the make has.
+/// Returns status and control word in the bits of the profile, independent of the model.
 fn general(snapshot: &Snapshot) -> Option<(u16, Option<u16>)> {
     let sent = snapshot.stw1;
     let zsw1 = snapshot.profile.zsw1(snapshot.zsw1?, sent.unwrap_or_default());
@@ -185,7 +185,7 @@ fn general(snapshot: &Snapshot) -> Option<(u16, Option<u16>)> {
     ))
 }
 
-/// The bits of both words as the make calls them.
+/// Returns the bits of both words with the names of the model.
 fn snapshot_words(snapshot: &Snapshot) -> Value {
     let mode = snapshot.mode;
     let profile = snapshot.profile;

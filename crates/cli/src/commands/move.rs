@@ -121,7 +121,7 @@ fn go(
         place = status.and_then(|status| status.position);
         reached.map(|_| ())
     });
-    // how it ended is told with the release
+    // the release returns the result
     let _ = axis.stopped().wait();
     let now = axis.status().and_then(|status| status.position);
     let left = axis::left(place, now).filter(|_| result.is_ok());

@@ -86,7 +86,7 @@ fn name_bits(
     Ok(())
 }
 
-/// All but the last failure are told at once; the last ends the command.
+/// Prints all but the last failure at once; the last one ends the command.
 fn last_failure(mut problems: Vec<Failure>, output: &Output) -> Result<(), Failure> {
     let last = problems.pop();
     for problem in problems {

@@ -21,7 +21,7 @@ use crate::output::Output;
 
 /// Number of PPO type 0, if there were one: the selections of 9-22.
 const PPO: u16 = 100;
-/// A ramp that takes longer than this is told beforehand.
+/// A longer ramp is reported beforehand.
 const LONG_RAMP: Duration = Duration::from_secs(2);
 
 #[derive(Debug, Args)]
@@ -31,7 +31,7 @@ pub struct Run {
     /// Speed: 60rpm, -1rps, or 20% of the reference of the drive; a bare number is in rpm
     #[arg(long, value_name = "SPEED", allow_hyphen_values = true)]
     pub velocity: Quantity,
-    /// What 100 % of the reference is, for a drive that does not tell: 1500rpm
+    /// What 100 % of the reference is, for a drive that does not report it: 1500rpm
     #[arg(long, value_name = "SPEED")]
     pub reference_speed: Option<Quantity>,
     /// Telegram to connect with: its number as in PNU 922, or ppo1 to ppo8 of a VLT; left out it is the one that the drive

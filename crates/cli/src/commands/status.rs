@@ -206,7 +206,7 @@ fn bits_of(tables: Option<&Catalogue>, part: Part, word: u16) -> String {
 
 fn owner(controller: &Option<String>) -> String {
     controller.as_ref().map_or_else(
-        || "nobody: no controller is connected".into(),
+        || "none: no controller is connected".into(),
         |name| format!("controller \"{name}\""),
     )
 }
@@ -215,7 +215,7 @@ fn mode_text(mode: u16) -> String {
     match mode {
         1 => "1, speed control (PNU 930)".into(),
         2 => "2, positioning (PNU 930)".into(),
-        other => format!("{}, of the maker (PNU 930)", hex16(other)),
+        other => format!("{}, vendor-specific (PNU 930)", hex16(other)),
     }
 }
 

@@ -141,7 +141,7 @@ impl Backup {
         &self.readings
     }
 
-    /// What the drive refused to tell; it stands in the text as comment only.
+    /// Returns the refused reads; they are comments in the text.
     #[must_use]
     pub fn refused(&self) -> &[Refusal] {
         &self.refused

@@ -30,7 +30,7 @@ pub(crate) struct Queues {
     queues: Vec<(At, VecDeque<Place>)>,
 }
 
-/// Somebody in a queue; who has the turn is at its head.
+/// A caller in a queue; the one at its head has the turn.
 #[derive(Debug)]
 struct Place {
     ticket: u64,
@@ -48,8 +48,8 @@ impl Queues {
         &mut self.queues[index].1
     }
 
-    /// Puts somebody into the queue of a drive: behind all others, or, where it is urgent, behind who has the turn and others
-    /// that are urgent.
+    /// Adds a caller to the queue of a drive: behind all others, or, if urgent, behind the one that has the turn and
+    /// other urgent ones.
     fn join(&mut self, at: At, urgent: bool) -> Option<u64> {
         let ticket = self.tickets;
         self.tickets += 1;
@@ -73,7 +73,7 @@ impl Queues {
         Some(ticket)
     }
 
-    /// Takes somebody out; who is to be woken, as the turn came to them.
+    /// Removes a caller; returns the waker of the next one if the turn passes on.
     fn leave(&mut self, at: At, ticket: u64) -> Option<Waker> {
         let queue = self.queue(at);
         let index = queue.iter().position(|place| place.ticket == ticket)?;

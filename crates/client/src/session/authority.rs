@@ -22,7 +22,7 @@ pub enum Authority {
     /// or the drive follows its setting for a lost controller.
     Ownerless,
     /// No controller, and the drive is not in operation.
-    Nobody,
+    Free,
     /// The device does not report its connections.
     Unknown,
 }
@@ -122,7 +122,7 @@ impl Session {
         Ok(match owner {
             Some(Some(controller)) => Authority::Controller(controller),
             Some(None) if enabled => Authority::Ownerless,
-            Some(None) => Authority::Nobody,
+            Some(None) => Authority::Free,
             None => Authority::Unknown,
         })
     }

@@ -41,9 +41,9 @@ pub struct AxisSettings {
     pub watchdog: Option<u16>,
     /// The telegram to use; `None` leaves it to what the drive reports and the purpose needs.
     pub telegram: Option<u16>,
-    /// What speeds are told in.
+    /// Unit of speeds.
     pub unit: SpeedUnit,
-    /// Speed in rpm that is 100 % of the reference, for a drive that does not tell.
+    /// Speed in rpm that is 100 % of the reference, for a drive that does not report it.
     pub reference_speed: Option<f64>,
     /// Highest speed that may be asked for, in that unit.
     pub speed_limit: f64,
@@ -101,10 +101,10 @@ pub struct AxisPlan {
 }
 
 impl AxisPlan {
-    /// The speed that the drive would be told for this one, in the unit of the settings: the nearest step of the setpoint.
+    /// Returns the speed as sent for this one, in the unit of the settings: the nearest step of the setpoint.
     ///
     /// # Errors
-    /// A speed that cannot be told: see [`Session::check_speed`].
+    /// A speed that is not representable: see [`Session::check_speed`].
     pub fn rounded_speed_for(&self, drive: &Drive, speed: f64) -> Result<f64, Error> {
         speed_setpoint(drive, &self.scale, speed).map(|raw| self.scale.speed(raw))
     }
@@ -121,7 +121,7 @@ pub struct AxisStatus {
     pub speed_set: Option<f64>,
     /// Speed of the motor.
     pub speed_actual: Option<f64>,
-    /// The speed signal is at the end of its numbers: the motor may turn faster than it tells.
+    /// The speed signal is at the end of its range: the motor may turn faster than reported.
     pub speed_beyond: Option<Beyond>,
     /// Where the task under way leads, in turns, as far as it is known here.
     pub target: Option<f64>,
@@ -147,10 +147,10 @@ pub enum Rest {
     Runs,
 }
 
-/// Somebody who wants to see the axis while calls wait.
+/// Callback for the status of the axis while calls wait.
 pub type Watcher = Box<dyn FnMut(&AxisStatus) + Send>;
 
-/// Somebody who wants to know of warnings as they come, by number where the drive has numbers.
+/// Callback for warnings as they come, by number where the drive has numbers.
 pub type WarningWatcher = Box<dyn FnMut(&AxisStatus, &[WarningEntry]) + Send>;
 
 /// An axis under control.
@@ -259,14 +259,14 @@ impl Axis {
         self.watcher = Some(Box::new(watcher));
     }
 
-    /// Tells `watcher` of each warning (ZSW1 bit 7) when it comes, while calls wait. A drive that has no number for its
-    /// warning gives an empty list.
+    /// Calls `watcher` for each new warning (ZSW1 bit 7) while calls wait. A drive that has no number for its warning
+    /// gives an empty list.
     pub fn watch_warnings(&mut self, watcher: impl FnMut(&AxisStatus, &[WarningEntry]) + Send + 'static) {
         self.warnings.watch(Box::new(watcher));
     }
 
-    /// The speed that the drive is told for this one, if that is another: the setpoint travels in steps. `None` too where
-    /// it cannot be told at all, which [`run`](Enabled::run) refuses.
+    /// Returns the rounded speed if it differs from this one: the setpoint has steps. `None` too when it is not
+    /// representable, which [`run`](Enabled::run) refuses.
     #[must_use]
     pub fn rounded_speed(&self, speed: f64) -> Option<f64> {
         let rounded = self.scale.speed(self.scale.raw(speed)?);
@@ -364,8 +364,8 @@ impl Axis {
     /// Setpoints are preset first: speed 0, target of a move where the axis is.
     ///
     /// # Errors
-    /// [`Error::RunsOn`] without the consent that the drive requires, trouble with the motion before that nobody was told
-    /// of yet, and as [`ready`](Self::ready).
+    /// [`Error::RunsOn`] without the consent that the drive requires, earlier trouble with the motion that was not
+    /// returned yet, and as [`ready`](Self::ready).
     pub async fn enable(&mut self) -> Result<Enabled<'_>, Error> {
         // an axis of `Purpose::Control` is taken without this check
         self.loss.permit(&self.drive, self.settings.may_run_on)?;
@@ -482,8 +482,8 @@ impl Axis {
             .map(|_| ())
     }
 
-    /// Waits for the end of a stop under way, as the one that begins when an [`Enabled`] goes. How it ended is told with the
-    /// release.
+    /// Waits for the end of a stop under way, as the one that begins when an [`Enabled`] is dropped. The release
+    /// returns its result.
     ///
     /// # Errors
     /// When the wire fails. A caller's wish to stop does not interrupt it.
@@ -557,7 +557,7 @@ impl Axis {
         engine.quietly().set_deadline(self.link, Some(deadline));
     }
 
-    /// Shows the axis, and tells what went wrong.
+    /// Calls the watcher and returns the trouble of the axis.
     pub(super) async fn look(&mut self) -> Result<AxisStatus, Error> {
         let status = self.show();
         if self.ending.is_reported() {

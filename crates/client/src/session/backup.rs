@@ -73,10 +73,10 @@ impl Session {
             .collect())
     }
 
-    /// Reads all settings of a drive and its motion tasks. No setting is written; to see the tasks they are loaded into
-    /// their edit window, which gets back what it had, and that only while the power stage is off and no controller is
-    /// connected: else the header says why they are left out. `progress` is told how many parameters of how many were
-    /// read.
+    /// Reads all settings of a drive and its motion tasks. No setting is written. Motion tasks are loaded into the edit
+    /// window of the drive, whose content is restored. They are read only while the power stage is off and no
+    /// controller is connected; otherwise the header has the reason for leaving them out. `progress` receives the
+    /// number of parameters read and their total.
     ///
     /// # Errors
     /// When the drive cannot be reached. A refused parameter stands in the backup as refused.
@@ -161,7 +161,7 @@ impl Session {
         Ok(plan)
     }
 
-    /// True when the power stage is on; `None` when the drive does not tell.
+    /// Returns true when the power stage is on; `None` when the drive does not report it.
     ///
     /// # Errors
     /// When the drive cannot be reached.
@@ -199,7 +199,7 @@ impl Session {
         let what = match self.is_enabled(drive).await? {
             Some(false) => return Ok(()),
             Some(true) => "the power stage is on",
-            None => "the drive does not tell whether its power stage is on",
+            None => "the drive does not report whether its power stage is on",
         };
         Err(Error::NotAtRest {
             drive: drive.label(),

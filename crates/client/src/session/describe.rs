@@ -1,4 +1,4 @@
-//! What a drive says itself of one of its parameters: asked when somebody wants to know, as limits follow other settings.
+//! Reads the description of a parameter from the drive on request, as limits depend on other settings.
 
 use profile::catalogue::Parameter;
 use profile::parameter::{Description, Identifier, Kind};
@@ -14,7 +14,7 @@ use profile::value::Selection;
 pub struct Described {
     /// Name in the words of the drive, at most 16 characters; empty at a serial line, where it does not travel.
     pub name: String,
-    /// Name of the data type, where the drive tells one that is known.
+    /// Name of the data type, if the drive reports a known one.
     pub data_type: Option<&'static str>,
     /// Unit of the limits.
     pub unit: &'static str,
@@ -33,7 +33,7 @@ pub struct Described {
 /// Limits in a description.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ReportedLimits {
-    /// It tells none.
+    /// No limits are reported.
     None,
     /// No more than what fits the data type.
     OfType(f64, f64),

@@ -16,7 +16,7 @@ use profile::value::{Parameters, Reading, Selection};
 
 /// Control and status word.
 const WORDS: [u16; 2] = [967, 968];
-/// Elements of it that make a kind: maker, type, version, date.
+/// Elements that identify a kind of drive: vendor, type, version, date.
 const OF_KIND: u16 = 5;
 /// The one that is the type of the drive unit.
 const TYPE: u16 = 1;
@@ -33,11 +33,11 @@ const MAX_REQUEST: usize = 1024;
 const OTHER_AXIS: ErrorNumber = ErrorNumber::DANFOSS_WRONG_AXIS;
 
 impl Session {
-    /// Learns a drive of which there are no tables from what it says itself: first how it wants to be asked, and of whose
-    /// make it is: of a known maker PNU 964 tells the drive unit, whatever the device id is. Of a strange one then its
-    /// parameters with names, units, limits and texts. Once for each kind of drive as long as the program lives. A drive
-    /// that does not tell them stays as it was: numbers and raw values work. Nothing happens for a known model. `progress`
-    /// is told how many parameters of how many were described.
+    /// Learns the parameters of a drive without a built-in catalogue. First its dialect and its vendor are determined:
+    /// for a known vendor PNU 964 has the drive unit, independent of the device id. For an unknown vendor its
+    /// parameters are read with names, units, limits and texts, once per kind of drive and run of the program. A drive
+    /// without descriptions stays as it was: numbers and raw values work. Does nothing for a known model. `progress`
+    /// receives the number of described parameters and their total.
     ///
     /// # Errors
     /// When the drive cannot be reached, the caller wants to stop, or [too many kinds](Error::TooManyKinds) are known.
@@ -137,7 +137,7 @@ impl Session {
         for (dialect, index) in ways {
             drive.model.dialect = dialect;
             drive.model.channel.index = index;
-            // one by one: a drive with fewer tells those that it has
+            // one by one: a drive with fewer reports those that it has
             let elements = (0..OF_KIND).map(|element| Selection {
                 first: element,
                 indexed: true,

@@ -60,7 +60,7 @@ pub struct LossReaction {
     pub after: Option<Duration>,
     /// The last control word is not in force from then on: this reaction commands the axis.
     pub commands: bool,
-    /// A setting that makes the drive stop, for a drive that does not or may not.
+    /// A setting with which the drive stops, for a drive that does not stop or may not.
     pub remedy: Option<Action>,
 }
 

@@ -73,7 +73,8 @@ const GLANCE: Duration = Duration::from_millis(50);
 /// Calls to the drives of a network, each a future: [`Wait::wait`](crate::Wait::wait) waits for one, and an async program
 /// awaits it. Clones are further callers on the same network, each with one call at a time.
 ///
-/// Reads only until told otherwise: nothing is written and nothing moves on construction, on finding or on reading.
+/// Reads only until a write or a motion is requested: nothing is written and nothing moves on construction, on finding
+/// or on reading.
 ///
 /// ```
 /// use profidrive_client::{DriveAddress, Error, Network, Wait};
@@ -109,7 +110,7 @@ pub struct Session {
     wishes: Arc<Mutex<Wishes>>,
     /// How its requests are carried out at present.
     manner: Arc<Mutex<Manner>>,
-    /// When somebody who waits for an answer is to be told that there is none, and how.
+    /// When and how a caller that waits for an answer is notified of its absence.
     silence: Option<Silence>,
     /// The drive whose axis is under control, and what it does when it loses that.
     under_control: Option<(String, Box<LossReaction>)>,
@@ -126,7 +127,7 @@ struct Wishes {
     route_follower: RouteFollower,
 }
 
-/// Somebody who waits for an answer.
+/// A caller that waits for an answer.
 struct Silence {
     due: Instant,
     notify: Box<dyn FnMut() + Send>,
@@ -275,8 +276,8 @@ impl Session {
         work(self).await
     }
 
-    /// Carries out `work`, and says once with `notify` when it takes longer than `limit`: somebody does not answer. The
-    /// work goes on, as a drive may still be there.
+    /// Runs `work`, and calls `notify` once when it takes longer than `limit` because a drive does not answer. The work
+    /// continues, as the drive may still answer.
     pub async fn reporting_silence<T>(
         &mut self,
         limit: Duration,
@@ -291,7 +292,7 @@ impl Session {
         result
     }
 
-    /// Forgets the connections to a drive that is gone, without a farewell that nobody would hear.
+    /// Drops the connections to a lost drive without a release, which it would not receive.
     pub fn forget(&mut self, drive: &Drive) {
         for ar in self.accesses(drive) {
             self.drop_access(ar);

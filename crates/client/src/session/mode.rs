@@ -39,8 +39,8 @@ pub struct PutBack {
 }
 
 impl Session {
-    /// The mode that a drive is in (PNU 930): `None` for one that is neither speed control nor positioning, or that
-    /// does not tell.
+    /// Returns the mode of a drive (PNU 930): `None` for one that is neither speed control nor positioning, or that
+    /// does not report it.
     ///
     /// # Errors
     /// When the drive cannot be reached.
@@ -52,7 +52,7 @@ impl Session {
             .and_then(mode_of))
     }
 
-    /// Says whether a drive is in the mode that is needed; one that does not tell is taken at the caller's word.
+    /// Returns whether a drive is in the required mode; for one that does not report it the caller's value counts.
     ///
     /// # Errors
     /// When it is in another one, or cannot be reached.
@@ -90,8 +90,7 @@ impl Session {
     /// the work have changed, whatever became of the work.
     ///
     /// # Errors
-    /// When somebody at the drive itself commands it, as [`set_operating_mode`](Self::set_operating_mode), and when it
-    /// cannot be reached.
+    /// In local operation, as [`set_operating_mode`](Self::set_operating_mode), and when it cannot be reached.
     pub async fn enter_mode(&mut self, drive: &mut Drive, needed: Mode) -> Result<ModeBefore, Error> {
         self.check_control(drive).await?;
         let values = self.mode_values(drive).await?;

@@ -137,7 +137,7 @@ impl Session {
                         )));
                     }
                 }
-                // sizes nobody knew made the answer too long: this one again, alone
+                // unknown sizes exceeded the length of the answer: this one again, alone
                 Answer::Error(error) if error.number == ErrorNumber(0x15) && part.len() > 1 => {
                     let single = [*item];
                     Box::pin(self.read_group(drive, selections, &single, 0..1, results)).await?;

@@ -426,7 +426,7 @@ fn permitted(drive: &Drive, authority: Authority) -> Result<(), Error> {
             by,
         }),
         Authority::Ownerless => Err(ownerless(drive)),
-        Authority::Controller(_) | Authority::Nobody | Authority::Unknown => Ok(()),
+        Authority::Controller(_) | Authority::Free | Authority::Unknown => Ok(()),
     }
 }
 

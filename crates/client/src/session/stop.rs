@@ -58,11 +58,11 @@ impl StopWay {
 pub enum StopMeans {
     /// A parameter of the drive commands it, whoever else commands the drive.
     Parameter(&'static Parameter),
-    /// Nobody has the control word: it is taken over without a jump, then the axis ramps down and is released.
+    /// No controller has the control word: it is taken over without a jump, then the axis ramps down and is released.
     TakeOver,
     /// None: this controller has the control word.
     Owned(String),
-    /// None: somebody at the drive itself commands it.
+    /// None: the drive is in local operation.
     Local(LocalControl),
 }
 
@@ -98,7 +98,7 @@ impl StopOutcome {
 }
 
 impl Session {
-    /// Finds the means to bring a drive to rest: its parameter, its control word if nobody has it, or none. Reads only.
+    /// Finds the means to stop a drive: its parameter, its control word if no controller has it, or none. Reads only.
     ///
     /// # Errors
     /// When the drive cannot be reached.
@@ -110,7 +110,7 @@ impl Session {
             Authority::Local(by) => StopMeans::Local(by),
             Authority::Controller(name) => StopMeans::Owned(name),
             // a device that does not report its connections refuses when another controller has it
-            Authority::Ownerless | Authority::Nobody | Authority::Unknown => StopMeans::TakeOver,
+            Authority::Ownerless | Authority::Free | Authority::Unknown => StopMeans::TakeOver,
         })
     }
 
@@ -127,7 +127,7 @@ impl Session {
     /// # Errors
     /// [`Error::StopUnanswered`] when the drive does not answer its parameter and a controller has its control word,
     /// [`Error::NoStopBeside`] when the drive has no such parameter and a controller has its control word,
-    /// [`Error::LocalOperation`] when somebody at the drive commands it, and when it refuses or cannot be reached.
+    /// [`Error::LocalOperation`] in local operation, and when it refuses or cannot be reached.
     pub async fn stop_drive(
         &mut self,
         drive: &mut Drive,
@@ -238,8 +238,8 @@ impl Session {
         axis.stop_and_release().await
     }
 
-    /// Stops a drive by its parameter. Where that is not answered, it is stopped by the control word, unless a controller
-    /// has that or somebody at the drive; true when it was.
+    /// Stops a drive by its parameter. Without an answer it is stopped by the control word, unless a controller or
+    /// local operation has it; returns true in that case.
     async fn stop_by_parameter(
         &mut self,
         drive: &mut Drive,
@@ -266,7 +266,7 @@ impl Session {
                     cause: self.unread().unwrap_or_default(),
                 })
             }
-            Authority::Ownerless | Authority::Nobody | Authority::Unknown => {
+            Authority::Ownerless | Authority::Free | Authority::Unknown => {
                 self.take_over_and_stop(drive, limit).await?;
                 Ok(true)
             }

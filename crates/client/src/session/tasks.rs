@@ -25,9 +25,9 @@ enum Look {
 }
 
 impl Session {
-    /// Reads motion tasks into a backup, or has it say why not. Each is loaded into the edit window of the drive (MT.NUM,
-    /// MT.LOAD), which gets back what it had. That moves nothing, but somebody may be at work with this window: so only
-    /// while the power stage is off and no controller is connected.
+    /// Reads motion tasks into a backup, or records the reason for leaving them out. Each is loaded into the edit
+    /// window of the drive (MT.NUM, MT.LOAD), whose content is restored. This moves nothing but could disturb another
+    /// user of the window. So tasks are read only while the power stage is off and no controller is connected.
     pub(super) async fn read_tasks(
         &mut self,
         drive: &mut Drive,
@@ -100,7 +100,7 @@ impl Session {
             Some(true) => return Ok(Err("the power stage is on".to_owned())),
             None => {
                 return Ok(Err(
-                    "the drive does not tell whether its power stage is on".to_owned()
+                    "the drive does not report whether its power stage is on".to_owned()
                 ));
             }
         }
@@ -108,7 +108,7 @@ impl Session {
             return Ok(Err(format!("controller \"{name}\" is connected")));
         }
         let Some(before) = self.window(drive, window).await? else {
-            return Ok(Err("the drive does not tell what it has in MT.*".to_owned()));
+            return Ok(Err("the drive does not report its MT.* values".to_owned()));
         };
         let mut tasks = Vec::with_capacity(numbers.len());
         let mut ended = None;
@@ -172,14 +172,14 @@ impl Session {
         let selections: Vec<Selection> = parameters(window).chain(active).map(shown).collect();
         let shown: Result<Vec<Reading>, _> = self.read(drive, &selections).await?.into_iter().collect();
         let Ok(mut shown) = shown else {
-            return Ok(Look::Not(format!("the drive does not tell task {number}")));
+            return Ok(Look::Not(format!("the drive does not report task {number}")));
         };
         if active.is_some() && shown.pop().is_none_or(|active| active.raw() != Some(0)) {
             return Ok(Look::Not("the power stage came on".to_owned()));
         }
         let shows = shown.remove(0);
         if shows.raw() != Some(i64::from(number)) {
-            return Ok(Look::Not("somebody else works with MT.NUM".to_owned()));
+            return Ok(Look::Not("another client uses MT.NUM".to_owned()));
         }
         Ok(Look::Task(Task::new(shown)))
     }
@@ -215,7 +215,7 @@ impl Session {
         if before.iter().any(|value| !writable(&value)) {
             self.look(drive, window, empty.unwrap_or(ZERO)).await?;
         }
-        // the number last: nobody takes the window for another row meanwhile
+        // the number last, so that the window is not mistaken for another row meanwhile
         let order = before.iter().skip(1).chain(before.first()).filter(writable);
         let values: Vec<Outgoing> = order
             .filter_map(|value| {
@@ -348,7 +348,7 @@ fn parameters(window: &Window) -> impl Iterator<Item = &'static Parameter> + use
     [window.number].into_iter().chain(window.fields)
 }
 
-/// A parameter of the window: motion tasks are of makes that call parameters by name.
+/// Returns a parameter of the window. Vendors with motion tasks name parameters by text.
 fn shown(parameter: &'static Parameter) -> Selection {
     Selection::of(parameter, Notation::Name)
 }

@@ -53,10 +53,7 @@ fn a_drive_that_is_on_or_turns_is_not_reset() {
         .expect("time passes");
     assert!(matches!(refused(&mut session, &mut drive), AtWork::Turns(_)));
     // a name does not touch the axis
-    session
-        .check_unowned(&drive, "renamed")
-        .wait()
-        .expect("nobody has it");
+    session.check_unowned(&drive, "renamed").wait().expect("no owner");
     session.reset_at_work(&drive, APPLICATION).wait().expect("forced");
     assert_eq!(acceleration(&mut session, &mut drive), Some(3000.0));
 }
@@ -67,10 +64,7 @@ fn a_drive_with_a_controller_is_neither_reset_nor_renamed() {
     let (mut session, _) = bench_of(vec![station("akd-1", 1)]);
     let mut drive = find(&mut session, "akd-1").expect("there");
     write(&mut session, &mut drive, "DRV.ACC=7000");
-    session
-        .check_idle(&mut drive, "reset")
-        .wait()
-        .expect("nobody has it");
+    session.check_idle(&mut drive, "reset").wait().expect("no owner");
     session.medium().segment_mut().attach(plc);
     session.pass(Duration::from_secs(3)).wait().expect("it connects");
     assert_eq!(

@@ -303,7 +303,7 @@ fn switched_on_in_the_midst_of_it() {
     assert!(stopped > 3, "{stopped}");
 }
 
-/// A drive that changes a value by itself: it is told, and not saved.
+/// A drive that changes a value itself: it is reported, and not saved.
 #[test]
 fn a_value_that_reads_back_differently_is_reported_and_not_saved() {
     let wanted = other();
@@ -381,7 +381,7 @@ fn without_a_way_back_nothing_is_written() {
     }
 }
 
-/// A drive that nobody has tables for: by number, from its own lists and descriptions.
+/// A drive without a built-in catalogue: by number, from its own lists and descriptions.
 #[test]
 fn a_drive_without_tables() {
     let mut bench = bench();

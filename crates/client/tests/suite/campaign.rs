@@ -140,7 +140,7 @@ fn found(world: &World, subject: &Subject, transport: Transport, seed: u64) -> (
     (session, drive)
 }
 
-/// What takes an axis for this: a drive that does not tell its reference is told it.
+/// Returns the settings for taking the axis: they include the reference of a drive that does not report it.
 fn settings_for(drive: &Drive, purpose: Purpose) -> AxisSettings {
     let known = drive.model.catalogue.is_some() && !drive.is_on_line();
     AxisSettings {
@@ -250,7 +250,7 @@ struct Case<'a> {
     seed: u64,
 }
 
-/// Tries a case; gives the highest speed before somebody came, rpm.
+/// Runs a case; returns the highest speed before a new client came, rpm.
 fn try_out(case: &Case<'_>, at: &str) -> f64 {
     let mut random = Random(case.seed ^ 0x9E37_79B9_7F4A_7C15);
     let world = World::new(case.subject.model, case.transport, case.seed);
@@ -275,7 +275,7 @@ fn try_out(case: &Case<'_>, at: &str) -> f64 {
         }
     }
     world.pass(random.time(SECOND * 3));
-    // the cable is in again when somebody comes
+    // the cable is plugged again when a new client comes
     world.pass(SECOND * 5);
     let fastest = world.fastest();
     let (mut session, mut drive) = found(&world, case.subject, case.transport, 2);

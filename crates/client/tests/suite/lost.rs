@@ -14,7 +14,7 @@ use virtual_drive::model;
 /// Steps of the medium from the begin of the stop until the cable is cut: well inside the ramp.
 const STEPS: usize = 40;
 
-/// Nobody saw the axis stand: a release that says so would send people to a machine that may turn.
+/// Standstill was not seen: a release that claims it would send people to a machine that may turn.
 #[test]
 fn a_connection_lost_on_the_ramp_is_no_success() {
     let mut bench = bench();
@@ -44,13 +44,13 @@ fn a_connection_lost_on_the_ramp_is_no_success() {
         .expect("keeps it");
     stops.set(Some(bench.steps.get()));
     drop(enabled);
-    axis.stopped().wait().expect("told with the release");
+    axis.stopped().wait().expect("reported with the release");
     let last = axis.status().expect("a status");
     assert!(
         last.lost && last.speed_actual.is_some_and(|speed| speed > 100.0),
         "on the ramp: {last:?}"
     );
-    let error = axis.release().wait().expect_err("nobody saw it stand");
+    let error = axis.release().wait().expect_err("standstill not seen");
     assert!(matches!(error, Error::ConnectionLost { .. }), "{error}");
 }
 

@@ -186,7 +186,7 @@ fn sixteen_axes_of_three_vendors_end_each_in_its_own_way() {
     for (number, end) in (1..).zip(ends) {
         assert_eq!(end.is_err(), way(number) == Way::Panic, "axis {number}");
     }
-    let (begun, stopped) = (begun.get().expect("begun"), seen.stopped.get().expect("told"));
+    let (begun, stopped) = (begun.get().expect("begun"), seen.stopped.get().expect("answered"));
     assert!(
         stopped - begun < Duration::from_millis(50),
         "{:?}",
@@ -195,7 +195,7 @@ fn sixteen_axes_of_three_vendors_end_each_in_its_own_way() {
     assert!(answered > stopped + SECOND, "the requests were still waiting");
     let refused = answers.iter().find_map(|answer| answer.as_ref().err());
     assert!(refused.is_none(), "{refused:?}");
-    network.settled().wait().expect("nobody disturbs");
+    network.settled().wait().expect("undisturbed");
     for (number, id) in (1..).zip(&ids) {
         if way(number) != Way::Forgotten {
             assert!(is_at_rest(&network, *id), "axis {number}");
@@ -362,13 +362,13 @@ fn a_call_that_is_dropped_half_way_changes_nothing_for_the_next() {
     assert!(matches!(passed, Err(Error::Interrupted)), "{passed:?}");
     wish.set(false);
     axis.release().wait().expect("released");
-    // a stop tolerates parameters that are not answered; nobody else does
+    // a stop tolerates unanswered parameters; other calls do not
     let mut drive = find(&mut network, "axis-3").expect("there");
     network.medium().segment_mut().cut(ids[2]);
     let stopped = network
         .stop_drive(&mut drive, StopWay::Stop, SECOND)
         .now_or_never();
-    assert!(stopped.is_none(), "nobody answers so soon");
+    assert!(stopped.is_none(), "no answer so soon");
     let selection = select(&drive, "DRV.ACC");
     let read = network.read(&mut drive, &[selection]).wait();
     assert!(read.is_err(), "{read:?}");
@@ -397,7 +397,7 @@ fn an_owner_starts_nothing_once_the_network_is_left() {
     assert!(!enabled(&world, ids[2]) && !exchanging(&world, ids[2]));
 }
 
-/// Nor does it get an axis that nobody would end.
+/// Nor does it get an axis without an owner to end it.
 #[test]
 fn take_axis_fails_after_the_network_is_left() {
     let (network, ids) = plant();

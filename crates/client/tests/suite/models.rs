@@ -1,4 +1,5 @@
-//! One client for all makes: AKD, VLT and Vacon side by side, and drives that nobody has tables of, in virtual time.
+//! One client for all vendors: AKD, VLT and Vacon side by side, and drives without a built-in catalogue, in virtual
+//! time.
 
 mod running;
 mod saving;
@@ -84,7 +85,7 @@ fn turned(session: &mut Bench, name: &str, settings: AxisSettings, speed: f64) -
     Ok((actual.expect("a speed"), telegram))
 }
 
-/// What is done with one make: its ramp in both spellings, a wrong unit, something read-only, a value too high.
+/// Steps for one model: its ramp in both spellings, a wrong unit, a read-only parameter, a value too high.
 struct Way {
     ramp: &'static str,
     same: &'static str,
@@ -188,7 +189,7 @@ fn texts_and_selections_are_shown_as_text() {
     let mut drive = find(&mut session, "vlt-1").expect("there");
     let selections = ["15-40", "15-43", "8-10"].map(|text| select(&drive, text));
     let readings: Vec<_> = session.read(&mut drive, &selections).wait().expect("read");
-    let values: Vec<_> = readings.into_iter().map(|one| one.expect("told")).collect();
+    let values: Vec<_> = readings.into_iter().map(|one| one.expect("answered")).collect();
     assert_eq!(values[0].content, Content::Text("FC-302".into()));
     assert_eq!(values[1].content, Content::Text("07.51".into()));
     assert!(
@@ -196,7 +197,7 @@ fn texts_and_selections_are_shown_as_text() {
         "{:?}",
         values[2]
     );
-    // every parameter of every make is read without an answer that makes no sense
+    // every parameter of every model is read without an invalid answer
     for name in NAMES {
         let mut drive = find(&mut session, name).expect("there");
         let tables = drive.model.catalogue.expect("tables");
@@ -217,7 +218,7 @@ fn selections_are_written_by_texts_read_from_the_drive() {
     for (text, number) in [("8-10=profidrive", 1.0), ("8-10='FC profile'", 0.0)] {
         write(&mut session, &mut vlt, text, WriteMode::Write).expect("taken");
         let selection = select(&vlt, "8-10");
-        let reading = session.read_one(&mut vlt, &selection).wait().expect("told");
+        let reading = session.read_one(&mut vlt, &selection).wait().expect("answered");
         assert_eq!(reading.number(), Some(number), "{text}");
         assert!(reading.choice.is_some(), "{reading:?}");
     }

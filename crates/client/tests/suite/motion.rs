@@ -76,7 +76,7 @@ fn a_drive_in_another_mode_is_not_changed() {
         );
     }
     assert_eq!(
-        session.operating_mode(&mut drive).wait().expect("told"),
+        session.operating_mode(&mut drive).wait().expect("answered"),
         Some(Mode::Velocity)
     );
     session
@@ -84,7 +84,7 @@ fn a_drive_in_another_mode_is_not_changed() {
         .wait()
         .expect("changed");
     assert_eq!(
-        session.operating_mode(&mut drive).wait().expect("told"),
+        session.operating_mode(&mut drive).wait().expect("answered"),
         Some(Mode::Position)
     );
     let error = session
@@ -240,7 +240,7 @@ fn stop_beside_another_controller_stops_and_names_it() {
     assert_eq!(outcome.enabled, Some(true));
     assert!(outcome.speed_before.is_some_and(|speed| speed > 90.0));
     assert_eq!(
-        session.owner(&drive).wait().expect("told"),
+        session.owner(&drive).wait().expect("answered"),
         Some(Some("plc".into())),
         "the controller was not disturbed"
     );
@@ -343,7 +343,7 @@ fn ident_numbers_of_a_vendor_file_come_from_the_drive() {
         hint.contains("[choose description]") && hint.contains("only telegram 1 works"),
         "{hint}"
     );
-    // but in the maker's file, whatever telegram PNU 922 has meanwhile
+    // but in the vendor's file, independent of the present telegram in PNU 922
     write(&mut session, &mut drive, &["922=9"]);
     drive.vendor_modules = crate::bench::description("GSDML-V2.1-KOLLMORGEN-AKDLIKE-20140301.xml")
         .telegrams
@@ -361,7 +361,7 @@ fn ident_numbers_of_a_vendor_file_come_from_the_drive() {
     axis.release().wait().expect("released");
 }
 
-/// A load that pulls, no brake: when the power stage is off the axis turns, and nobody says it rests.
+/// A load that pulls, no brake: when the power stage is off the axis turns, and no status claims that it rests.
 #[test]
 fn an_axis_that_turns_without_power_is_not_called_at_rest() {
     let (mut session, ids) = bench(&[("akd-1", 1)]);
@@ -386,7 +386,7 @@ fn an_axis_that_turns_without_power_is_not_called_at_rest() {
     }
 }
 
-/// What another program does by parameter is told as that, and not as an input that is open.
+/// A disable by another program's parameter write is reported as such, and not as an open input.
 #[test]
 fn an_axis_disabled_by_another_program_reports_the_cause() {
     for (by_parameter, torque_off) in [(true, false), (false, true)] {
@@ -461,7 +461,7 @@ fn an_axis_that_its_load_turns_is_not_sent_to_a_stop() {
             .expect("looked at");
         assert!(!outcome.sent && !outcome.at_rest, "{outcome:?}");
     }
-    // too fast by now: the fault stays, and the reason is told beside it
+    // too fast by now: the fault stays, and the cause is reported with it
     session.pass(Duration::from_secs(2)).wait().expect("time passes");
     let status = session.status(&mut drive).wait().expect("a status");
     let found = diagnose(&status);
@@ -475,7 +475,7 @@ fn an_axis_that_its_load_turns_is_not_sent_to_a_stop() {
     );
 }
 
-/// A ramp that takes longer than its setting says: the quick stop that ends it is told.
+/// A ramp longer than its setting: the quick stop that ends it is reported.
 #[test]
 fn a_quick_stop_instead_of_the_ramp_is_reported() {
     let (mut session, _) = bench(&[("akd-1", 1)]);
@@ -509,7 +509,7 @@ fn a_slow_ramp_is_waited_for() {
     assert!(is_at_rest(&session, ids[0]));
 }
 
-/// Somebody who is in a hurry gets a quick stop in place of a long ramp, and no error for it.
+/// An urgent caller gets a quick stop in place of a long ramp, and no error for it.
 #[test]
 fn a_hurry_turns_the_ramp_into_a_quick_stop() {
     let (mut session, ids) = bench(&[("akd-1", 1)]);
@@ -648,7 +648,7 @@ fn a_state_is_the_state_the_drive_reported() {
     let mut enabled = axis.enable().wait().expect("enabled");
     enabled.reach_speed(100.0, None).wait().expect("runs");
     session.medium().segment_mut().cut(ids[0]);
-    // the wish to stop reaches nobody
+    // the stop request reaches no drive
     let error = enabled.disable().wait().expect_err("cut");
     assert!(matches!(error, Error::ConnectionLost { .. }), "{error}");
     drop(axis);
@@ -688,7 +688,7 @@ fn a_scale_is_not_written_while_the_power_stage_is_on() {
     write(&mut session, &mut drive, &["PN.VELSCALING=1638"]);
 }
 
-/// Somebody else changes the scale all the same: the axis is stopped and the reason told.
+/// Another client changes the scale all the same: the axis is stopped and the cause reported.
 #[test]
 fn a_scale_changed_under_a_running_axis_stops_it() {
     let (mut session, ids) = bench(&[("akd-1", 1)]);
@@ -745,7 +745,7 @@ fn a_lost_speed_is_reported() {
     assert!(is_at_rest(&session, ids[0]));
 }
 
-/// The panel takes a running drive: that is the reason told, and its stop is no state of switching on.
+/// The panel takes a running drive: that cause is reported, and its stop is not a state of switching on.
 #[test]
 fn local_operation_during_a_run_is_named() {
     let (mut session, ids) = bench(&[("akd-1", 1)]);
@@ -784,7 +784,7 @@ fn local_operation_during_a_run_is_named() {
     assert_eq!(diagnose(&status).cause, Cause::LocalOperation);
 }
 
-/// Who is refused is told who has the drive.
+/// A refused client gets the owner of the drive.
 #[test]
 fn a_refusal_names_the_controller_that_has_the_drive() {
     let (mut session, _) = bench(&[("akd-1", 1)]);
@@ -800,7 +800,7 @@ fn a_refusal_names_the_controller_that_has_the_drive() {
     assert!(message.contains("controller \"plc\" owns it"), "{message}");
 }
 
-/// A speed between two steps of the setpoint is told as the one that is sent.
+/// A speed between two steps of the setpoint is reported as the one that is sent.
 #[test]
 fn the_rounded_speed_is_reported() {
     let (mut session, _) = bench(&[("akd-1", 1)]);

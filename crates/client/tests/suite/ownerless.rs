@@ -1,4 +1,4 @@
-//! Drives that are in operation though nobody commands them any more, in virtual time: who may stop them, and how.
+//! Ownerless drives in operation, in virtual time: who may stop them, and how.
 
 use crate::bench::running_on;
 use crate::bench::shared::On;
@@ -553,7 +553,7 @@ fn a_carrier_that_fails_is_a_lost_connection_of_the_axis() {
             let (inner, own) = enabled.session();
             lost(inner.fault_report(own).wait().expect_err("gone"));
             drop(enabled);
-            lost(axis.release().wait().expect_err("nobody saw it stand"));
+            lost(axis.release().wait().expect_err("standstill not seen"));
             // nothing is under control any more: what fails now is the medium
             let error = session.pass(SECOND).wait().expect_err("gone");
             assert!(matches!(error, Error::Medium(_)), "{at}: {error:?}");
@@ -619,7 +619,7 @@ fn a_fault_is_acknowledged_while_the_axis_still_coasts() {
             "{transport:?}: {}",
             world.speed()
         );
-        axis.release().wait().expect("nobody here made it turn");
+        axis.release().wait().expect("not turned by this client");
         let report = session.fault_report(&mut drive).wait();
         let present = report.map(|report| report.present().count());
         assert!(!matches!(present, Ok(1..)), "{transport:?}: {present:?}");

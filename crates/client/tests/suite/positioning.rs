@@ -65,7 +65,7 @@ fn homed() -> (Bench, StationId, Drive) {
 /// Increments of the virtual axis in one turn.
 const TURN: f64 = 4_294_967_296.0;
 
-/// Looks at the drive while somebody else has the session.
+/// Inspects the drive while another client has the session.
 fn beside<T>(world: &World<SegmentMedium>, id: StationId, look: impl FnOnce(&mut VirtualDrive) -> T) -> T {
     let mut medium = world.wire();
     let host = medium.segment_mut().station_mut::<Host<Station>>(id);
@@ -173,7 +173,7 @@ fn an_axis_that_is_not_homed_is_not_moved() {
         enabled.status().map(|status| status.view.goal),
         Some(Goal::Enabled)
     );
-    // somebody who does not listen is told by the drive
+    // the drive rejects a client that ignores its limits
     let mut deaf = plan.clone();
     deaf.objections.clear();
     let error = enabled.start(&deaf).wait().expect_err("not accepted");
@@ -357,7 +357,7 @@ fn homing_to_a_switch_and_homing_that_is_broken_off() {
         matches!(error, Error::NotInTime { what: "homing", .. }),
         "{error}"
     );
-    let facts = bench.0.motion_facts(&mut bench.2).wait().expect("told");
+    let facts = bench.0.motion_facts(&mut bench.2).wait().expect("answered");
     assert_eq!(
         facts.homed,
         Some(false),
@@ -381,7 +381,7 @@ fn homing_with_telegram_7() {
     drop(enabled);
     axis.release().wait().expect("at rest");
     assert_eq!(
-        session.motion_facts(drive).wait().expect("told").homed,
+        session.motion_facts(drive).wait().expect("answered").homed,
         Some(true)
     );
 }
@@ -701,8 +701,8 @@ fn wishes() -> impl Strategy<Value = Vec<Wish>> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
-    /// Whatever is asked for in whatever order: it comes about or is told, the last target is reached where one is
-    /// under way, and the end is at rest without a fault.
+    /// Any requests in any order: each completes or is reported, the last target is reached where one is under way, and
+    /// the end is at rest without a fault.
     #[test]
     fn any_order_of_wishes_ends_at_rest(wishes in wishes()) {
         let mut bench = homed();

@@ -40,7 +40,7 @@ const IM0: RecordAddress = RecordAddress {
     index: 0xAFF0,
 };
 
-/// The ramp of each make, which is changed, and how it is put into local operation with the motor turning.
+/// The ramp of each model, which is changed, and how it is put into local operation with the motor turning.
 const MODELS: [(&Model, &str, &str); 3] = [
     (&model::AKD, "DRV.ACC", "4000"),
     (&model::VLT, "3-41", "5"),
@@ -399,7 +399,7 @@ fn without_implicit_reads_everything_goes_over_the_controller_connection() {
         );
         assert_eq!(session.route(&drive), Some(Route::Controller));
         assert_eq!(
-            session.owner(&drive).wait().expect("told"),
+            session.owner(&drive).wait().expect("answered"),
             Some(None),
             "not ourselves"
         );
@@ -690,5 +690,5 @@ fn a_device_that_is_no_drive_shows_identity_and_modules_and_is_not_connected_to(
     let mut events = std::iter::from_fn(|| device.poll_event());
     let connected =
         |event: &profinet::device::Event| matches!(event, profinet::device::Event::Connected { .. });
-    assert!(!events.any(|event| connected(&event)), "nobody connected");
+    assert!(!events.any(|event| connected(&event)), "not connected");
 }

@@ -1,4 +1,4 @@
-//! What an axis under control tells, and what it is not told: virtual drives on a segment, in virtual time.
+//! Reports of an axis under control: virtual drives on a segment, in virtual time.
 
 use crate::bench::shared::Shared;
 use std::time::Duration;
@@ -10,7 +10,7 @@ use profile::notation::Position;
 use profile::value::{Assignment, ParameterProblem};
 use virtual_drive::drive::Injection;
 
-/// A warning is told by number when it comes, once, also one that comes while another is there.
+/// A warning is reported by number when it comes, once, also one that comes while another is there.
 #[test]
 fn warnings_are_reported_when_they_occur() {
     let (mut session, ids) = bench(&[("akd-1", 1)]);
@@ -43,7 +43,7 @@ fn warnings_are_reported_when_they_occur() {
     assert!(is_at_rest(&session, ids[0]));
 }
 
-/// A dry run finds what a run would: telegram, the speed that is told, a controller that has the drive. It changes nothing.
+/// A dry run finds what a run would: telegram, rounded speed, a controller that has the drive. It changes nothing.
 #[test]
 fn taking_an_axis_can_be_planned() {
     let (mut session, ids) = bench(&[("akd-1", 1)]);

@@ -34,7 +34,7 @@ fn no_one_or_two_stations_with_a_name() {
     };
     assert_eq!(macs.len(), 2);
     let Err(Error::NotFound { heard, .. }) = find(&mut session, "akd-9") else {
-        panic!("nobody")
+        panic!("no station")
     };
     assert_eq!(heard.len(), 3);
 }
@@ -59,7 +59,7 @@ fn a_station_that_answers_late_is_found() {
     };
     assert_eq!(macs.len(), 2);
     let Err(Error::NotFound { heard, .. }) = find(&mut session, "akd-9") else {
-        panic!("nobody")
+        panic!("no station")
     };
     assert_eq!(heard.len(), 3);
 }
@@ -190,7 +190,7 @@ fn a_silent_drive_is_reported_while_waiting() {
     assert_eq!(reports.get(), 1, "once");
     let begin = session.now();
     session.forget(&drive);
-    session.close().wait().expect("nobody to say farewell to");
+    session.close().wait().expect("no connection to release");
     assert_eq!(session.now(), begin);
 }
 
@@ -381,7 +381,7 @@ fn an_interrupted_connect_is_taken_up_again() {
     assert!(session.read(&mut drive, &[acceleration]).wait().expect("read")[0].is_ok());
 }
 
-/// A medium that somebody else keeps, so that it outlives the session.
+/// A medium owned outside, so that it outlives the session.
 struct Kept(Shared<SegmentMedium>);
 
 impl Medium for Kept {
@@ -668,7 +668,7 @@ fn limits_are_kept_before_anything_moves() {
         enabled.status().map(|status| status.view.goal),
         Some(Goal::Enabled)
     );
-    // told to stop, it is over: nothing moves on an old permission
+    // after a stop it is over: nothing moves on an old permission
     enabled.stop().wait().expect("stopped");
     assert!(matches!(enabled.run(30.0).wait(), Err(Error::NotEnabled { .. })));
     drop(enabled);

@@ -58,7 +58,7 @@ fn serves(session: &mut Bench, id: StationId, drive: &mut Drive, change: Option<
     let elements = |pnu| info.readings.iter().filter(|reading| reading.pnu == pnu).count();
     assert_eq!((elements(964), elements(975)), (6, 8));
 
-    assert!(session.faults(drive).wait().expect("told").is_empty());
+    assert!(session.faults(drive).wait().expect("answered").is_empty());
     drive_mut(session, id).inject("fault=1".parse::<Injection>().expect("a fault"));
     session
         .pass(Duration::from_millis(100))
@@ -119,7 +119,7 @@ fn a_strange_drive_is_learned_whatever_size_its_arrays_have() {
     }
     assert_eq!(tables.by_pnu(930).map(|row| row.name), Some("Operating mode"));
     assert_eq!(raw(&mut session, &mut drive, "964[1]"), 2);
-    // by number and element, as nobody here knows what the number collects
+    // by number and element, as the collected parameters are unknown
     assert_eq!(raw(&mut session, &mut drive, "10001[103]"), 50);
     serves(&mut session, id, &mut drive, None);
     write(&mut session, &mut drive, "10001[103]=75");

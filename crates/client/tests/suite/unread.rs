@@ -247,7 +247,7 @@ fn a_stop_by_parameter_that_is_not_answered_is_one_by_the_control_word() {
         let outcome = session
             .stop_drive(&mut drive, StopWay::Stop, SECOND * 10)
             .wait()
-            .expect("nobody has it");
+            .expect("no owner");
         // one value alone is not cut: the drive said that its power stage is off
         let silent = fault == AnswerFault::Silent;
         assert_eq!(outcome.by_word, silent, "{fault:?}: {outcome:?}");
@@ -314,7 +314,7 @@ fn a_drive_enabled_by_its_service_channel_is_not_called_stopped() {
     assert!(session.now() - begin < SECOND * 5, "{:?}", session.now() - begin);
 }
 
-/// The wait that was made is the one that is told.
+/// The reported wait is the actual one.
 #[test]
 fn an_abandoned_request_has_its_time() {
     let world = left_running(&model::VLT, "vlt", &[(804, 0)], Transport::Profinet, None);
@@ -336,7 +336,7 @@ fn stop_on_a_line_reports_the_speed_of_the_replies() {
     }
 }
 
-/// Whoever interrupts a stop is told which drive that was, and how it was seen last.
+/// An interrupted stop reports which drive it was, and its last state.
 #[test]
 fn an_interrupted_stop_reports_the_last_state_of_the_drive() {
     let mut seen = 0;

@@ -45,7 +45,7 @@ pub fn decode(
         Addressee::Mirror(number) => format!("slave {number}, to be mirrored"),
         Addressee::Broadcast => "all slaves".into(),
         Addressee::Special => "a special telegram".into(),
-        Addressee::Nobody => "no slave can have this address".into(),
+        Addressee::Invalid => "no slave can have this address".into(),
     };
     let check = octets.last().copied().unwrap_or_default();
     let head = format!(

@@ -100,7 +100,12 @@ fn mistakes_are_reported_with_their_line() {
         (r#"sample = "100ms""#, r#"sample = "0s""#, 4, "time between"),
         ("seed = 7", "sed = 7", 2, "unknown field `sed`"),
         ("seed = 7", "seed = ", 2, "expected"),
-        (r#"name = "press-1""#, r#"name = "Press_1""#, 7, "not a valid station name"),
+        (
+            r#"name = "press-1""#,
+            r#"name = "Press_1""#,
+            7,
+            "not a valid station name",
+        ),
         (
             r#"name = "press-2""#,
             r#"name = "press-1""#,

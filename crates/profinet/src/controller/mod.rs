@@ -59,7 +59,7 @@ const RECORDS_INSTANCE: u16 = 0x8000;
 /// let mut buffer = [0; 1518];
 /// let Some(Transmit::Frame { length }) = controller.poll_transmit(Instant::ZERO, &mut buffer) else { panic!() };
 /// assert_eq!(buffer[..6], [0x01, 0x0E, 0xCF, 0, 0, 0]);
-/// // nobody answers
+/// // no device answers
 /// while let Some(due) = controller.poll_timeout() {
 ///     controller.handle_timeout(due);
 ///     while controller.poll_transmit(due, &mut buffer).is_some() {}

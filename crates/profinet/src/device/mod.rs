@@ -86,7 +86,7 @@ const FRAMES: usize = 16;
 /// let config = DeviceConfig::new(MacAddress([2, 0, 0, 0, 0, 1]), identity, vec![access_point]);
 /// let device = Device::new(config, Stored { name: "akd-1".into(), ..Stored::default() });
 /// assert_eq!(device.name(), "akd-1");
-/// // a device tells its neighbour who it is, without being asked
+/// // a device announces itself to its neighbour without a request
 /// assert_eq!(device.poll_timeout(), Some(profidrive_profinet::Instant::ZERO));
 /// ```
 #[derive(Debug)]

@@ -5,7 +5,7 @@
 //!
 //! | file | what it holds |
 //! |---|---|
-//! | `command` | what the axis is told |
+//! | `command` | commands of the axis |
 //! | `plant` | motor, load, friction, brake, hard stops |
 //! | `inputs` | limit switches, home switch, index pulse |
 //! | `electrical` | DC bus, temperatures, current foldback |

@@ -100,7 +100,7 @@ impl StationConfig {
 /// use profinet::{Endpoint, MacAddress};
 /// use profidrive_virtual_drive::{model, station::{Station, StationConfig}};
 /// let station = Station::new(StationConfig::new(&model::AKD, MacAddress([2, 0, 0, 0, 0, 1])));
-/// // it tells its neighbour who it is, and waits until somebody speaks
+/// // it announces itself to its neighbour, and waits for a request
 /// assert_eq!(station.poll_timeout(), Some(profinet::Instant::ZERO));
 /// ```
 #[derive(Debug)]

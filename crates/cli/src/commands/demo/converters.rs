@@ -32,13 +32,13 @@ const STOP: Duration = Duration::from_secs(5);
 /// Tolerance of a speed in percent: slip, and the steps of the words.
 const TOLERANCE: f64 = 3.0;
 
-/// What is shown of a make.
+/// The demo of one model.
 struct Act {
     name: &'static str,
     telegram: u16,
     words: Profile,
     page: &'static [&'static str],
-    /// Written through the client before it runs; the first one makes it stop when its controller is lost.
+    /// Written through the client before it runs; the first one lets it stop when its controller is lost.
     settings: &'static [&'static str],
     /// Reference in percent.
     reference: f64,
@@ -383,7 +383,7 @@ impl<'s> Line<'s> {
         show.check(good, text, &wrong)
     }
 
-    /// An alarm comes while it runs, is told, and is reset; then it stands.
+    /// Raises an alarm while it runs, reports it, and resets it; then it stands.
     fn alarm(&mut self, act: &Act, station: StationId, show: &mut Show) -> Result<(), Error> {
         show.next();
         super::inject(&self.world, station, act.fault);
@@ -423,7 +423,7 @@ impl<'s> Line<'s> {
         self.ending = true;
         if result.is_err() {
             self.output(OFF, 0);
-            // what cannot be told any more stops by its watchdog
+            // a drive that is not reachable any more stops by its watchdog
             let _ = self.until("standstill", STOP, |line, _| {
                 let speed = line.input().and_then(|data| line.half().speed(data));
                 !line.zsw1().has(Zsw1::READY_TO_OPERATE) && speed.unwrap_or(0) == 0

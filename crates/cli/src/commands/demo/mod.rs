@@ -226,7 +226,7 @@ fn play(
     let states = seen_states.clone();
     let live = show.output.live();
     axis.watch(move |status| {
-        // a line tells no position that is older than itself; a picture keeps the one it has
+        // a line shows no position older than itself; a picture keeps its last one
         let picture = AxisView {
             position: position.lock().filter(|_| live),
             ..AxisView::of(status)

@@ -77,7 +77,7 @@ fn octets(path: &Path) -> Result<Vec<u8>, Failure> {
         Failure::new(Exit::Failed, format!("cannot read {}: {error}", path.display()))
     };
     let mut octets = Vec::new();
-    // one more than is taken, so that a longer file is told as such
+    // one octet more than accepted, so that a longer file is detected
     let most = MOST_OCTETS as u64 + 1;
     File::open(path)
         .and_then(|file| file.take(most).read_to_end(&mut octets))

@@ -60,7 +60,7 @@ pub fn describe(args: &Describe, interface: &Interface, output: &Output) -> Resu
     Ok(())
 }
 
-/// What only the drive knows, if it tells it.
+/// Describes a parameter without tables, from the description of the drive.
 fn in_no_table(
     session: &mut connect::Live,
     drive: &Drive,
@@ -176,7 +176,7 @@ fn description_lines(
         line("choice", format!("{} {}", choice.value, choice.text));
     }
     for (value, text) in limits.other_texts(parameter) {
-        line("choice", format!("{value} {text} (told by the drive)"));
+        line("choice", format!("{value} {text} (reported by the drive)"));
     }
     for bit in parameter.bits {
         line("bit", format!("{} {}", bit.value, bit.text));

@@ -26,8 +26,8 @@ const WAIT: Duration = Duration::from_millis(1);
 const ACCEPT: Duration = Duration::from_secs(2);
 
 impl Session {
-    /// Whether a speed can be told to the drive with the scale it has now: the setpoint travels in steps, and the nearest
-    /// one must not be more than [`MOST_ROUNDING`](profile::value::MOST_ROUNDING) away. Reads only.
+    /// Checks that a speed is representable with the present scale of the drive: the setpoint has steps, and the
+    /// nearest one must not be more than [`MOST_ROUNDING`](profile::value::MOST_ROUNDING) away. Reads only.
     ///
     /// # Errors
     /// [`Error::SpeedStep`] with the speeds beside it, [`Error::SpeedRange`] beyond what the setpoint holds, and when the
@@ -77,8 +77,8 @@ impl Session {
     /// and the setpoint that it obeys go on until the first goal, and the axis is stopped when this object goes.
     ///
     /// # Errors
-    /// When the model is not known, no telegram does, the drive is in another mode, cannot be reached, somebody at the
-    /// drive commands it ([`Error::LocalOperation`]), it is in operation without a controller ([`Error::Ownerless`]), it
+    /// When the model is not known, no telegram does, the drive is in another mode, cannot be reached, is
+    /// in local operation ([`Error::LocalOperation`]), it is in operation without a controller ([`Error::Ownerless`]), it
     /// may run on when its controller is lost and that is not consented to ([`Error::RunsOn`]), another controller owns it,
     /// the session carries UDP only ([`Error::NeedsRawFrames`]), or another program has the port on which the drive calls
     /// ([`Error::NeedsCallPort`]).
@@ -191,7 +191,7 @@ impl Session {
         match axis.come_up(waiting, chosen).await {
             Ok(()) => Ok(axis),
             Err(error) => {
-                // it is given back before anybody hears of that
+                // it is given back before the error is returned
                 let _ = axis.release().await;
                 Err(error)
             }
@@ -299,7 +299,7 @@ impl Axis {
             self.strained = chosen.judge(self.session.longest_delay().await?);
         }
         self.begun = self.session.now();
-        // a device that does not report its connections says only now that nobody else had it
+        // a device that does not report its connections reveals only now that it had no other controller
         let seen = self.status().and_then(|status| status.view.seen);
         if measures && takeover::is_kept(seen.map(|seen| seen.zsw1)) {
             return Err(ownerless(&self.drive));

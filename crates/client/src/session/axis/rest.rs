@@ -14,7 +14,7 @@ use crate::session::loss::LossReaction;
 use crate::session::{Session, takeover};
 use crate::{Connection, Drive, Error, Link};
 
-/// How long a drive at a line that fell silent is told to stop.
+/// Time for which a silent drive on a line still receives the stop.
 const CALL_AGAIN: Duration = Duration::from_secs(2);
 /// How long the first valid data of a drive is waited for.
 const FIRST_DATA: Duration = Duration::from_secs(1);
@@ -121,7 +121,7 @@ impl Place {
     }
 }
 
-/// Ends an axis as soon as it is told to, by its owner or because the network is left.
+/// Ends an axis on request of its owner or when the network is left.
 pub(super) struct Closer {
     pub session: Session,
     pub drive: Drive,
@@ -162,13 +162,13 @@ impl Closer {
         let connection = self.session.connection(self.link);
         let running = connection == Connection::Running;
         let rest = match self.lost(connection) {
-            // nobody saw it stand: whatever went before, this is no end of a stop
+            // standstill was not seen, so this is not the end of a stop
             Some(error) => Err(error),
             None if running => self.bring_to_rest().await,
             None => Ok(Rest::default()),
         };
         let released = {
-            // a request of somebody else that travels on this connection gets its answer first
+            // a request of another caller on this connection gets its answer first
             let engine = self.session.engine().clone();
             let due = engine.now() + LAST_ANSWER;
             let _turn = engine.turn_at(&self.drive, true, Some(due)).await;
@@ -182,8 +182,8 @@ impl Closer {
         Ok(rest)
     }
 
-    /// A drive at a line that does not answer may still hear, and may run on if its time-out is not set: it is told to
-    /// stop for a while, and brought to rest once it answers.
+    /// A silent drive on a line may still receive, and may run on without a time-out. It is sent the stop for a while,
+    /// and stopped properly once it answers.
     async fn call_again(&mut self) {
         self.pursue(Goal::Stop);
         let end = self.session.now() + CALL_AGAIN;
@@ -211,8 +211,8 @@ impl Closer {
         if self.quick && !self.session.has_hurried() {
             return Err(self.trouble(Trouble::QuickStopUsed));
         }
-        // the power stage is off by now: a load that hangs on the shaft shows. An axis that nobody here had in operation
-        // coasts from before
+        // the power stage is off by now, so a pulling load becomes visible. An axis that this client never enabled was
+        // already coasting
         let view = self.view();
         let rest = match view.filter(|view| view.turns) {
             None => Rest::Stands,
@@ -234,7 +234,7 @@ impl Closer {
         self.pursue(Goal::Stop);
         loop {
             let view = self.view();
-            // a quick stop that took over is waited for as well, and told with the release
+            // a quick stop that took over is waited for as well, and reported with the release
             self.quick |= view.is_some_and(|view| view.quick_stop);
             if let Some(error) = self.lost(self.session.connection(self.link)) {
                 return Err(error);
@@ -317,7 +317,7 @@ impl Axis {
             {
                 self.show();
             }
-            // what else goes wrong is told with the result
+            // further failures are part of the result
             if let Err(Error::Closed) = self.session.look_again().await {
                 return Err(Error::Closed);
             }
@@ -338,7 +338,7 @@ impl Axis {
         self.session.engine().stir();
     }
 
-    /// Has an axis of which nobody had control stopped by the control word, and gives it back.
+    /// Stops an ownerless axis by the control word, and releases it.
     pub(in crate::session) async fn stop_and_release(mut self) -> Result<(), Error> {
         let _meanwhile = self.session.unstoppable();
         let seen = |status: &AxisStatus| status.view.seen.map(|seen| seen.zsw1);

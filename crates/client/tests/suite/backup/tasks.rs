@@ -62,7 +62,7 @@ fn they_are_in_the_backup_and_their_window_is_as_it_was() {
 fn a_window_that_shows_an_empty_task_shows_it_again() {
     let mut bench = with_tasks();
     bench.set(NUM, 9);
-    bench.set(2271, 1); // MT.LOAD: zeros, which nobody can write
+    bench.set(2271, 1); // MT.LOAD: zeros, which cannot be written
     let before = bench.window();
     assert_eq!(before[3], 0);
     assert_eq!(bench.backup().task_count(), 3);
@@ -109,7 +109,7 @@ fn another_client_of_the_task_window_is_not_disturbed() {
     let backup = bench.backup();
     assert_eq!(
         backup.header.tasks,
-        TaskCoverage::LeftOut("somebody else works with MT.NUM".into())
+        TaskCoverage::LeftOut("another client uses MT.NUM".into())
     );
 }
 

@@ -61,7 +61,7 @@ pub fn bench(drives: &[(&str, u8)]) -> (Bench, Vec<StationId>) {
     bench_of(drives.iter().map(|&(name, last)| station(name, last)).collect())
 }
 
-/// What a maker's file says of an AKD.
+/// Returns the description of an AKD from a vendor file.
 pub fn description(file: &str) -> Description {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/descriptions");
     let text = std::fs::read(folder.join(file)).expect("the file");
@@ -70,7 +70,7 @@ pub fn description(file: &str) -> Description {
     import.description
 }
 
-/// A drive with identity and modules of a maker's file.
+/// Creates a drive with identity and modules of a vendor file.
 pub fn bench_from(file: &str) -> (Bench, Vec<StationId>) {
     let mut config = StationConfig::new(&model::AKD, MacAddress([2, 0, 0, 0, 0, 1]));
     config.description = description(file);

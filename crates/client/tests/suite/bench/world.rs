@@ -81,7 +81,7 @@ fn idle_engine() -> Engine {
     Engine::new(Client::new(ControllerConfig::new(
         CLIENT,
         IpSuite::NONE,
-        "nobody",
+        "idle",
         99,
     )))
 }

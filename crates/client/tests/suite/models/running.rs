@@ -1,4 +1,4 @@
-//! Motion of every make: telegrams, speeds, jogs, stops.
+//! Motion of every model: telegrams, speeds, jogs, stops.
 
 use super::*;
 use profidrive_client::Wait;
@@ -43,7 +43,8 @@ fn every_model_runs_and_reports_its_speed() {
     }
 }
 
-/// Nothing is enabled for what a drive cannot do; where PNU 930 is read-only nobody is told to write it.
+/// Nothing is enabled for a function that the drive lacks; where PNU 930 is read-only the advice does not suggest
+/// writing it.
 #[test]
 fn speed_drives_refuse_positions_before_anything_is_enabled() {
     let mut session = all_models();
@@ -177,7 +178,7 @@ fn stop_refuses_a_converter_with_another_controller() {
     }
 }
 
-/// Each make jogs at the speed of its own setting, and that one is told.
+/// Each model jogs at the speed of its own setting, which is reported.
 #[test]
 fn every_model_jogs_at_its_own_setting() {
     let mut session = all_models();
@@ -192,7 +193,7 @@ fn every_model_jogs_at_its_own_setting() {
         let reading = session
             .read_one(&mut drive, &setting.selection)
             .wait()
-            .expect("told");
+            .expect("answered");
         let speed = setting.rpm(&reading).expect("a speed");
         assert!(speed > 10.0, "{name}: {speed}");
         let settings = running_on(Purpose::Jog);

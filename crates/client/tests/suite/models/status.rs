@@ -89,7 +89,7 @@ fn faults_beyond_the_buffer_are_reported_too() {
             .wait()
             .expect("time passes");
     }
-    let report = session.fault_report(&mut drive).wait().expect("told");
+    let report = session.fault_report(&mut drive).wait().expect("answered");
     let present: Vec<u16> = report.present().map(|fault| fault.number).collect();
     assert_eq!(present, numbers);
     assert!(
@@ -161,7 +161,7 @@ fn a_fault_of_each_model_is_reported_with_its_meaning_and_acknowledged() {
                 .pass(Duration::from_millis(200))
                 .wait()
                 .expect("time passes");
-            let report = session.fault_report(&mut drive).wait().expect("told");
+            let report = session.fault_report(&mut drive).wait().expect("answered");
             let present: Vec<_> = report.present().collect();
             assert_eq!(present.len(), 1, "{name}: {present:?}");
             let fault = present.first().expect("one");
@@ -189,7 +189,7 @@ fn a_fault_of_each_model_is_reported_with_its_meaning_and_acknowledged() {
                 .wait()
                 .unwrap_or_else(|error| panic!("{name} {telegram:?}: {error}"));
             axis.release().wait().expect("released");
-            let report = session.fault_report(&mut drive).wait().expect("told");
+            let report = session.fault_report(&mut drive).wait().expect("answered");
             assert_eq!(report.present().count(), 0, "{name} {telegram:?}: {report:?}");
             assert!(
                 report.zsw1.is_some_and(|word| word & 8 == 0),

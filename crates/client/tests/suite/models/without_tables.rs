@@ -37,13 +37,13 @@ fn a_drive_without_a_built_in_catalogue_reports_its_parameters() {
     assert!(error.to_string().contains("read-only"), "{error}");
     // selections by their texts, strings as text
     let selection = select(&drive, "810");
-    let reading = session.read_one(&mut drive, &selection).wait().expect("told");
+    let reading = session.read_one(&mut drive, &selection).wait().expect("answered");
     assert!(
         reading.choice.is_some_and(|text| text.contains("profile")),
         "{reading:?}"
     );
     let selection = select(&drive, "1540");
-    let reading = session.read_one(&mut drive, &selection).wait().expect("told");
+    let reading = session.read_one(&mut drive, &selection).wait().expect("answered");
     assert_eq!(reading.content, Content::Text("FC-302".into()));
     // another of its kind is known at once
     let mut again = find(&mut session, "strange").expect("there");
@@ -55,7 +55,7 @@ fn a_drive_without_a_built_in_catalogue_reports_its_parameters() {
         tables,
         again.model.catalogue.expect("the same tables")
     ));
-    // and it is backed up by number and octets, as nobody else has its tables
+    // and it is backed up by number and octets, as other programs lack its tables
     let saved = session.backup(&mut drive, &mut |_, _| {}).wait().expect("saved");
     let read = Backup::parse(&saved.to_string()).expect("read back");
     assert!(compare(&saved, &read).is_empty());
@@ -69,7 +69,7 @@ fn a_drive_without_a_built_in_catalogue_reports_its_parameters() {
     assert!(plan.set.is_done(), "{}", plan.set);
     let status = session.status(&mut drive).wait().expect("a status");
     assert!(status.status_word.is_some());
-    assert!(session.faults(&mut drive).wait().expect("told").is_empty());
+    assert!(session.faults(&mut drive).wait().expect("answered").is_empty());
 }
 
 #[test]
@@ -204,14 +204,14 @@ fn described(session: &mut Bench, drive: &Drive, text: &str) -> Option<Described
 fn a_drive_describes_its_own_parameters() {
     let mut session = all_models();
     let vlt = find(&mut session, "vlt-1").expect("there");
-    let ramp = described(&mut session, &vlt, "3-41").expect("told");
+    let ramp = described(&mut session, &vlt, "3-41").expect("answered");
     assert_eq!(
         (ramp.name.as_str(), ramp.data_type, ramp.unit, ramp.elements),
         ("Ramp 1 Ramp up T", Some("Unsigned32"), "s", 1)
     );
     assert_eq!(ramp.limits, ReportedLimits::Own(0.01, 3600.0));
     assert!(!ramp.read_only && !ramp.changed && ramp.texts.is_empty());
-    let profile = described(&mut session, &vlt, "8-10").expect("told");
+    let profile = described(&mut session, &vlt, "8-10").expect("answered");
     let texts: Vec<_> = profile
         .texts
         .iter()
@@ -220,20 +220,20 @@ fn a_drive_describes_its_own_parameters() {
     assert_eq!(texts[..2], [(0, "FC profile"), (1, "PROFIdrive profi")]);
     // numbers without a text lie between them
     assert_eq!(texts[2..], [(5, "ODVA"), (7, "CANopen DSP 402")]);
-    let counter = described(&mut session, &vlt, "16-90").expect("told");
+    let counter = described(&mut session, &vlt, "16-90").expect("answered");
     assert!(counter.read_only, "{counter:?}");
     assert!(
         matches!(counter.limits, ReportedLimits::OfType(low, high) if (low, high) == (0.0, 4_294_967_295.0)),
         "{counter:?}"
     );
-    let kind = described(&mut session, &vlt, "15-40").expect("told");
+    let kind = described(&mut session, &vlt, "15-40").expect("answered");
     assert_eq!(kind.limits, ReportedLimits::None, "a text has none");
 
     let vacon = find(&mut session, "vacon-1").expect("there");
-    let telegram = described(&mut session, &vacon, "922").expect("told");
+    let telegram = described(&mut session, &vacon, "922").expect("answered");
     assert_eq!(telegram.limits, ReportedLimits::OfType(0.0, 65_535.0));
     assert!(telegram.read_only && telegram.data_type == Some("Unsigned16"));
-    let signals = described(&mut session, &vacon, "915").expect("told");
+    let signals = described(&mut session, &vacon, "915").expect("answered");
     assert_eq!(signals.elements, 16);
     // the description of the collecting number is not that of one of its ids
     assert_eq!(described(&mut session, &vacon, "ID 103"), None);
@@ -253,13 +253,13 @@ fn a_drive_describes_its_own_parameters() {
             session.find_channel(&mut drive).wait().expect("reached");
             assert!(drive.model.catalogue.is_none());
         }
-        let ramp = described(&mut session, &drive, "341").expect("told");
+        let ramp = described(&mut session, &drive, "341").expect("answered");
         assert_eq!(
             (ramp.unit, ramp.limits),
             ("s", ReportedLimits::Own(0.01, 3600.0)),
             "{model}"
         );
-        let profile = described(&mut session, &drive, "810").expect("told");
+        let profile = described(&mut session, &drive, "810").expect("answered");
         assert_eq!(profile.texts.len(), 4, "{model}: {profile:?}");
         assert_eq!(described(&mut session, &drive, "4711"), None, "{model}");
     }
