@@ -1,6 +1,6 @@
 //! The command line: types and help texts only, no behaviour.
 
-// help texts are printed as they stand: `947[0..7]` is no link
+// help texts are printed as they stand: `947[0..7]` is not a link
 #![allow(rustdoc::broken_intra_doc_links)]
 
 mod explain;
@@ -77,7 +77,7 @@ pub fn named(line: impl IntoIterator<Item = OsString>) -> String {
     words.join(" ")
 }
 
-/// A time with a sign is told as a wrong time, not as an unknown option.
+/// Reports a time with a sign as an invalid time, not as an unknown option.
 fn with_signs(command: clap::Command) -> clap::Command {
     let is_time = |argument: &clap::Arg| {
         let names = argument.get_value_names().unwrap_or_default();

@@ -269,7 +269,7 @@ fn the_factory_set_up_refuses_a_write_with_its_own_number() {
     );
 }
 
-/// Its application ids are elements of one number that is no array: there is no request for them.
+/// Its application ids are elements of one number that is not an array: there is no request for them.
 #[test]
 fn a_parameter_that_the_channel_cannot_carry_is_not_refused() {
     for protocol in ["fc", "uss"] {

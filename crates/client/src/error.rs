@@ -134,10 +134,10 @@ pub enum Error {
         /// What there is not.
         what: &'static str,
     },
-    /// A drive at a serial line was asked for on a network, or the other way about.
+    /// A drive at a serial line was requested on a network, or the other way about.
     #[error("{drive} is not to be reached this way")]
     OtherWire {
-        /// Who was asked for.
+        /// Who was requested.
         drive: DriveAddress,
     },
     /// A DCP request failed.
@@ -168,7 +168,7 @@ pub enum Error {
         /// All stations that claim it.
         macs: Vec<MacAddress>,
     },
-    /// Another controller owns what was asked for.
+    /// Another controller owns what was requested.
     #[error("{drive} refuses control: {} owns it ({cause})", owner_text(.controller.as_deref()))]
     OwnedByController {
         /// The drive.
@@ -383,7 +383,7 @@ pub enum Error {
     SpeedNotReached {
         /// The drive.
         drive: String,
-        /// Speed asked for.
+        /// Speed requested.
         wanted: f64,
         /// Highest speed in that direction, if the telegram carries speeds.
         highest: Option<f64>,
@@ -414,7 +414,7 @@ pub enum Error {
     SpeedLost {
         /// The drive.
         drive: String,
-        /// Speed asked for.
+        /// Speed requested.
         wanted: f64,
         /// Actual speed, if the telegram carries speeds.
         actual: Option<f64>,
@@ -446,7 +446,7 @@ pub enum Error {
     SpeedStep {
         /// The drive.
         drive: String,
-        /// Speed asked for.
+        /// Speed requested.
         wanted: f64,
         /// The nearest representable speeds below and above.
         nearest: [f64; 2],
@@ -463,7 +463,7 @@ pub enum Error {
     SpeedRange {
         /// The drive.
         drive: String,
-        /// Speed asked for.
+        /// Speed requested.
         wanted: f64,
         /// The highest speed in that direction.
         highest: f64,
@@ -589,7 +589,7 @@ pub enum Error {
         /// How long.
         limit: Duration,
     },
-    /// Asked for something that cannot be.
+    /// Requested something that cannot be.
     #[error(transparent)]
     Misuse(#[from] Misuse),
 }

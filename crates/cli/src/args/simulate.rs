@@ -20,12 +20,12 @@ pub struct Simulate {
     /// Ends after this time; else the `duration` of the scenario, or Ctrl-C
     #[arg(long = "for", value_name = "TIME", value_parser = duration)]
     pub time: Option<Duration>,
-    /// Drive model; that of the maker whose device description is given, else akd, when left out
+    /// Drive model; default: that of the vendor of the given device description, else akd
     #[arg(long, value_parser = simulated(), value_name = "MODEL")]
     pub model: Option<&'static Model>,
-    /// Device description (GSDML) of the maker: identity, modules and ident numbers are taken from it. In a scenario it
-    /// is that of this maker's drives. One of a maker whose drives are not simulated wants --model, which then says what
-    /// the drive is inside. Not in virtual time, where the controllers of the scenario know the model's own
+    /// Device description (GSDML) of the vendor: source of identity, modules and ident numbers. In a scenario it
+    /// applies to this vendor's drives. A vendor without a built-in model requires --model for the behaviour of the
+    /// drive. Not in virtual time, where the controllers of the scenario use the modules of the model
     #[arg(long, value_name = "FILE", conflicts_with = "virtual_time")]
     pub gsdml: Option<PathBuf>,
     /// Only this access point of the device description; all of them when left out

@@ -131,7 +131,7 @@ pub fn with_drive(
     Ok(session.close().wait()?)
 }
 
-/// Does something with the drive in the mode that is needed: put into it, if that was asked for, and back afterwards,
+/// Does something with the drive in the mode that is needed: put into it, if that was requested, and back afterwards,
 /// whatever happened.
 pub fn in_mode(
     session: &mut Live,

@@ -92,7 +92,7 @@ fn lines(report: &FaultsReport) -> Vec<Line> {
     }
     if report.present().next().is_none() {
         lines.push(if report.fault_bit == Some(true) {
-            Line::Fault("ZSW1 bit 3 tells a fault, the fault buffer has none".into())
+            Line::Fault("ZSW1 bit 3 reports a fault, the fault buffer has none".into())
         } else {
             Line::Normal("no fault is present".into())
         });

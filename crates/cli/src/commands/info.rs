@@ -130,8 +130,8 @@ fn control(controller: &Controller, report: &InfoReport) -> String {
     let name = clean(controller.name.as_deref().unwrap_or_default());
     // a device that has state and mode is a drive whose parameters can be reached now
     match (controller.connected, report.parameters.is_empty()) {
-        (false, false) => "nobody: no controller is connected, `profidrive run` can take it".into(),
-        (false, true) => "nobody: no controller is connected".into(),
+        (false, false) => "none: no controller is connected, `profidrive run` can take it".into(),
+        (false, true) => "none: no controller is connected".into(),
         (true, false) => format!("controller \"{name}\"; reading and `profidrive monitor` work beside it"),
         (true, true) => format!("controller \"{name}\"; identity and diagnosis can be read beside it"),
     }

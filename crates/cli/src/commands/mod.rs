@@ -49,7 +49,7 @@ use crate::args::{Cli, Command, Interface, OnDrive};
 use crate::failure::Failure;
 use crate::output::Output;
 
-/// Runs what was asked for.
+/// Runs what was requested.
 pub fn run(cli: &Cli, output: &Output) -> Result<(), Failure> {
     if let (Some(name), Some(verb)) = (&cli.interface.interface, offline(&cli.command)) {
         // an interface that is taken and not used would look like an answer from the network

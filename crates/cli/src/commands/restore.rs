@@ -310,8 +310,8 @@ fn results(set: &ChangeSet, output: &Output) {
     }
 }
 
-/// What becomes of written values that nobody asked to save, one line for those that the drive saves by itself and one for
-/// the others.
+/// Describes whether unsaved values persist: one line for those that the drive saves automatically and one for the
+/// others.
 fn unsaved(drive: &Drive, set: &ChangeSet) -> Vec<String> {
     let written = set.changes().iter().filter(|change| change.is_done());
     let texts = written.filter(|change| change.saving != set.saving()).count();

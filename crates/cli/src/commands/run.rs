@@ -93,7 +93,7 @@ impl TelegramName {
     }
 }
 
-/// What was asked for, in one unit.
+/// What was requested, in one unit.
 struct Wish {
     speed: f64,
     unit: SpeedUnit,

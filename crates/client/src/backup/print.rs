@@ -28,7 +28,7 @@ impl fmt::Display for Backup {
 }
 
 impl Backup {
-    /// The text, with remarks under the head, a comment behind each value, and what is told about each task.
+    /// Writes the text, with remarks under the header, a comment behind each value, and a note for each task.
     pub(crate) fn write(
         &self,
         out: &mut dyn fmt::Write,

@@ -92,9 +92,9 @@ impl ChangeSet {
         Ok(())
     }
 
-    /// Leaves out what the drive has already. What acts is carried out each time; so is everything behind something that is
-    /// no plain setting, as that may change what follows it. A set that is saved is written as a whole: a value that is there
-    /// may not be saved yet.
+    /// Leaves out what the drive has already. What acts is carried out each time; so is everything behind something
+    /// that is not a plain setting, as that may change what follows it. A set that is saved is written as a whole: a
+    /// value that is there may not be saved yet.
     pub(crate) fn skip_same(&mut self) {
         let mut plain = !self.saves;
         for change in &mut self.changes {

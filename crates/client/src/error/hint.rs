@@ -53,7 +53,7 @@ impl Error {
         }
     }
 
-    /// What to do about it, with the parameters that a drive of this make has for it.
+    /// Returns the hint, with the parameters of the model of the drive.
     #[must_use]
     pub fn advice_for(&self, drive: &Drive) -> Option<Advice> {
         let advice = self.advice()?;

@@ -9,7 +9,7 @@ use crate::axis::{Objection, Trouble};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum ErrorKind {
-    /// What was asked for is wrong, whatever the drive is like: a value, a unit, a name.
+    /// What was requested is wrong, whatever the drive is like: a value, a unit, a name.
     Usage,
     /// The drive or the device refused.
     Refused,

@@ -45,7 +45,7 @@ pub struct AxisSettings {
     pub unit: SpeedUnit,
     /// Speed in rpm that is 100 % of the reference, for a drive that does not report it.
     pub reference_speed: Option<f64>,
-    /// Highest speed that may be asked for, in that unit.
+    /// Highest speed that may be requested, in that unit.
     pub speed_limit: f64,
     /// How much longer than the ramp of the drive is reckoned to need stopping may take before the quick stop is used.
     pub stop: Duration,
@@ -117,7 +117,7 @@ pub struct AxisStatus {
     pub view: AxisView,
     /// What the speeds are in.
     pub unit: SpeedUnit,
-    /// Speed asked for.
+    /// Speed requested.
     pub speed_set: Option<f64>,
     /// Speed of the motor.
     pub speed_actual: Option<f64>,
@@ -219,7 +219,7 @@ impl std::fmt::Debug for Axis {
     }
 }
 
-/// The number of a speed that a person asked for: the nearest step, if that is the same speed.
+/// The number of a speed that a person requested: the nearest step, if that is the same speed.
 pub(super) fn speed_setpoint(drive: &Drive, scale: &SpeedScale, speed: f64) -> Result<i16, Error> {
     let unit = scale.unit().symbol();
     let Some(raw) = scale.raw(speed) else {

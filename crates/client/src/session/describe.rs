@@ -20,7 +20,7 @@ pub struct Described {
     pub unit: &'static str,
     /// Lowest and highest value.
     pub limits: ReportedLimits,
-    /// Number of elements, 1 for what is no array.
+    /// Number of elements, 1 for what is not an array.
     pub elements: u16,
     /// It cannot be written.
     pub read_only: bool,
@@ -43,7 +43,8 @@ pub enum ReportedLimits {
 
 impl Session {
     /// Asks the drive to describe a parameter; `None` when it does not. Values that are elements of a collecting number
-    /// (the application ids of a Vacon) and halves of a 64-bit value have no description of their own and are not asked for.
+    /// (the application ids of a Vacon) and halves of a 64-bit value have no description of their own and are not
+    /// requested.
     ///
     /// # Errors
     /// When the drive cannot be reached.

@@ -24,7 +24,7 @@ const TYPE: u16 = 1;
 const RECORDS: [u16; 2] = [0xB02E, 0xB02F];
 /// Parameters described between two looks at the progress.
 const PART: usize = 32;
-/// Texts of one selection that are asked for at once, and at most.
+/// Texts of one selection that are requested at once, and at most.
 const TEXTS: u16 = 13;
 const MOST_TEXTS: u16 = 65;
 /// Largest request.
@@ -185,7 +185,7 @@ impl Session {
         Ok(texts)
     }
 
-    /// Each value asked for by itself: one that has no text does not disturb the others.
+    /// Each value requested by itself: one that has no text does not disturb the others.
     async fn texts_of(
         &mut self,
         drive: &Drive,

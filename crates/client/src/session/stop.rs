@@ -16,7 +16,7 @@ pub(super) const STANDS: f64 = 1.0;
 const BY_WORD: &str = "OFF1 (control word)";
 /// How long the command of a drive whose parameters are silent may remain without an answer.
 const LAST_TRY: Duration = Duration::from_millis(500);
-/// How long a drive may take to ask for control by the field bus once a controller is connected.
+/// How long a drive may take to request control by the field bus once a controller is connected.
 const ASKS: Duration = Duration::from_millis(500);
 /// Time between two looks.
 const LOOK: Duration = Duration::from_millis(20);
@@ -119,8 +119,8 @@ impl Session {
     ///
     /// An axis that turns with its power stage off, because it coasts or a load pulls at it, is only waited for.
     ///
-    /// A parameter that the drive does not answer, or not properly, is no error: control word and status word are enough.
-    /// After the first one none is requested, and [`StopOutcome::unread`] says why.
+    /// A parameter that the drive does not answer, or not properly, is not an error: control word and status word are
+    /// enough. After the first one none is requested, and [`StopOutcome::unread`] says why.
     ///
     /// A controller of the drive is not asked and goes on: what it commands next may move the axis again.
     ///

@@ -16,7 +16,7 @@ pub use generated::Cause;
 pub use notes::Note;
 pub use rules::moved_advice;
 
-/// Everything that decides whether an axis runs; `None` where the drive does not tell.
+/// All values that decide whether an axis runs; `None` where the drive does not report them.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct DriveStatus {
     /// The drive, for the commands in the advice.
@@ -32,7 +32,7 @@ pub struct DriveStatus {
     pub status_word: Option<u16>,
     /// Mode that decides over the bits of both words, from PNU 930 and the telegram.
     pub word_mode: Mode,
-    /// Name of the controller that has the cyclic connection: `Some(None)` when nobody has it.
+    /// Name of the controller that has the cyclic connection: `Some(None)` without one.
     pub controller: Option<Option<String>>,
     /// Control word the drive was sent last.
     pub stw1: Option<Stw1>,
@@ -97,9 +97,9 @@ pub struct DriveStatus {
 /// What kind of answer a diagnosis is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Verdict {
-    /// It runs, or stands because it was told to.
+    /// It runs, or stands on command.
     Runs,
-    /// Nothing is wrong, nobody has asked it to run.
+    /// No problem; it was not commanded to run.
     Waits,
     /// Something keeps it from running.
     Held,

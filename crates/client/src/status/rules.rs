@@ -472,7 +472,7 @@ fn actions(cause: Cause, status: &DriveStatus) -> Vec<Action> {
             let remedy = status.loss.as_ref().and_then(|loss| loss.remedy.clone());
             [Some(stop), remedy].into_iter().flatten().collect()
         }
-        // nobody commands it, and whether it turns cannot be read
+        // it is ownerless, and whether it turns cannot be read
         Cause::Silent if status.controller == Some(None) => vec![Action::Stop],
         // what its service channel has enabled a parameter switches off
         Cause::LocalOperation if by_parameter && status.has(Zsw1::OPERATION_ENABLED) => vec![stop],
@@ -480,7 +480,7 @@ fn actions(cause: Cause, status: &DriveStatus) -> Vec<Action> {
     }
 }
 
-/// What to do about a cause: as the make of the drive has it, else what holds for all.
+/// Returns the advice for a cause: that of the model of the drive, else the general one.
 pub(super) fn advice(rule: &Rule, status: &DriveStatus) -> Option<Advice> {
     if let (Cause::LocalOperation, Some(local)) = (rule.cause, &status.local) {
         return Some(local.remedy().into());
@@ -528,7 +528,7 @@ fn fault_advice(status: &DriveStatus, acknowledge: &str) -> Advice {
     }
 }
 
-/// What to do about an axis of this make that something outside turns.
+/// Returns the advice for an axis of this model that an external force turns.
 #[must_use]
 pub fn moved_advice(model: &str) -> &'static str {
     vendors::advice(Cause::MovedExternally, model).unwrap_or(Cause::MovedExternally.advice())
@@ -541,7 +541,7 @@ pub(super) fn moved(status: &DriveStatus) -> String {
     )
 }
 
-/// What commands a drive that nobody is connected to.
+/// Describes what commands an ownerless drive.
 fn in_force(status: &DriveStatus) -> String {
     if let Some((loss, parameter, setting)) = status.loss.as_ref().and_then(by_reaction) {
         let from = loss.after.map_or_else(String::new, |after| {

@@ -470,7 +470,7 @@ fn the_advice_names_the_drive() {
     assert!(next.to_string().contains("[acknowledge]"), "{next}");
 }
 
-/// Nobody has a connection, the power stage is off, the axis stands.
+/// No connection, the power stage is off, the axis stands.
 fn ownerless() -> DriveStatus {
     let mut status = running();
     words(&mut status, 0, 0x0240);
@@ -543,12 +543,12 @@ fn an_axis_that_its_load_turns_is_not_sent_to_a_stop() {
     // beside a fault it is a note
     words(&mut status, 0, 0x0248);
     assert_eq!(ids(&status), (Cause::Fault, vec!["moved-from-outside"]));
-    // and what nobody commands any more can be stopped
+    // and an ownerless drive can be stopped
     words(&mut status, 0, 0x0337);
     let found = diagnose(&status);
     assert_eq!(found.cause, Cause::TurnsOwnerless);
     assert_eq!(found.actions, [Action::Disable]);
-    // standing in operation it is no drive that waits
+    // standing in operation it is not a drive that waits
     status.speed_actual = Some(0.0);
     let found = diagnose(&status);
     assert_eq!(
@@ -558,7 +558,7 @@ fn an_axis_that_its_load_turns_is_not_sent_to_a_stop() {
     assert_eq!(found.actions, [Action::Disable]);
 }
 
-/// Followed to the letter, what is told about a VLT that does not start must not start it: 0x047E is a start there.
+/// Following the advice for a VLT that does not start must not start it: 0x047E is a start there.
 #[test]
 fn no_bit_names_of_another_profile_appear() {
     let with = |profile: Profile, stw1: u16, zsw1: u16| DriveStatus {
@@ -571,7 +571,7 @@ fn no_bit_names_of_another_profile_appear() {
         zsw1: Some(Zsw1(zsw1)),
         ..DriveStatus::default()
     };
-    // a level starts: an old start stands in nobody's way
+    // a level starts, so an old start prevents nothing
     let found = diagnose(&with(Profile::DanfossFc, 0x047F, 0x0270));
     assert_eq!(found.cause, Cause::NotReady);
     assert!(

@@ -1,4 +1,4 @@
-//! What is different for each make: the advice that names its parameters, and which warnings say a cause.
+//! Differences between the vendors: advice with their parameters, and the causes of their warnings.
 
 use profile::state::{Profile, Stw1};
 
@@ -9,7 +9,7 @@ use crate::WarningEntry;
 /// Control word for operation, as PROFIdrive has it.
 const OPERATION: Stw1 = Stw1(0x047F);
 
-/// What to do about a cause, where the make has something of its own.
+/// Returns the advice for a cause, if the model has its own.
 pub(super) fn advice(cause: Cause, model: &str) -> Option<&'static str> {
     let row = ADVICE
         .iter()
@@ -46,7 +46,7 @@ pub(super) fn in_words_of(status: &DriveStatus, advice: &str) -> Option<String> 
     ))
 }
 
-/// The parameter that switches a drive of this make off beside its controller, and who may write it.
+/// Returns the parameter that switches a drive of this model off independent of its controller, and who may write it.
 pub(super) fn disable(model: &str) -> Option<(&'static str, &'static str)> {
     let row = DISABLES.iter().find(|(of, ..)| *of == model);
     row.map(|(_, command, advice)| (*command, *advice))

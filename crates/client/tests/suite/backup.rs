@@ -410,7 +410,7 @@ fn a_drive_without_tables() {
         .unwrap();
     assert_eq!((plan.set.changes().len(), plan.skipped.len()), (1, 1));
     let mut journal = plan.set;
-    // no number is known that tells whether it is switched on
+    // no known parameter reports whether it is switched on
     let (result, _) = bench.restore(&mut journal, false);
     assert!(matches!(result, Err(Error::NotAtRest { .. })), "{result:?}");
     assert_eq!(bench.wire().truth(1004), 0xFF00);
@@ -440,7 +440,7 @@ proptest! {
             let raw = raw.cast_unsigned() & (u64::MAX >> (64 - bits));
             let mut wire = bench.wire();
             let drive = wire.station().drive_mut();
-            // some say no, in this state or with that neighbour: that is no setting then
+            // some say no, in this state or with that neighbour: that is not a setting then
             if let Some(high) = parameter.high() {
                 let _ = drive.write(high, 0, value.into(), Keep::Volatile).and_then(|()| drive.write(pnu, 0, u64::from(!value), Keep::Volatile));
             } else {

@@ -1,4 +1,4 @@
-//! The cyclic connection of a command on an ordinary PC: calm where nothing else is asked for, and measured before
+//! The cyclic connection of a command on an ordinary PC: calm where nothing else is requested, and measured before
 //! anything is enabled. In virtual time.
 
 use crate::bench::shared::On;
@@ -77,7 +77,7 @@ fn a_default_connection_outlives_a_busy_pc() {
     }
 }
 
-/// The delays of the PC are known before the power stage is on, and judged by the cycle that is asked for.
+/// The delays of the PC are known before the power stage is on, and judged by the cycle that is requested.
 #[test]
 fn a_cycle_the_pc_cannot_keep_is_detected_before_enabling() {
     let strained = |late, cycle, watchdog, purpose| {
@@ -117,7 +117,7 @@ fn a_cycle_the_pc_cannot_keep_is_detected_before_enabling() {
     assert_eq!(strained(late, Some(MS * 4), None, Purpose::Control), None);
 }
 
-/// The device description decides over the update times, also over those asked for.
+/// The device description decides over the update times, also over those requested.
 #[test]
 fn update_times_are_those_of_the_device_description() {
     let (mut session, _) = bench_of(stations());

@@ -320,7 +320,7 @@ impl<'s> Line<'s> {
         Ok(())
     }
 
-    /// Reads the ramp, writes it, and asks for a parameter that is not there.
+    /// Reads the ramp, writes it, and requests a parameter that is not there.
     fn ramp_by_pkw(&mut self) -> Result<String, Error> {
         let read = Job::Read {
             pnu: RAMP_UP,

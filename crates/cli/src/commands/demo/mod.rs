@@ -52,7 +52,7 @@ const PAGE: [&str; 8] = [
 /// Speeds in rpm.
 const RUN: f64 = 60.0;
 const JOG: f64 = 30.0;
-/// How far from the speed asked for the motor may be.
+/// How far from the speed requested the motor may be.
 const TOLERANCE: f64 = 3.0;
 /// Following error: a fault that every servo drive has.
 const FAULT: u16 = 439;

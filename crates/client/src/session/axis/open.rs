@@ -258,7 +258,7 @@ impl Session {
     }
 }
 
-/// Update time and watchdog for a drive: those asked for, else calm ones that its tables and description allow.
+/// Update time and watchdog for a drive: those requested, else calm ones that its tables and description allow.
 fn cycle_of(drive: &Drive, device: &Device, settings: &AxisSettings) -> Result<Cycle, Error> {
     let least = TICK * u32::from(device.min_device_interval);
     let cycle = Cycle::choose(&drive.vendor_timings, least, settings.cycle, settings.watchdog)?;

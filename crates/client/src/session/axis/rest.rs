@@ -35,7 +35,7 @@ pub(in crate::session) struct Ending {
 
 #[derive(Debug)]
 struct Open {
-    /// Highest speed asked for since the axis was taken.
+    /// Highest speed requested since the axis was taken.
     fastest: f64,
     /// How much longer than the ramp of the drive stopping may take.
     stop: Duration,
@@ -80,7 +80,7 @@ impl Ending {
         self.reported.load(Ordering::Acquire)
     }
 
-    /// How long a ramp stop from this speed may take, where the speed is not known from the fastest one asked for.
+    /// How long a ramp stop from this speed may take, where the speed is not known from the fastest one requested.
     pub(super) fn stop_limit(&self, speed: Option<f64>, deceleration: Option<f64>) -> Duration {
         let open = self.open();
         let speed = speed.map_or(open.fastest, f64::abs);
