@@ -2,6 +2,7 @@
 
 use client::status::Diagnosis;
 use client::{Action, Advice, Choice};
+use profidrive::motion::Leftover;
 use profidrive::report::Wording;
 use serde_json::Value;
 
@@ -126,7 +127,17 @@ pub fn next(diagnosis: &Diagnosis, drive: &str) -> Option<String> {
     (!all.is_empty()).then(|| all.join("; "))
 }
 
-/// The same for programs.
+/// What a program that was killed left at a drive, and what to do about it.
+pub fn leftover(left: &Leftover, drive: &str) -> (String, String) {
+    let Leftover { pnu, old, .. } = left;
+    let old = old.to_string().replace(' ', "");
+    (
+        format!("PNU {pnu} still has the value of a `profidrive jog` that was killed, before it was {old}"),
+        format!("`profidrive write {drive} {pnu}={old}` puts it back, the next `jog` does it too"),
+    )
+}
+
+/// What a diagnosis recommends, for programs.
 pub fn json(diagnosis: &Diagnosis, drive: &str) -> Value {
     let actions = diagnosis
         .actions

@@ -4,6 +4,7 @@
 #![allow(rustdoc::broken_intra_doc_links)]
 
 mod explain;
+mod motion;
 mod parameters;
 mod simulate;
 mod stations;
@@ -16,13 +17,12 @@ use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 use profile::notation::Quantity;
 
 pub use explain::{Decode, Explain, Octets, Only, Sender};
+pub use motion::{Ack, Consent, Cyclic, Home, Jog, Move, Run, SetMode, Stop, Task};
 pub use parameters::{Describe, List, Read, Write};
 pub use simulate::{DcpInOperation, Demo, Simulate, simulated};
 pub use stations::{Blink, Ip, Name, Network, Reset, ResetMode, Scan};
 
-use crate::commands::{
-    Backup, Diff, Faults, Gsdml, Home, Inject, Jog, Move, Restore, Run, Status, Stop, Task,
-};
+use crate::commands::{Backup, Diff, Faults, Gsdml, Inject, Restore, Status};
 
 /// PROFIdrive and PROFINET drives: find, address, read, write, run, simulate, explain.
 #[derive(Debug, Parser)]
@@ -240,36 +240,6 @@ const CYCLIC: &str = "It takes the one cyclic connection of the drive, as a cont
 drive refuses, and only one program on a computer can have such connections (UDP port 34964). `read`, `write`, `status`, \
 `monitor` and `stop` work beside it. A serial line is different: one program at a time has it, so nothing works beside \
 this command there; end it first (Ctrl-C), then `stop`.";
-
-#[derive(Debug, Args)]
-pub struct Cyclic {
-    /// Update time of the cyclic connection; at least 16 ms when left out, as the drive allows it
-    #[arg(long, value_name = "TIME", value_parser = duration)]
-    pub cycle: Option<Duration>,
-    /// Update times without data after which both sides stop, together at most 1.92 s; at least 100 ms when left out
-    #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u16).range(1..=255))]
-    pub watchdog: Option<u16>,
-}
-
-/// Options of commands that enable an axis.
-#[derive(Debug, Args)]
-pub struct Consent {
-    /// Move a drive that may run on when this program is killed or the line breaks, because a setting of the drive says so
-    /// (VLT 8-04, Vacon ID 733); without it the command refuses such a drive
-    #[arg(long)]
-    pub may_run_on: bool,
-}
-
-#[derive(Debug, Args)]
-pub struct Ack {
-    /// Station name, IP address, MAC address, or fc:PORT/ADDRESS or uss:PORT/ADDRESS
-    pub drive: String,
-    /// By a parameter (DRV.CLRFAULTS) instead of the control word: takes no control, works beside a controller
-    #[arg(long, conflicts_with_all = ["cycle", "watchdog"])]
-    pub by_parameter: bool,
-    #[command(flatten)]
-    pub cyclic: Cyclic,
-}
 
 #[derive(Debug, Args)]
 pub struct Monitor {

@@ -225,7 +225,7 @@ impl From<profile::value::ParameterProblem> for Failure {
 }
 
 /// The exit code of each kind of error.
-const fn exit_of(kind: ErrorKind) -> Exit {
+pub const fn exit_of(kind: ErrorKind) -> Exit {
     match kind {
         ErrorKind::Usage => Exit::Usage,
         ErrorKind::Refused => Exit::Refused,

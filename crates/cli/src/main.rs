@@ -7,7 +7,6 @@ mod args;
 mod commands;
 mod connect;
 mod failure;
-mod leftover;
 mod output;
 mod render;
 

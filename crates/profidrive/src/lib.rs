@@ -18,11 +18,13 @@
 //! | open a network interface, UDP alone or a serial line | [`open`], [`Opening`], [`open_line`] |
 //! | end waiting calls and stop axes by Ctrl-C | [`Stop`] with [`Opening::stopped_by`] |
 //! | know whether both sides can reach each other | [`reach`](reach()) |
-//! | find, read, write, run | [`Network`], which is a [`client::Session`] |
+//! | find, read, write | [`Network`], which is a [`client::Session`] |
+//! | move an axis, with every safety rule | [`motion`] |
 #![forbid(unsafe_code)]
 
 mod carrier;
 mod driver;
+pub mod motion;
 mod open;
 mod reach;
 pub mod report;

@@ -12,7 +12,11 @@ use crate::pages::{Page, SOURCES, all};
 const REPOSITORY: &str = "https://github.com/profidrive/profidrive";
 
 /// Programs and texts that pages quote, line by line.
-const QUOTED: [&str; 2] = ["examples", "crates/profidrive/src"];
+const QUOTED: [&str; 3] = [
+    "examples",
+    "crates/profidrive/src",
+    "crates/profidrive/src/motion",
+];
 
 /// `a/./b/../c` is `a/c`.
 fn plain(path: &Path) -> PathBuf {

@@ -1,43 +1,27 @@
-//! What all commands that move an axis share: how it begins, how it is shown, how it ends.
+//! What all commands that move an axis share: the words for what happens on the way.
 
 use std::time::Duration;
 
-use clap::Args;
-use client::axis::{Cycle, Goal, MotionFacts, Purpose, SpeedUnit, Strained, Trouble};
-use client::status::{Cause, Note, Verdict, diagnose, switched_off_beside};
-use client::{
-    AxisSettings, AxisStatus, Drive, Error, FaultEntry, LossAction, ModeBefore, PutBack, Rest, Session, Wait,
-    WarningEntry,
-};
+use client::axis::{Cycle, Strained};
+use client::{AxisStatus, Drive, FaultEntry, LossAction, LossReaction, Rest, Wait, WarningEntry};
+use profidrive::motion::{Arrival, Control, End, Ended, Event, MotionError, Next, Observer, Setting, Start};
 use profile::notation::Quantity;
 use profile::state::Mode;
 use profinet::cyclic::{CyclicStatistics, Timing};
+use serde::Serialize;
 use serde_json::{Map, Value};
 
 use crate::advice;
-use crate::args::{Consent, Cyclic, Interface};
+use crate::args::{Consent, Cyclic, Interface, SetMode};
 use crate::connect::{self, Live, Need};
 use crate::failure::{self, Exit, Failure};
 use crate::fields;
-use crate::output::{Output, Shared};
+use crate::output::Output;
 use crate::render::live::{AxisView, LiveView};
-use crate::render::number;
+use crate::render::{number, value};
 
-pub type Axis = client::Axis;
-
-pub type Enabled<'a> = client::Enabled<'a>;
-
-/// Longest wait of a motion that ends with Ctrl-C only.
+/// Longest wait of a command that ends with Ctrl-C only.
 pub const FOR_EVER: Duration = Duration::from_secs(100 * 365 * 24 * 3600);
-
-/// Options of commands that need the drive in one mode.
-#[derive(Debug, Args)]
-pub struct SetMode {
-    /// Put the drive into the mode this needs (PNU 930) and put mode and telegram (PNU 922) back afterwards; without it
-    /// the command refuses a drive in another mode
-    #[arg(long)]
-    pub set_mode: bool,
-}
 
 pub fn rpm(quantity: &Quantity, what: &str) -> Result<f64, Failure> {
     in_unit(quantity, "rpm", what)
@@ -49,145 +33,221 @@ pub fn in_unit(quantity: &Quantity, unit: &str, what: &str) -> Result<f64, Failu
         .map_err(|error| Failure::usage(format!("{what}: {error}")))
 }
 
-/// Rejects an unsupported update time before anything is opened.
-pub fn checked(cyclic: &Cyclic) -> Result<(), Failure> {
-    match cyclic.cycle {
-        Some(cycle) if Timing::for_interval(cycle).is_none() => Err(Failure::usage(format!(
+/// The settings that all motions have in common. An update time that no connection can have is refused before anything is
+/// opened.
+pub fn control(
+    cyclic: &Cyclic,
+    consent: Option<&Consent>,
+    mode: Option<&SetMode>,
+) -> Result<Control, Failure> {
+    if let Some(cycle) = cyclic
+        .cycle
+        .filter(|&cycle| Timing::for_interval(cycle).is_none())
+    {
+        return Err(Failure::usage(format!(
             "--cycle: an update time of {} ms does not exist",
             cycle.as_secs_f64() * 1000.0
         ))
-        .hint("use 1, 2, 4, 8 .. 512 ms; left out it is at least 16 ms, as the drive allows it")),
-        _ => Ok(()),
+        .hint("use 1, 2, 4, 8 .. 512 ms; left out it is at least 16 ms, as the drive allows it"));
     }
-}
-
-/// Reports the rounding of a speed; differences below the printed digits are not reported.
-pub fn report_rounding(asked: f64, rounded: f64, unit: &str, output: &Output) {
-    let (asked, rounded) = (number(asked), number(rounded));
-    if asked != rounded {
-        output.say(&format!(
-            "{asked} {unit} -> {rounded} {unit}, rounded to the nearest representable value"
-        ));
-    }
-}
-
-/// Turns to three digits; a zero has no sign.
-pub fn rounded(turns: f64) -> f64 {
-    (turns * 1000.0).round() / 1000.0 + 0.0
-}
-
-/// Where the axis is once the power stage is off, if it has left its place since.
-pub fn left(place: Option<f64>, now: Option<f64>) -> Option<f64> {
-    now.zip(place)
-        .filter(|(now, place)| (now - place).abs() > LEFT)
-        .map(|(now, _)| now)
-}
-
-/// Distance from the former position that is reported, turns.
-const LEFT: f64 = 0.01;
-
-/// The settings of an axis.
-pub fn settings(cyclic: &Cyclic, consent: &Consent, purpose: Purpose, limit: f64) -> AxisSettings {
-    AxisSettings {
-        purpose,
+    Ok(Control {
         cycle: cyclic.cycle,
         watchdog: cyclic.watchdog,
-        speed_limit: limit,
-        may_run_on: consent.may_run_on,
-        ..AxisSettings::default()
-    }
+        may_run_on: consent.is_some_and(|consent| consent.may_run_on),
+        set_mode: mode.is_some_and(|mode| mode.set_mode),
+    })
 }
 
-/// Warns of an active limit switch in the direction of motion.
-pub fn warn_switch(speed: f64, facts: &MotionFacts, output: &Output) {
-    if facts.is_at_switch(speed) {
-        output.warn("the limit switch in this direction is hit: the drive may not turn");
-    }
-}
-
-/// Above the limit nothing is sent at all.
-pub fn within(speed: f64, limit: f64, unit: SpeedUnit) -> Result<(), Failure> {
-    if speed.abs() > limit {
-        return Err(Error::SpeedLimit {
-            wanted: speed,
-            limit,
-            unit: unit.symbol(),
-        }
-        .into());
-    }
-    Ok(())
-}
-
-/// Connects to a drive, does something with it in the mode that is needed, and lets it go.
-pub fn with_drive(
+/// Connects to a drive and moves it; closes the connection after a motion that went well.
+pub fn with_drive<T>(
     interface: &Interface,
+    need: Need,
     name: &str,
-    (needed, wanted): (Mode, &SetMode),
     output: &Output,
-    work: impl FnOnce(&mut Live, &mut Drive) -> Result<(), Failure>,
-) -> Result<(), Failure> {
-    let (mut session, mut drive) = connect::drive(interface, Need::Cyclic, name, output)?;
-    in_mode(&mut session, &mut drive, needed, wanted, output, work)?;
-    Ok(session.close().wait()?)
+    work: impl FnOnce(&mut Live, &mut Drive) -> Result<T, MotionError>,
+) -> Result<T, Failure> {
+    let (mut session, mut drive) = connect::drive(interface, need, name, output)?;
+    let done = work(&mut session, &mut drive)?;
+    session.close().wait()?;
+    Ok(done)
 }
 
-/// Does something with the drive in the mode that is needed: put into it, if that was requested, and back afterwards,
-/// whatever happened.
-pub fn in_mode(
-    session: &mut Live,
-    drive: &mut Drive,
-    needed: Mode,
-    wanted: &SetMode,
-    output: &Output,
-    work: impl FnOnce(&mut Live, &mut Drive) -> Result<(), Failure>,
-) -> Result<(), Failure> {
-    drive.check_able(Some(needed))?;
-    if !wanted.set_mode {
-        return work(session, drive);
-    }
-    let before = session.enter_mode(drive, needed).wait()?;
-    report_mode(&before, needed, output);
-    let result = work(session, drive);
-    leave_mode(session, drive, &before, output);
-    result
-}
-
-/// Reports the mode that the drive was put into.
-fn report_mode(before: &ModeBefore, needed: Mode, output: &Output) {
-    let needed = mode_number(needed);
-    match before.mode {
-        _ if !before.changed => {}
-        Some(present) => output.say(&format!(
-            "PNU 930: {} -> {needed} for this command",
-            mode_number(present)
-        )),
-        None => output.say(&format!(
-            "PNU 930 is {needed} now; what it was is none of 1 and 2 and is not put back"
-        )),
+/// A motion that failed, in the words of this program.
+impl From<MotionError> for Failure {
+    fn from(error: MotionError) -> Self {
+        let advice = error.advice().map(|advice| advice::text(&advice, "DRIVE"));
+        let failed = match error {
+            MotionError::Client(error) => return error.into(),
+            MotionError::Failed {
+                error,
+                findings,
+                next,
+            } => return failed(*error, &findings, next.map(|next| *next)),
+            MotionError::Stopped { drive, end } => {
+                let how = match end {
+                    End::Open | End::Time => "stopped before the end by Ctrl-C or a signal".to_owned(),
+                    other => format!("stopped by Ctrl-C or a signal, {}", other.missing()),
+                };
+                Self::new(Exit::Failed, format!("{drive}: {how}"))
+            }
+            other => Self::new(failure::exit_of(other.kind()), other.to_string()),
+        };
+        match advice {
+            Some(advice) => failed.hint(advice),
+            None => failed,
+        }
     }
 }
 
-/// Puts mode and telegram back and reports it.
-fn leave_mode(session: &mut Live, drive: &mut Drive, before: &ModeBefore, output: &Output) {
-    let done = match session.leave_mode(drive, before).wait() {
-        Ok(done) => done,
-        Err(error) => {
-            output.warn(&format!(
-                "mode and telegram were not put back (PNU 930, 922): {error}"
-            ));
+/// What failed, with what the drive said about itself.
+fn failed(error: client::Error, findings: &[String], next: Option<Next>) -> Failure {
+    let hint = match next {
+        Some(Next::Diagnosis(diagnosis)) => advice::next(&diagnosis, "DRIVE"),
+        Some(Next::Advice(advice)) => failure::hint(&error, Some(advice)),
+        None => failure::hint(&error, None),
+    };
+    let mut failure = Failure::from(error);
+    failure.hint = hint;
+    for finding in findings {
+        failure.message = format!("{}; {finding}", failure.message);
+    }
+    failure
+}
+
+/// What begins, in words: `turns at 60 rpm for 1 s`. Without any it is not a motion.
+pub type StartText = Box<dyn Fn(&Start, u16) -> Option<String> + Send>;
+
+/// Shows a motion on the way: the axis as it moves, everything else as messages, and both as documents for programs.
+pub fn observer(command: &'static str, drive: &str, start: StartText, output: &Output) -> Observer {
+    let mut view = LiveView::new(output.clone(), command);
+    let (drive, output) = (drive.to_owned(), output.clone());
+    Observer::new(move |event| {
+        if let Event::Sample(status) = event {
+            view.show(&AxisView::of(status));
             return;
         }
-    };
-    for PutBack {
-        number,
-        value,
-        result,
-    } in done
-    {
-        match result {
-            Ok(()) => output.say(&format!("PNU {number} is {value} again")),
-            Err(error) => output.warn(&format!("PNU {number} was not put back to {value}: {error}")),
+        view.leave();
+        match event {
+            Event::Starting {
+                start: Start::Acknowledge,
+                ..
+            } => output.say("acknowledging by an edge of STW1 bit 7"),
+            Event::Starting {
+                telegram,
+                start: what,
+            } => {
+                if let Some(text) = start(what, *telegram) {
+                    output.say(&format!("this moves the axis: {drive} {text}; Ctrl-C stops it"));
+                }
+            }
+            Event::RunsOn(loss) => controller_loss(loss, &drive, command, &output),
+            Event::Strained(strained) => warn_strained(strained, command, &output),
+            Event::Warnings { status, warnings } => report_warnings(command, status, warnings, &output),
+            Event::TelegramChanged { before, now, kept } => {
+                telegram_changed((*before, *now), *kept, command, &output);
+            }
+            Event::Ended(ended) => end(ended, command, &output),
+            other => words(other, &drive, &output),
         }
+    })
+}
+
+/// The events that are a message and nothing else.
+fn words(event: &Event, drive: &str, output: &Output) {
+    match event {
+        Event::ModeChanged { before, now } => output.say(&match before {
+            Some(before) => format!(
+                "PNU 930: {} -> {} for this command",
+                mode_number(*before),
+                mode_number(*now)
+            ),
+            None => format!(
+                "PNU 930 is {} now; what it was is none of 1 and 2 and is not put back",
+                mode_number(*now)
+            ),
+        }),
+        Event::ModeWouldChange(mode) => output.say(&format!(
+            "PNU 930 would be set to {} mode for this and put back; the telegram is chosen then",
+            match mode {
+                Mode::Position => "position",
+                Mode::Velocity => "velocity",
+            }
+        )),
+        Event::PutBack(setting) => {
+            let (name, value) = setting_text(setting);
+            output.say(&format!("{name} is {value} again"));
+        }
+        Event::NotPutBack { setting, cause } => output.warn(&match setting.as_ref().map(setting_text) {
+            Some((name, value)) => format!("{name} was not put back to {value}: {cause}"),
+            None => format!("mode and telegram were not put back (PNU 930, 922): {cause}"),
+        }),
+        Event::LeftOver(left) => output.warn(&advice::leftover(left, drive).0),
+        Event::NotNoted { setting, cause } => {
+            let (name, value) = setting_text(setting);
+            output.warn(&format!(
+                "if this program is killed, {name} stays changed; it was {value}: {cause}"
+            ));
+        }
+        Event::AtSwitch => {
+            output.warn("the limit switch in this direction is hit: the drive may not turn");
+        }
+        Event::Rounded { asked, sent, unit } => {
+            let (asked, sent) = (number(*asked), number(*sent));
+            // a step too fine for the figures shown is no news
+            if asked != sent {
+                output.say(&format!(
+                    "{asked} {unit} -> {sent} {unit}, rounded to the nearest representable value"
+                ));
+            }
+        }
+        Event::LongRamp { time, by } => {
+            let by = by.as_ref().map_or_else(String::new, |by| format!(" ({by})"));
+            output.say(&format!(
+                "the ramp up takes about {:.0} s{by}, the time counts from its end",
+                time.as_secs_f64()
+            ));
+        }
+        Event::LongStop => output.say(
+            "still stopping along the ramp; Ctrl-C for a quick stop (OFF3), after a second if it was pressed before",
+        ),
+        Event::SpeedNotReached {
+            wanted,
+            actual,
+            unit,
+        } => {
+            let actual = actual.map_or_else(String::new, |actual| format!(", it was {actual:.1} {unit}"));
+            output.warn(&format!("{wanted} {unit} was not reached when the stop came{actual}"));
+        }
+        Event::HeldBack(evidence) => {
+            output.warn(&format!("the axis stood at the end of the jog: {evidence}"));
+        }
+        Event::Arrived {
+            arrival,
+            position,
+            counts,
+            left_to,
+        } => {
+            output.say(&arrival_text(*arrival, position.zip(*counts)));
+            if let Some(now) = left_to {
+                let place = match arrival {
+                    Arrival::Home => "that place",
+                    Arrival::Target | Arrival::Task(_) => "the target",
+                };
+                output.warn(&format!(
+                    "it has left {place} since: it is at {} rev now",
+                    number(rounded(*now))
+                ));
+            }
+        }
+        Event::Faults(faults) => {
+            for fault in faults {
+                output.say(&fault_text(fault));
+            }
+        }
+        Event::FaultsUnreadable(cause) => {
+            output.warn(&format!("which fault there is cannot be read: {cause}"));
+        }
+        _ => {}
     }
 }
 
@@ -198,23 +258,48 @@ const fn mode_number(mode: Mode) -> u8 {
     }
 }
 
-/// Refuses a drive that may run on when this program is gone, unless that is consented to; then it is a warning.
-pub fn report_controller_loss(
-    session: &mut Live,
-    drive: &mut Drive,
-    consent: &Consent,
-    command: &str,
-    output: &Output,
-) -> Result<(), Failure> {
-    let loss = session.loss_reaction(drive).wait()?;
-    loss.permit(drive, consent.may_run_on)?;
-    if loss.action.stops() {
-        return Ok(());
+/// A setting and its value.
+fn setting_text(setting: &Setting) -> (String, String) {
+    match setting {
+        Setting::Number { pnu, value } => (format!("PNU {pnu}"), value.to_string()),
+        Setting::Reading { parameter, reading } => (parameter.clone(), value::full(reading)),
+        Setting::Noted { parameter, value } => (parameter.clone(), value.to_string()),
     }
-    let label = drive.label();
+}
+
+/// Where a motion came to, in turns and counts.
+fn arrival_text(arrival: Arrival, at: Option<(f64, f64)>) -> String {
+    match arrival {
+        Arrival::Home => {
+            let at = at.map_or_else(String::new, |(turns, _)| {
+                format!(", the axis is at {} rev", number(rounded(turns)))
+            });
+            format!("homed (ZSW1 bit 11){at}")
+        }
+        Arrival::Task(number) => format!("task {number} at its target (ZSW1 bit 10)"),
+        Arrival::Target => {
+            let at = at.map_or_else(String::new, |(turns, counts)| {
+                format!(
+                    ": {} rev ({:.0} counts)",
+                    number(rounded(turns)),
+                    counts.round() + 0.0
+                )
+            });
+            format!("target reached (ZSW1 bit 10){at}")
+        }
+    }
+}
+
+/// Turns to three digits; a zero has no sign.
+pub fn rounded(turns: f64) -> f64 {
+    (turns * 1000.0).round() / 1000.0 + 0.0
+}
+
+/// The drive may run on when this program is gone.
+fn controller_loss(loss: &LossReaction, drive: &str, command: &str, output: &Output) {
     let remedy = loss.remedy.as_ref();
     if output.json() {
-        let command_line = remedy.and_then(|action| advice::command(action, &label));
+        let command_line = remedy.and_then(|action| advice::command(action, drive));
         let reaction = fields! {
             "parameter": loss.parameter.as_deref(), "setting": loss.setting.as_deref(), "action": loss.action.id(),
             "advice": command_line,
@@ -230,49 +315,24 @@ pub fn report_controller_loss(
         _ => String::new(),
     };
     let advice = remedy
-        .and_then(|action| advice::sentence(action, &label))
+        .and_then(|action| advice::sentence(action, drive))
         .map_or_else(String::new, |advice| format!("; {advice}"));
     output.warn(&format!(
         "{setting}should this program be killed or the line break, {does}{advice}"
     ));
-    Ok(())
 }
 
-/// Shows the axis from now on, and says what taking it has changed at the drive; with `--set-mode` that is put back.
-pub fn watch(axis: &mut Axis, command: &'static str, set_mode: bool, output: &Output) {
-    if let Some(before) = axis.telegram_before() {
-        let after = if set_mode {
-            "it is put back afterwards"
-        } else {
-            "it remains selected"
-        };
-        output.say(&format!(
-            "telegram {before} -> {} (PNU 922) for this; {after}",
-            axis.telegram()
-        ));
-        if output.json() {
-            let change = fields! { "before": before, "now": axis.telegram(), "kept": !set_mode };
-            output.event(command, fields! { "telegram_changed": change });
-        }
+fn telegram_changed((before, now): (u16, u16), kept: bool, command: &str, output: &Output) {
+    let after = if kept {
+        "it remains selected"
+    } else {
+        "it is put back afterwards"
+    };
+    output.say(&format!("telegram {before} -> {now} (PNU 922) for this; {after}"));
+    if output.json() {
+        let change = fields! { "before": before, "now": now, "kept": kept };
+        output.event(command, fields! { "telegram_changed": change });
     }
-    if let Some(strained) = axis.strained() {
-        warn_strained(&strained, command, output);
-    }
-    let view = Shared::new(LiveView::new(output.clone(), command));
-    let mut stop = LongStop::default();
-    let (above, printer) = (view.clone(), output.clone());
-    axis.watch_warnings(move |status, warnings| {
-        above.lock().leave();
-        report_warnings(command, status, warnings, &printer);
-    });
-    let output = output.clone();
-    axis.watch(move |status| {
-        view.lock().show(&AxisView::of(status));
-        if stop.is_due(status) {
-            view.lock().leave();
-            output.say("still stopping along the ramp; Ctrl-C for a quick stop (OFF3), after a second if it was pressed before");
-        }
-    });
 }
 
 /// Warns that this computer does not keep to the cycle of the connection, before anything is enabled.
@@ -326,86 +386,38 @@ fn report_warnings(command: &str, status: &AxisStatus, warnings: &[WarningEntry]
     }
 }
 
-/// Reports a long ramp once.
-#[derive(Debug, Default)]
-struct LongStop {
-    since: Option<Duration>,
-    reported: bool,
-}
-
-impl LongStop {
-    /// From which time on a stop is a long one.
-    const LONG: Duration = Duration::from_millis(1000);
-
-    fn is_due(&mut self, status: &AxisStatus) -> bool {
-        if status.view.goal != Goal::Stop || status.view.at_rest || status.view.quick_stop || status.lost {
-            self.since = None;
-            return false;
-        }
-        let since = *self.since.get_or_insert(status.time);
-        if self.reported || status.time.saturating_sub(since) < Self::LONG {
-            return false;
-        }
-        self.reported = true;
-        true
-    }
-}
-
-/// How a motion ends by itself.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum End {
-    /// With Ctrl-C: that is how it was meant.
-    Open,
-    /// When its time is over: Ctrl-C before is a failure.
-    Time,
-    /// At its target: Ctrl-C before is a failure.
-    Target(&'static str),
-}
-
-/// Stops and releases in any case, then reports the result.
-pub fn finish(
-    axis: Axis,
-    result: Result<(), Error>,
-    end: End,
-    command: &str,
-    more: Map<String, Value>,
-    output: &Output,
-) -> Result<(), Error> {
-    let statistics = axis.statistics();
-    // a ramp that was under way may have ended meanwhile, by a trip for example
-    let released = axis.release_and_look().wait();
-    let rest = *released.as_ref().unwrap_or(&Rest::Stands);
-    let interrupted = matches!(result, Err(Error::Interrupted));
-    if interrupted && output.is_closed() {
+/// Reports how a motion ended.
+fn end(ended: &Ended, command: &str, output: &Output) {
+    if ended.interrupted && output.is_closed() {
         output.say("the output has no reader any more: stopped");
     }
-    let result = match (result, end) {
-        (Err(Error::Interrupted), End::Open) => Ok(()),
-        (other, _) => other,
-    };
-    let stopped = released.is_ok() && (result.is_ok() || interrupted);
-    if let Some(statistics) = statistics {
-        output.say(&frames(&statistics));
+    if let Some(statistics) = &ended.statistics {
+        output.say(&frames(statistics));
     }
-    if stopped {
-        output.say(match rest {
-            Rest::Stands => "axis at rest, control released",
-            Rest::Coasts => {
-                "control released; the axis turns with its power stage off: it coasts, or something moves it"
-            }
-            Rest::Runs => "control released; the axis still turns with its power stage on",
-        });
-    }
-    if output.json() && stopped {
-        let counts = statistics.map_or_else(Default::default, |counts| {
-            fields! { "received": counts.received, "missed": counts.missed }
-        });
-        let unfinished = interrupted && end != End::Open;
-        let mut document = fields! { "end": true, "released": true, "coasts": rest == Rest::Coasts, "interrupted": unfinished, "frames": counts };
-        document.extend(more);
+    let Some(report) = &ended.report else { return };
+    output.say(match ended.rest {
+        Rest::Stands => "axis at rest, control released",
+        Rest::Coasts => {
+            "control released; the axis turns with its power stage off: it coasts, or something moves it"
+        }
+        Rest::Runs => "control released; the axis still turns with its power stage on",
+    });
+    if output.json() {
+        let mut document = fields! { "end": true };
+        document.extend(fields_of(report));
+        if command == "home" {
+            document.insert("homed".into(), report.result.reached.into());
+        }
         output.event(command, document);
     }
-    result.and(released.map(|_| ()))
+}
+
+/// A report of the library as the fields of a document.
+pub fn fields_of(report: &impl Serialize) -> Map<String, Value> {
+    match serde_json::to_value(report) {
+        Ok(Value::Object(fields)) => fields,
+        _ => Map::new(),
+    }
 }
 
 /// Summary of the cyclic connection. Missing frames come from the cycle counter; the longest gap is measured by this
@@ -417,77 +429,6 @@ fn frames(statistics: &CyclicStatistics) -> String {
         statistics.missed,
         statistics.longest_gap.as_secs_f64() * 1000.0
     )
-}
-
-/// How a motion ended that was not to end so.
-fn unfinished(end: End) -> Option<String> {
-    match end {
-        End::Open => None,
-        End::Time => Some("stopped before the end by Ctrl-C or a signal".to_owned()),
-        End::Target(what) => Some(format!("stopped by Ctrl-C or a signal, {what}")),
-    }
-}
-
-/// Adds the status of the drive to a failed motion: fault by number and text, warnings, and the cause that prevents
-/// operation.
-pub fn explained(error: Error, end: End, session: &mut Live, drive: &mut Drive) -> Failure {
-    if matches!(error, Error::Interrupted)
-        && let Some(how) = unfinished(end)
-    {
-        return Failure::new(Exit::Failed, format!("{}: {how}", drive.label()));
-    }
-    // the evidence read while the drive was still in operation is reported already
-    let asked = matches!(
-        error,
-        Error::Axis { .. }
-            | Error::NotInTime { .. }
-            | Error::Held { .. }
-            | Error::SpeedNotReached { .. }
-            | Error::NotMoved { .. }
-            | Error::SpeedLost { .. }
-    );
-    let held = matches!(error, Error::Held { .. });
-    let left_operation = matches!(
-        error,
-        Error::Axis {
-            trouble: Trouble::LeftOperation { .. },
-            ..
-        }
-    );
-    let hint = failure::hint(&error, error.advice_for(drive));
-    let mut failure = Failure::from(error);
-    failure.hint = hint;
-    if !asked {
-        return failure;
-    }
-    let status = session.uninterrupted(async |session: &mut Session| session.status(drive).await);
-    let Ok(status) = status.wait() else {
-        return failure;
-    };
-    for fault in &status.faults {
-        failure.message = format!("{}; {}", failure.message, fault_text(fault));
-    }
-    for warning in &status.warnings {
-        failure.message = format!("{}; warning {}", failure.message, warned(warning));
-    }
-    let diagnosis = diagnose(&status);
-    // the axis is released by now, so a missing controller is expected
-    if diagnosis.verdict == Verdict::Held && status.faults.is_empty() && !held {
-        failure.message = format!("{}; {}", failure.message, diagnosis.sentence);
-        failure.hint = advice::next(&diagnosis, &drive.label()).or(failure.hint);
-    }
-    // by now it is off: what turns it then no command of ours holds, and a fault that comes of it stays
-    let turns = |note: &Note| note.id == Cause::MovedExternally.id();
-    let moved = diagnosis.notes.into_iter().find(turns);
-    let beside = switched_off_beside(&status).filter(|_| left_operation);
-    for note in moved.into_iter().chain(beside) {
-        failure.message = format!("{}; {}", failure.message, note.sentence);
-        failure.hint = note
-            .next
-            .map(|next| advice::text(&next, &drive.label()))
-            .or(failure.hint);
-    }
-    failure
 }
 
 /// `F702 Fieldbus communication lost`
@@ -540,12 +481,21 @@ mod tests {
     }
 
     #[test]
-    fn only_what_has_no_end_of_its_own_ends_well_by_a_signal() {
-        assert_eq!(unfinished(End::Open), None);
-        assert!(unfinished(End::Time).is_some_and(|how| how.contains("before the end")));
+    fn a_motion_that_is_stopped_before_its_end_fails() {
+        let failure = |end| {
+            Failure::from(MotionError::Stopped {
+                drive: "akd-1".into(),
+                end,
+            })
+        };
+        assert_eq!(
+            failure(End::Target).message,
+            "akd-1: stopped by Ctrl-C or a signal, the target was not reached"
+        );
+        let time = failure(End::Time);
         assert!(
-            unfinished(End::Target("the target was not reached"))
-                .is_some_and(|how| how.contains("not reached"))
+            time.message.contains("before the end") && time.exit == Exit::Failed,
+            "{time:?}"
         );
     }
 }

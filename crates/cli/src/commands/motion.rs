@@ -2,14 +2,14 @@
 
 use std::time::Duration;
 
-use client::axis::Purpose;
-use client::{AxisSettings, Drive, Error, Session, Snapshot, Wait};
+use client::{Drive, Error, Session, Snapshot, Wait};
+use profidrive::motion::{self, Acknowledged};
 use profile::notation::ParameterReference;
 use profile::state::{State, Zsw1};
 use profile::value::{ParameterProblem, Selection};
 use serde_json::Value;
 
-use super::axis::{self, End, FOR_EVER, fault_text};
+use super::axis::{self, FOR_EVER, fault_text};
 use crate::args::{Ack, Interface, Monitor};
 use crate::connect::{self, Live, Need};
 use crate::failure::{Exit, Failure};
@@ -21,51 +21,18 @@ pub fn ack(args: &Ack, interface: &Interface, output: &Output) -> Result<(), Fai
     if args.by_parameter {
         return super::faults::clear(&args.drive, interface, output);
     }
-    axis::checked(&args.cyclic)?;
-    let (mut session, mut drive) = connect::drive(interface, Need::Cyclic, &args.drive, output)?;
-    // a drive that does not report its faults may have one all the same
-    match session.fault_report(&mut drive).wait() {
-        Ok(report) => {
-            let bit = report.zsw1.is_none_or(words::has_fault);
-            if report.present().next().is_none() && !bit {
-                session.close().wait()?;
-                if output.json() {
-                    output.event("ack", fields! { "end": true, "faults": Vec::<Value>::new() });
-                }
-                output.say("no fault: nothing to acknowledge");
-                return Ok(());
-            }
-            for fault in report.present() {
-                output.say(&fault_text(fault));
-            }
-            if report.needs_restart() {
-                session.close().wait()?;
-                let message = format!("{}: no command clears what is present", drive.label());
-                return Err(Failure::new(Exit::Refused, message)
-                    .hint("remove the cause, then switch the drive off and on"));
-            }
+    let control = axis::control(&args.cyclic, None, None)?;
+    let done = axis::with_drive(interface, Need::Cyclic, &args.drive, output, |session, drive| {
+        let observer = axis::observer("ack", &drive.label(), Box::new(|_, _| None), output);
+        motion::acknowledge(session, drive, &control, &observer).wait()
+    })?;
+    if done == Acknowledged::None {
+        if output.json() {
+            output.event("ack", fields! { "end": true, "faults": Vec::<Value>::new() });
         }
-        Err(error @ (Error::Refused { .. } | Error::Changing { .. })) => {
-            output.warn(&format!("which fault there is cannot be read: {error}"));
-        }
-        Err(error) => return Err(error.into()),
+        output.say("no fault: nothing to acknowledge");
     }
-    output.say("acknowledging by an edge of STW1 bit 7");
-    let settings = AxisSettings {
-        speed_limit: 0.0,
-        cycle: args.cyclic.cycle,
-        watchdog: args.cyclic.watchdog,
-        ..AxisSettings::for_purpose(Purpose::Control)
-    };
-    let mut axis = session.take_axis(&mut drive, settings).wait()?;
-    axis::watch(&mut axis, "ack", false, output);
-    let result = axis
-        .ready_or_fault()
-        .wait()
-        .and_then(|()| axis.acknowledge().wait());
-    axis::finish(axis, result, End::Time, "ack", serde_json::Map::new(), output)
-        .map_err(|error| axis::explained(error, End::Time, &mut session, &mut drive))?;
-    Ok(session.close().wait()?)
+    Ok(())
 }
 
 /// The shortest time between two readings of a monitor: a drive has other callers too.

@@ -3,6 +3,7 @@
 use clap::Args;
 use client::status::{Diagnosis, DriveStatus, Note, Verdict, diagnose};
 use client::{Action, LossReaction, Wait};
+use profidrive::motion::leftovers;
 use profile::catalogue::{Catalogue, Part};
 use profile::state::{Mode, Profile};
 use serde_json::{Map, Value};
@@ -13,7 +14,6 @@ use crate::args::Interface;
 use crate::connect::{self, Need};
 use crate::failure::{Exit, Failure};
 use crate::fields;
-use crate::leftover;
 use crate::output::{Colour, Output};
 use crate::render::table::clean;
 use crate::render::{hex16, words};
@@ -35,13 +35,13 @@ pub fn run(args: &Status, interface: &Interface, output: &Output) -> Result<(), 
         .map_err(|error| unread(error, &drive.label()))?;
     // a controller may be the very program that will put its setting back
     let left = match status.controller {
-        Some(None) => leftover::at(&mut session, &mut drive)?,
+        Some(None) => leftovers(&mut session, &mut drive).wait()?,
         _ => Vec::new(),
     };
     session.close().wait()?;
     let mut diagnosis = diagnose(&status);
     diagnosis.notes.extend(left.iter().map(|left| {
-        let (sentence, next) = left.message(&drive.label());
+        let (sentence, next) = advice::leftover(left, &drive.label());
         Note {
             id: "leftover",
             sentence,

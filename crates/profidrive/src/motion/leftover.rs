@@ -1,4 +1,4 @@
-//! Notes of temporary changes. A setting that a command changes while it runs is noted on disk until it is restored. A
+//! Notes of temporary changes. A setting that a motion changes while it runs is noted on disk until it is put back. A
 //! killed program leaves its note, from which the next one restores the old value.
 //!
 //! The notes are in `$XDG_STATE_HOME/profidrive` (`~/.local/state/profidrive`), one file for a drive and a number. A note
@@ -6,12 +6,10 @@
 
 use std::path::PathBuf;
 
-use client::{Drive, Error, Wait};
+use client::{Drive, Error, Session};
 use network::files::StateFile;
 use profile::catalogue::Part;
 use profile::notation::{ParameterReference, Quantity};
-
-use crate::connect::Live;
 
 /// What a command may leave changed: the jog speeds.
 const PARTS: [Part; 3] = [Part::Jog1, Part::Jog2, Part::JogOnly];
@@ -45,29 +43,17 @@ impl Leftover {
             set: lines.next()?.strip_prefix("set ")?.parse().ok()?,
         })
     }
-
-    /// Returns the message and the hint.
-    pub fn message(&self, drive: &str) -> (String, String) {
-        let Self { pnu, old, .. } = self;
-        let old = old.to_string().replace(' ', "");
-        (
-            format!(
-                "PNU {pnu} still has the value of a `profidrive jog` that was killed, before it was {old}"
-            ),
-            format!("`profidrive write {drive} {pnu}={old}` puts it back, the next `jog` does it too"),
-        )
-    }
 }
 
 /// Where a note of one drive and one number is; nothing is noted where there is no folder for it.
 #[derive(Debug, Clone)]
-pub struct Note {
+pub(super) struct Note {
     pnu: u16,
     file: Option<StateFile>,
 }
 
 impl Note {
-    pub fn of(drive: &Drive, pnu: u16) -> Self {
+    pub(super) fn of(drive: &Drive, pnu: u16) -> Self {
         let name = format!("{}-{}-{pnu}", drive.station.mac, drive.label());
         let plain = |c: char| {
             if c.is_ascii_alphanumeric() || matches!(c, '-' | '.') {
@@ -84,20 +70,20 @@ impl Note {
     }
 
     /// Returns the note of a killed program. A file of another format is ignored.
-    pub fn read(&self) -> Option<Leftover> {
+    pub(super) fn read(&self) -> Option<Leftover> {
         let content = self.file.as_ref()?.read().ok()??;
         Leftover::parse(self.pnu, std::str::from_utf8(&content).ok()?)
     }
 
     /// Notes it before it is done; why it could not be noted.
-    pub fn write(&self, leftover: &Leftover) -> Result<(), String> {
+    pub(super) fn write(&self, leftover: &Leftover) -> Result<(), String> {
         let file = self.file.as_ref().ok_or("there is no home folder")?;
         file.replace(leftover.text().as_bytes())
             .map_err(|error| error.to_string())
     }
 
     /// It is put back.
-    pub fn clear(&self) {
+    pub(super) fn clear(&self) {
         if let Some(file) = self.file.as_ref().filter(|file| file.path().exists()) {
             // a note that stays is found out: the drive has another value then
             let _ = file.remove();
@@ -109,7 +95,7 @@ impl Note {
 ///
 /// # Errors
 /// When the drive cannot be reached.
-pub fn at(session: &mut Live, drive: &mut Drive) -> Result<Vec<Leftover>, Error> {
+pub async fn leftovers(session: &mut Session, drive: &mut Drive) -> Result<Vec<Leftover>, Error> {
     let mut found = Vec::new();
     let tables = drive.model.catalogue;
     let settings = PARTS.iter().filter_map(|&part| tables?.part(part));
@@ -119,7 +105,7 @@ pub fn at(session: &mut Live, drive: &mut Drive) -> Result<Vec<Leftover>, Error>
         let note = Note::of(drive, pnu);
         let Some(leftover) = note.read() else { continue };
         let selection = drive.parameters.select(&ParameterReference::number(pnu))?;
-        match session.read_one(drive, &selection).wait() {
+        match session.read_one(drive, &selection).await {
             Ok(reading) if reading.raw() == Some(leftover.set) => found.push(leftover),
             Ok(_) => note.clear(),
             Err(Error::Refused { .. }) => {}
@@ -163,11 +149,6 @@ mod tests {
         assert_eq!(
             Leftover::parse(1004, "profidrive leftover 1\nold x\nset 1\n"),
             None
-        );
-        let (message, next) = leftover.message("akd-1");
-        assert!(
-            message.contains("PNU 1004") && next.contains("`profidrive write akd-1 1004=60.0439"),
-            "{message} {next}"
         );
     }
 }

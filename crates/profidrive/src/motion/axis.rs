@@ -1,0 +1,279 @@
+//! What all motions share once the axis is taken: how it is shown and measured, how it ends.
+
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+
+use client::axis::{Goal, MotionFacts, SpeedUnit};
+use client::{Axis, AxisStatus, Drive, Error, Rest, Session};
+
+use super::Control;
+use super::error::{End, MotionError, explained};
+use super::event::{Arrival, Ended, Event, Observer, Start};
+use super::report::{Frames, MotionResult, Report};
+
+/// From which time on a stop is a long one.
+const LONG_STOP: Duration = Duration::from_secs(1);
+/// How far an axis may be away from where it was before that is reported, turns.
+const LEFT: f64 = 0.01;
+const SECONDS_PER_MINUTE: f64 = 60.0;
+
+/// Refuses a drive that may run on without its controller, unless that is consented to; then it is an event.
+pub(super) async fn check_controller_loss(
+    session: &mut Session,
+    drive: &mut Drive,
+    control: &Control,
+    observer: &Observer,
+) -> Result<(), Error> {
+    let loss = session.loss_reaction(drive).await?;
+    loss.permit(drive, control.may_run_on)?;
+    if !loss.action.stops() {
+        observer.report(&Event::RunsOn(loss));
+    }
+    Ok(())
+}
+
+/// Reports that a speed travels as another one.
+pub(super) fn report_rounded(asked: f64, sent: f64, unit: &'static str, observer: &Observer) {
+    if (asked - sent).abs() > f64::EPSILON {
+        observer.report(&Event::Rounded { asked, sent, unit });
+    }
+}
+
+/// Reports a limit switch that the drive is told to turn into.
+pub(super) fn report_switch(speed: f64, facts: &MotionFacts, observer: &Observer) {
+    if facts.is_at_switch(speed) {
+        observer.report(&Event::AtSwitch);
+    }
+}
+
+/// Where the axis is once the power stage is off, if it has left its place since.
+fn left(place: Option<f64>, now: Option<f64>) -> Option<f64> {
+    now.zip(place)
+        .filter(|(now, place)| (now - place).abs() > LEFT)
+        .map(|(now, _)| now)
+}
+
+/// What the axis did, by its status at every look.
+#[derive(Debug, Default)]
+struct Course {
+    time: Duration,
+    speed: Option<f64>,
+    highest: Option<f64>,
+    first_position: Option<f64>,
+    position: Option<f64>,
+    /// Speed over time, in turns.
+    turned: Option<f64>,
+    stop: LongStop,
+}
+
+impl Course {
+    fn look(&mut self, status: &AxisStatus) {
+        if status.lost {
+            return;
+        }
+        let passed = status.time.saturating_sub(self.time).as_secs_f64();
+        self.time = status.time;
+        if let Some(speed) = status.speed_actual {
+            if status.unit == SpeedUnit::Rpm {
+                let mean = (speed + self.speed.unwrap_or(speed)) / 2.0;
+                *self.turned.get_or_insert(0.0) += mean * passed / SECONDS_PER_MINUTE;
+            }
+            let fastest = self.highest.is_none_or(|highest| speed.abs() > highest.abs());
+            self.highest = if fastest { Some(speed) } else { self.highest };
+            self.speed = Some(speed);
+        }
+        if let Some(position) = status.position {
+            self.first_position.get_or_insert(position);
+            self.position = Some(position);
+        }
+    }
+
+    fn complete(&self, found: MotionResult, unit: Option<&'static str>) -> MotionResult {
+        MotionResult {
+            highest_speed: self.highest,
+            speed_unit: unit.filter(|_| self.highest.is_some()),
+            distance: self.distance(),
+            ..found
+        }
+    }
+
+    fn distance(&self) -> Option<f64> {
+        match self.position.zip(self.first_position) {
+            Some((last, first)) => Some(last - first),
+            None => self.turned,
+        }
+    }
+}
+
+/// A ramp that takes its time is reported once.
+#[derive(Debug, Default)]
+struct LongStop {
+    since: Option<Duration>,
+    reported: bool,
+}
+
+impl LongStop {
+    fn is_news(&mut self, status: &AxisStatus) -> bool {
+        if status.view.goal != Goal::Stop || status.view.at_rest || status.view.quick_stop || status.lost {
+            self.since = None;
+            return false;
+        }
+        let since = *self.since.get_or_insert(status.time);
+        if self.reported || status.time.saturating_sub(since) < LONG_STOP {
+            return false;
+        }
+        self.reported = true;
+        true
+    }
+}
+
+/// An axis under control, watched and measured.
+pub(super) struct Taken<'o> {
+    pub(super) axis: Axis,
+    observer: &'o Observer,
+    course: Arc<Mutex<Course>>,
+    end: End,
+}
+
+impl<'o> Taken<'o> {
+    /// Reports the start and what taking the axis has changed at the drive, and watches it from now on.
+    pub(super) fn begin(
+        mut axis: Axis,
+        end: End,
+        start: Start,
+        set_mode: bool,
+        observer: &'o Observer,
+    ) -> Self {
+        let telegram = axis.telegram();
+        observer.report(&Event::Starting { telegram, start });
+        if let Some(before) = axis.telegram_before() {
+            observer.report(&Event::TelegramChanged {
+                before,
+                now: telegram,
+                kept: !set_mode,
+            });
+        }
+        if let Some(strained) = axis.strained() {
+            observer.report(&Event::Strained(strained));
+        }
+        let course = Arc::new(Mutex::new(Course::default()));
+        let warned = observer.clone();
+        axis.watch_warnings(move |status, warnings| {
+            warned.report(&Event::Warnings {
+                status: *status,
+                warnings: warnings.to_vec(),
+            });
+        });
+        let (watched, shown) = (Arc::clone(&course), observer.clone());
+        axis.watch(move |status| {
+            let long = {
+                let mut course = locked(&watched);
+                course.look(status);
+                course.stop.is_news(status)
+            };
+            shown.report(&Event::Sample(*status));
+            if long {
+                shown.report(&Event::LongStop);
+            }
+        });
+        Self {
+            axis,
+            observer,
+            course,
+            end,
+        }
+    }
+
+    /// The last speed of the motor that was seen.
+    pub(super) fn speed(&self) -> Option<f64> {
+        locked(&self.course).speed
+    }
+
+    /// Waits for the stop and reports where the axis arrived, and whether it has left that place since.
+    pub(super) async fn arrived(
+        &mut self,
+        arrival: Arrival,
+        place: Option<f64>,
+        result: &Result<(), Error>,
+    ) -> Option<f64> {
+        // how it ended is reported with the release
+        let _ = self.axis.stopped().await;
+        let now = self.axis.status().and_then(|status| status.position);
+        let left_to = left(place, now).filter(|_| result.is_ok());
+        if result.is_ok() {
+            let per_turn = self.axis.drive().counts_per_turn();
+            self.observer.report(&Event::Arrived {
+                arrival,
+                position: place,
+                counts: place.map(|place| place * per_turn),
+                left_to,
+            });
+        }
+        left_to
+    }
+
+    /// Stops and releases the axis whatever happened, then reports what did.
+    pub(super) async fn finish(
+        self,
+        result: Result<(), Error>,
+        found: MotionResult,
+        (session, drive): (&mut Session, &mut Drive),
+    ) -> Result<Report, MotionError> {
+        let statistics = self.axis.statistics();
+        let unit = self.axis.status().map(|status| status.unit.symbol());
+        // a ramp that was under way may have ended meanwhile, by a trip for example
+        let released = self.axis.release_and_look().await;
+        let rest = *released.as_ref().unwrap_or(&Rest::Stands);
+        let interrupted = matches!(result, Err(Error::Interrupted));
+        let result = match (result, self.end) {
+            (Err(Error::Interrupted), End::Open) => Ok(()),
+            (other, _) => other,
+        };
+        let report = Report {
+            released: released.is_ok(),
+            coasts: rest == Rest::Coasts,
+            interrupted: interrupted && self.end != End::Open,
+            frames: Frames::of(statistics),
+            result: locked(&self.course).complete(found, unit),
+            rest,
+        };
+        let stopped = released.is_ok() && (result.is_ok() || interrupted);
+        self.observer.report(&Event::Ended(Box::new(Ended {
+            statistics,
+            rest,
+            interrupted,
+            report: stopped.then(|| report.clone()),
+        })));
+        match result.and(released.map(|_| ())) {
+            Ok(()) => Ok(report),
+            Err(error) => Err(explained(error, self.end, session, drive).await),
+        }
+    }
+}
+
+fn locked(course: &Mutex<Course>) -> MutexGuard<'_, Course> {
+    course.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_axis_that_rolls_away_has_left_its_place() {
+        assert_eq!(left(Some(1.0), Some(1.005)), None);
+        assert_eq!(left(Some(1.0), Some(1.5)), Some(1.5));
+        assert_eq!(left(None, Some(1.5)), None);
+    }
+
+    #[test]
+    fn a_distance_is_that_of_the_position_where_there_is_one() {
+        let mut course = Course {
+            turned: Some(3.0),
+            ..Course::default()
+        };
+        assert_eq!(course.distance(), Some(3.0));
+        (course.first_position, course.position) = (Some(1.0), Some(0.5));
+        assert_eq!(course.distance(), Some(-0.5));
+    }
+}

@@ -1,0 +1,330 @@
+//! Why a motion did not go as it was to.
+
+use client::axis::Trouble;
+use client::status::{Cause, Diagnosis, Note, Verdict, diagnose, switched_off_beside};
+use client::{Action, Advice, Choice, Drive, Error, ErrorKind, FaultEntry, Session, WarningEntry};
+
+/// How a motion ends by itself.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum End {
+    /// Never: it ends when its caller stops it.
+    Open,
+    /// When its time is over.
+    Time,
+    /// When its target is reached.
+    Target,
+    /// When its task is finished.
+    Task,
+    /// When the axis is homed.
+    Home,
+}
+
+impl End {
+    /// What is missing where the caller stops it before its end.
+    #[must_use]
+    pub const fn missing(self) -> &'static str {
+        match self {
+            Self::Open | Self::Time => "its time was not over",
+            Self::Target => "the target was not reached",
+            Self::Task => "the task was not finished",
+            Self::Home => "the axis is not homed",
+        }
+    }
+}
+
+/// Why a motion did not go as it was to.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum MotionError {
+    /// Nothing was enabled, or there is nothing to add to what the client says.
+    #[error(transparent)]
+    Client(#[from] Error),
+    /// The motion failed. With what the drive says about itself.
+    #[error("{error}{}", joined(.findings))]
+    Failed {
+        /// What failed.
+        #[source]
+        error: Box<Error>,
+        /// What the drive says: faults, warnings, why it does not run.
+        findings: Vec<String>,
+        /// What to do about the findings.
+        next: Option<Box<Next>>,
+    },
+    /// The caller stopped it before its end; the axis is at rest.
+    #[error("{drive}: stopped, {}", .end.missing())]
+    Stopped {
+        /// The drive.
+        drive: String,
+        /// How it was to end.
+        end: End,
+    },
+    /// The speed is above the limit of the drive, which would never reach it.
+    #[error("{drive}: {}", beyond(*.speed, *.limit, .by.as_deref()))]
+    AboveLimit {
+        /// The drive.
+        drive: String,
+        /// Speed asked for, rpm.
+        speed: f64,
+        /// Highest speed in that direction, rpm; 0 where the drive does not turn in it.
+        limit: f64,
+        /// The parameter that sets it.
+        by: Option<String>,
+    },
+    /// A dry run found that something keeps the drive from running.
+    #[error("{drive} would not run: {}", .diagnosis.sentence)]
+    Held {
+        /// The drive.
+        drive: String,
+        /// Why.
+        diagnosis: Box<Diagnosis>,
+    },
+    /// The drive has no PPO types.
+    #[error("{drive} has no PPO types: they are telegrams of a VLT")]
+    NoPpo {
+        /// The drive.
+        drive: String,
+    },
+    /// A setting of the call is not valid for any drive.
+    #[error("{what}")]
+    Invalid {
+        /// What is not valid.
+        what: &'static str,
+    },
+    /// A fault is present that no command clears.
+    #[error("{drive}: no command clears what is present")]
+    NeedsRestart {
+        /// The drive.
+        drive: String,
+    },
+    /// After a stop the axis turns with its power stage off.
+    #[error("{drive} turns at {speed:.1} rpm with its power stage off: something outside moves it")]
+    MovedFromOutside {
+        /// The drive.
+        drive: String,
+        /// Its speed, rpm.
+        speed: f64,
+        /// What to do.
+        advice: Advice,
+    },
+    /// After a stop the axis is not at rest in time.
+    #[error("{drive} is not at rest {seconds} s after {command}")]
+    NotAtRest {
+        /// The drive.
+        drive: String,
+        /// How long was waited, s.
+        seconds: f64,
+        /// What was sent.
+        command: &'static str,
+        /// Its power stage can be switched off too.
+        can_disable: bool,
+    },
+}
+
+/// What to do about the state of a drive.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Next {
+    /// As its diagnosis says.
+    Diagnosis(Diagnosis),
+    /// This.
+    Advice(Advice),
+}
+
+impl MotionError {
+    /// The kind of the error.
+    #[must_use]
+    pub fn kind(&self) -> ErrorKind {
+        match self {
+            Self::Client(error) => error.kind(),
+            Self::Failed { error, .. } => error.kind(),
+            Self::Stopped { .. } => ErrorKind::Interrupted,
+            Self::AboveLimit { .. } | Self::MovedFromOutside { .. } => ErrorKind::Safety,
+            Self::Held { .. } | Self::NeedsRestart { .. } => ErrorKind::Refused,
+            Self::NoPpo { .. } | Self::Invalid { .. } => ErrorKind::Usage,
+            Self::NotAtRest { .. } => ErrorKind::NotReached,
+        }
+    }
+
+    /// The error of the client, where it is one.
+    #[must_use]
+    pub fn client(&self) -> Option<&Error> {
+        match self {
+            Self::Client(error) => Some(error),
+            Self::Failed { error, .. } => Some(error),
+            _ => None,
+        }
+    }
+
+    /// What to do about it, where that can be said. A front end puts its own words in the place of the actions.
+    #[must_use]
+    pub fn advice(&self) -> Option<Advice> {
+        match self {
+            Self::Client(error) => error.advice(),
+            Self::Failed { error, next, .. } => match next.as_deref() {
+                Some(Next::Advice(advice)) => Some(advice.clone()),
+                Some(Next::Diagnosis(diagnosis)) => diagnosis.next.clone(),
+                None => error.advice(),
+            },
+            Self::AboveLimit { by, .. } => {
+                let parameter = by.as_ref()?.replace(' ', "");
+                let describe = Advice::from(Action::Describe { parameter });
+                Some(describe.and(" shows it; ask for a speed within it"))
+            }
+            Self::Held { diagnosis, .. } => diagnosis.next.clone(),
+            Self::NoPpo { .. } => Some("use the number of a telegram".into()),
+            Self::NeedsRestart { .. } => Some("remove the cause, then switch the drive off and on".into()),
+            Self::MovedFromOutside { advice, .. } => Some(advice.clone()),
+            Self::NotAtRest {
+                can_disable: true, ..
+            } => Some("{disable} switches the power stage off; this is not an emergency stop".into()),
+            Self::NotAtRest { .. } => Some(
+                "stop it at its controller or with its safety circuit; this is not an emergency stop".into(),
+            ),
+            Self::Stopped { .. } | Self::Invalid { .. } => None,
+        }
+    }
+
+    /// Consent that would let the same motion begin.
+    #[must_use]
+    pub const fn consent(&self) -> Option<Choice> {
+        match self {
+            Self::Client(Error::RunsOn { .. }) => Some(Choice::RunOn),
+            _ => None,
+        }
+    }
+}
+
+/// A failed motion with what the drive says about itself: faults and warnings by number and text, and why it does not run.
+pub(super) async fn explained(
+    error: Error,
+    end: End,
+    session: &mut Session,
+    drive: &mut Drive,
+) -> MotionError {
+    if matches!(error, Error::Interrupted) {
+        return MotionError::Stopped {
+            drive: drive.label(),
+            end,
+        };
+    }
+    // what the drive said while it was still in operation is in the error already
+    let read = matches!(
+        error,
+        Error::Axis { .. }
+            | Error::NotInTime { .. }
+            | Error::Held { .. }
+            | Error::SpeedNotReached { .. }
+            | Error::NotMoved { .. }
+            | Error::SpeedLost { .. }
+    );
+    let held = matches!(error, Error::Held { .. });
+    let left_operation = matches!(
+        error,
+        Error::Axis {
+            trouble: Trouble::LeftOperation { .. },
+            ..
+        }
+    );
+    let mut next = error.advice_for(drive).map(Next::Advice);
+    let mut findings = Vec::new();
+    let status = if read {
+        let status = session.uninterrupted(async |session: &mut Session| session.status(drive).await);
+        status.await.ok()
+    } else {
+        None
+    };
+    if let Some(status) = status {
+        findings.extend(status.faults.iter().map(fault_text));
+        let warnings = status.warnings.iter();
+        findings.extend(warnings.map(|warning| format!("warning {}", warning_text(warning))));
+        let diagnosis = diagnose(&status);
+        // by now the axis is off: what turns it then is not under control, and a fault that comes of it stays
+        let turns = |note: &&Note| note.id == Cause::MovedExternally.id();
+        let moved = diagnosis.notes.iter().find(turns).cloned();
+        let beside = switched_off_beside(&status).filter(|_| left_operation);
+        // the axis is released by now: that it has no controller is no finding
+        if diagnosis.verdict == Verdict::Held && status.faults.is_empty() && !held {
+            findings.push(diagnosis.sentence.clone());
+            if diagnosis.next.is_some() || !diagnosis.actions.is_empty() {
+                next = Some(Next::Diagnosis(diagnosis));
+            }
+        }
+        for note in moved.into_iter().chain(beside) {
+            findings.push(note.sentence);
+            next = note.next.map(Next::Advice).or(next);
+        }
+    }
+    MotionError::Failed {
+        error: Box::new(error),
+        findings,
+        next: next.map(Box::new),
+    }
+}
+
+/// `F702 Fieldbus communication lost`
+fn fault_text(fault: &FaultEntry) -> String {
+    format!(
+        "F{} {}",
+        fault.number,
+        fault.meaning.unwrap_or("not in the tables")
+    )
+}
+
+/// `n107 Positive limit reached: limit switch or software limit`
+fn warning_text(warning: &WarningEntry) -> String {
+    format!(
+        "n{} {}",
+        warning.number,
+        warning.meaning.unwrap_or("not in the tables")
+    )
+}
+
+fn joined(findings: &[String]) -> String {
+    findings.iter().map(|finding| format!("; {finding}")).collect()
+}
+
+/// Where the limit of a direction is 0 the drive turns in the other one only.
+fn beyond(speed: f64, limit: f64, by: Option<&str>) -> String {
+    let by = by.map_or_else(String::new, |by| format!(" ({by})"));
+    let asked = short(speed);
+    if limit > 0.0 {
+        return format!(
+            "{asked} rpm is above the limit of the drive, {} rpm{by}",
+            short(limit)
+        );
+    }
+    let only = if speed < 0.0 { "forward" } else { "backward" };
+    format!("{asked} rpm is in a direction that the drive does not allow: it turns {only} only{by}")
+}
+
+/// Up to three digits behind the point.
+fn short(number: f64) -> String {
+    let text = format!("{number:.3}");
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_limit_of_nothing_is_a_direction() {
+        assert_eq!(
+            beyond(-600.0, 500.0, None),
+            "-600 rpm is above the limit of the drive, 500 rpm"
+        );
+        assert_eq!(
+            beyond(-700.5, 0.0, Some("3-00")),
+            "-700.5 rpm is in a direction that the drive does not allow: it turns forward only (3-00)"
+        );
+    }
+
+    #[test]
+    fn a_motion_that_its_caller_stops_says_what_is_missing() {
+        let error = MotionError::Stopped {
+            drive: "akd-1".into(),
+            end: End::Target,
+        };
+        assert_eq!(error.to_string(), "akd-1: stopped, the target was not reached");
+        assert_eq!(error.kind(), ErrorKind::Interrupted);
+    }
+}

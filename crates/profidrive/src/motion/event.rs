@@ -1,0 +1,233 @@
+//! What a motion reports while it goes on.
+
+use std::fmt;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
+
+use client::axis::{Evidence, MovePlan, Strained};
+use client::{AxisStatus, FaultEntry, LossReaction, Rest, WarningEntry};
+use profile::notation::Quantity;
+use profile::state::Mode;
+use profile::value::Reading;
+use profinet::cyclic::CyclicStatistics;
+
+use super::leftover::Leftover;
+use super::report::Report;
+
+/// Something that happened on the way.
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub enum Event {
+    /// The mode of the drive (PNU 930) was changed for this motion. `None` before: it was none of the two, and is not put
+    /// back.
+    ModeChanged {
+        /// Before.
+        before: Option<Mode>,
+        /// Now.
+        now: Mode,
+    },
+    /// In a dry run: this mode would be set for the motion and put back.
+    ModeWouldChange(Mode),
+    /// A setting that was changed for this motion has its value from before again.
+    PutBack(Setting),
+    /// A setting that was changed for this motion could not be put back.
+    NotPutBack {
+        /// The setting; `None` where mode and telegram of the drive cannot be read.
+        setting: Option<Setting>,
+        /// Why.
+        cause: String,
+    },
+    /// The jog speed still has the value of a motion whose program was killed. It is put back first, except in a dry run.
+    LeftOver(Leftover),
+    /// What the jog speed was before could not be noted on the disk: if this program is killed, it stays changed.
+    NotNoted {
+        /// The setting and its value.
+        setting: Setting,
+        /// Why.
+        cause: String,
+    },
+    /// Nothing is known to stop the axis when its controller is lost; the caller consented, or nothing is known of the
+    /// drive at all.
+    RunsOn(LossReaction),
+    /// The limit switch in the direction of the motion is hit: the drive may not turn.
+    AtSwitch,
+    /// The speed travels as the nearest representable value. The difference may be too small for the figures shown.
+    Rounded {
+        /// The speed asked for.
+        asked: f64,
+        /// The speed that is sent.
+        sent: f64,
+        /// Unit of both.
+        unit: &'static str,
+    },
+    /// Control is taken; the axis is enabled next and moves.
+    Starting {
+        /// The telegram in use.
+        telegram: u16,
+        /// What begins.
+        start: Start,
+    },
+    /// Taking the axis changed its telegram (PNU 922).
+    TelegramChanged {
+        /// Before.
+        before: u16,
+        /// Now.
+        now: u16,
+        /// It is not put back afterwards.
+        kept: bool,
+    },
+    /// This computer does not keep to the cycle of the connection.
+    Strained(Strained),
+    /// The ramp to the speed takes some time, which does not count for the motion.
+    LongRamp {
+        /// How long.
+        time: Duration,
+        /// The parameter that sets it.
+        by: Option<String>,
+    },
+    /// The axis, after everything that happens.
+    Sample(AxisStatus),
+    /// Warnings that came; empty where the drive has a warning and no number for it.
+    Warnings {
+        /// The axis at that time.
+        status: AxisStatus,
+        /// The warnings.
+        warnings: Vec<WarningEntry>,
+    },
+    /// The ramp stop takes longer than a second.
+    LongStop,
+    /// The motion was stopped before the axis was at its speed.
+    SpeedNotReached {
+        /// The speed asked for.
+        wanted: f64,
+        /// The speed that it had.
+        actual: Option<f64>,
+        /// Unit of both.
+        unit: &'static str,
+    },
+    /// The axis stood at the end of a jog.
+    HeldBack(Evidence),
+    /// The axis is where it was to go: target or home position.
+    Arrived {
+        /// At what.
+        arrival: Arrival,
+        /// Where it was at that time, in turns.
+        position: Option<f64>,
+        /// The same in counts.
+        counts: Option<f64>,
+        /// Where it is since the power stage is off, if that is another place.
+        left_to: Option<f64>,
+    },
+    /// The faults that are acknowledged, or of which nothing but their cause is known to clear them.
+    Faults(Vec<FaultEntry>),
+    /// Which fault the drive has cannot be read.
+    FaultsUnreadable(String),
+    /// Control is given back. Comes after every motion whose axis was taken, whatever its end.
+    Ended(Box<Ended>),
+}
+
+/// How a motion ended.
+#[derive(Debug, Clone)]
+pub struct Ended {
+    /// Counters of the cyclic connection; a serial line has none.
+    pub statistics: Option<CyclicStatistics>,
+    /// How the axis was when control of it was given back.
+    pub rest: Rest,
+    /// The caller wanted to stop.
+    pub interrupted: bool,
+    /// The report of a motion that came to its end, or that the caller stopped.
+    pub report: Option<Report>,
+}
+
+/// A setting of the drive with its value.
+#[derive(Debug, Clone)]
+pub enum Setting {
+    /// A number of the profile: mode or telegram.
+    Number {
+        /// PNU.
+        pnu: u16,
+        /// Its value.
+        value: u16,
+    },
+    /// A parameter as it was read.
+    Reading {
+        /// The parameter as its vendor writes it.
+        parameter: String,
+        /// Its value.
+        reading: Box<Reading>,
+    },
+    /// A parameter as it was noted.
+    Noted {
+        /// The parameter as its vendor writes it.
+        parameter: String,
+        /// Its value.
+        value: Quantity,
+    },
+}
+
+/// What begins.
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub enum Start {
+    /// A speed.
+    Run,
+    /// The jog function of the drive.
+    Jog {
+        /// Its speed, as the drive has it.
+        speed: Box<Reading>,
+    },
+    /// Real-time jogging.
+    RealTimeJog,
+    /// A move.
+    Move(Box<MovePlan>),
+    /// A motion task of the drive.
+    Task,
+    /// The homing procedure of the drive.
+    Home {
+        /// What decides over the procedure, as far as the drive reports it: name and value.
+        procedure: Vec<(&'static str, Reading)>,
+    },
+    /// Nothing moves: faults are acknowledged.
+    Acknowledge,
+}
+
+/// What an axis arrived at.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Arrival {
+    /// The target of a move.
+    Target,
+    /// The target of the last one of a chain of motion tasks that begins with this one.
+    Task(u16),
+    /// Its home position.
+    Home,
+}
+
+/// Receives the events of a motion, on the thread that waits for it or that polls its future.
+#[derive(Clone)]
+pub struct Observer(Arc<Mutex<Receiver>>);
+
+type Receiver = dyn FnMut(&Event) + Send;
+
+impl Observer {
+    /// Calls `receive` for every event.
+    pub fn new(receive: impl FnMut(&Event) + Send + 'static) -> Self {
+        Self(Arc::new(Mutex::new(receive)))
+    }
+
+    pub(super) fn report(&self, event: &Event) {
+        (self.0.lock().unwrap_or_else(PoisonError::into_inner))(event);
+    }
+}
+
+/// Ignores every event.
+impl Default for Observer {
+    fn default() -> Self {
+        Self::new(|_| ())
+    }
+}
+
+impl fmt::Debug for Observer {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("Observer")
+    }
+}

@@ -1,0 +1,436 @@
+//! Jogging: by the jog function of the drive, or at a speed of the telegram.
+
+use std::time::Duration;
+
+use client::axis::{Jog as Setpoint, Purpose, SpeedUnit};
+use client::{Axis, Drive, Enabled, Error, JogSpeed, Session, WriteMode};
+use profile::notation::{Number, ParameterReference, Quantity};
+use profile::value::{Assignment, Content, Parameters, Reading, Selection};
+
+use super::axis::{Taken, check_controller_loss, report_rounded, report_switch};
+use super::error::{End, MotionError};
+use super::event::{Event, Observer, Setting, Start};
+use super::leftover::{Leftover, Note};
+use super::limit::{self, within};
+use super::plan::{JogChange, JogPlan, checked_axis};
+use super::report::{MotionResult, Report};
+use super::{Control, SPEED_LIMIT};
+
+/// A jog by the jog function of the drive, in velocity or position mode.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Jog {
+    /// Which jog setpoint of the drive: STW1 bit 8 or bit 9.
+    pub setpoint: Setpoint,
+    /// Jog speed for this time, rpm: the parameter of the drive is set and put back. When `None` the drive keeps its own.
+    pub speed: Option<f64>,
+    /// How long to jog.
+    pub time: Duration,
+    /// Any speed above this is refused, rpm.
+    pub limit: f64,
+    /// What all motions have in common.
+    pub control: Control,
+}
+
+/// A jog at a speed of the telegram (real-time jogging, STW1 bits 12 and 13). No parameter of the drive is changed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RealTimeJog {
+    /// Speed, rpm.
+    pub speed: f64,
+    /// How long to jog.
+    pub time: Duration,
+    /// Any speed above this is refused, rpm.
+    pub limit: f64,
+    /// What all motions have in common.
+    pub control: Control,
+}
+
+impl Jog {
+    /// At the jog speed 1 of the drive, up to [`SPEED_LIMIT`].
+    #[must_use]
+    pub fn lasting(time: Duration) -> Self {
+        Self {
+            setpoint: Setpoint::One,
+            speed: None,
+            time,
+            limit: SPEED_LIMIT,
+            control: Control::default(),
+        }
+    }
+
+    /// Checks what is wrong whatever the drive is like.
+    ///
+    /// # Errors
+    /// A speed above the limit.
+    pub fn check(&self) -> Result<(), MotionError> {
+        Ok(self
+            .speed
+            .map_or(Ok(()), |speed| within(speed, self.limit, SpeedUnit::Rpm))?)
+    }
+}
+
+impl RealTimeJog {
+    /// At a speed in rpm, up to [`SPEED_LIMIT`].
+    #[must_use]
+    pub fn at(speed: f64, time: Duration) -> Self {
+        Self {
+            speed,
+            time,
+            limit: SPEED_LIMIT,
+            control: Control::default(),
+        }
+    }
+
+    /// Checks what is wrong whatever the drive is like.
+    ///
+    /// # Errors
+    /// A speed above the limit.
+    pub fn check(&self) -> Result<(), MotionError> {
+        Ok(within(self.speed, self.limit, SpeedUnit::Rpm)?)
+    }
+}
+
+/// Jogs by the jog function of the drive. A jog speed that is set for the time is put back, whatever happened; the value
+/// before is noted on the disk until then.
+///
+/// # Errors
+/// Nothing is sent where a limit, the loss reaction or another controller speaks against it; else when the axis does not
+/// turn, and when the caller stops it before its end.
+pub async fn jog(
+    session: &mut Session,
+    drive: &mut Drive,
+    wanted: &Jog,
+    observer: &Observer,
+) -> Result<Report, MotionError> {
+    wanted.check()?;
+    let setting = session.jog_speed(drive, wanted.setpoint).await?;
+    let mut before = None;
+    let result = with_setting(session, drive, wanted, &setting, &mut before, observer).await;
+    if let Some(reading) = before {
+        let number = setting.number;
+        let back = session
+            .uninterrupted(async |session: &mut Session| put_back(session, drive, number, &reading).await);
+        let back = back.await;
+        let setting = Setting::Reading {
+            parameter: setting.selection.label(),
+            reading: Box::new(reading),
+        };
+        observer.report(&match back {
+            Ok(()) => {
+                Note::of(drive, number).clear();
+                Event::PutBack(setting)
+            }
+            Err(error) => Event::NotPutBack {
+                setting: Some(setting),
+                cause: error.to_string(),
+            },
+        });
+    }
+    result
+}
+
+/// Jogs at a speed of the telegram.
+///
+/// # Errors
+/// As [`jog`].
+pub async fn jog_in_real_time(
+    session: &mut Session,
+    drive: &mut Drive,
+    wanted: &RealTimeJog,
+    observer: &Observer,
+) -> Result<Report, MotionError> {
+    wanted.check()?;
+    check_controller_loss(session, drive, &wanted.control, observer).await?;
+    let facts = session.motion_facts(drive).await?;
+    report_switch(wanted.speed, &facts, observer);
+    real_time_speed(session, drive, wanted, observer).await?;
+    let settings = wanted.control.settings(Purpose::RealTimeJog, wanted.limit);
+    let axis = session.take_axis(drive, settings).await?;
+    let mut taken = Taken::begin(axis, End::Time, Start::RealTimeJog, false, observer);
+    let mut found = MotionResult::default();
+    let result = match taken.axis.enable().await {
+        Ok(mut enabled) => match enabled.jog_at(wanted.speed).await {
+            Ok(()) => keep(&mut enabled, wanted.speed, wanted.time, &mut found, observer).await,
+            Err(error) => Err(error),
+        },
+        Err(error) => Err(error),
+    };
+    found.speed = taken.speed();
+    taken.finish(result, found, (session, drive)).await
+}
+
+/// Reads and checks everything that [`jog`] does; nothing is sent that changes anything.
+///
+/// # Errors
+/// As [`jog`] before it takes the axis, and when something keeps the drive from running.
+pub async fn plan_jog(
+    session: &mut Session,
+    drive: &mut Drive,
+    wanted: &Jog,
+    observer: &Observer,
+) -> Result<JogPlan, MotionError> {
+    wanted.check()?;
+    check_controller_loss(session, drive, &wanted.control, observer).await?;
+    let settings = wanted.control.settings(Purpose::Jog, wanted.limit);
+    let (_, telegrams) = checked_axis(session, drive, &settings, None, observer).await?;
+    let setting = session.jog_speed(drive, wanted.setpoint).await?;
+    let before = session.read_one(drive, &setting.selection).await?;
+    let left = Note::of(drive, setting.number).read();
+    if let Some(left) = left.filter(|left| before.raw() == Some(left.set)) {
+        observer.report(&Event::LeftOver(left));
+    }
+    let mut speed = setting.rpm(&before).unwrap_or(0.0);
+    let mut change = None;
+    if let Some(asked) = wanted.speed {
+        let quantity = setting.quantity(&rpm(asked));
+        let value = drive
+            .parameters
+            .check(&setting.selection, &quantity.into())
+            .map_err(Error::from)?;
+        let mut after = before.clone();
+        after.content = Content::Number {
+            raw: value.raw.into(),
+            engineering: value.engineering,
+        };
+        speed = setting.rpm(&after).unwrap_or(asked);
+        report_rounded(asked, speed, SpeedUnit::Rpm.symbol(), observer);
+        change = (before.raw() != after.raw()).then(|| {
+            Box::new(JogChange {
+                parameter: setting.selection.label(),
+                before,
+                after,
+            })
+        });
+    }
+    within(speed, wanted.limit, SpeedUnit::Rpm)?;
+    limit::jog(speed, &session.motion_facts(drive).await?, drive)?;
+    Ok(JogPlan {
+        drive: drive.label(),
+        dry_run: true,
+        speed,
+        speed_unit: SpeedUnit::Rpm.symbol(),
+        time: wanted.time.as_secs_f64(),
+        change,
+        telegrams,
+    })
+}
+
+/// Reads and checks everything that [`jog_in_real_time`] does; nothing is sent that changes anything.
+///
+/// # Errors
+/// As [`jog_in_real_time`] before it takes the axis, and when something keeps the drive from running.
+pub async fn plan_jog_in_real_time(
+    session: &mut Session,
+    drive: &mut Drive,
+    wanted: &RealTimeJog,
+    observer: &Observer,
+) -> Result<JogPlan, MotionError> {
+    wanted.check()?;
+    check_controller_loss(session, drive, &wanted.control, observer).await?;
+    let settings = wanted.control.settings(Purpose::RealTimeJog, wanted.limit);
+    let (_, telegrams) = checked_axis(session, drive, &settings, None, observer).await?;
+    Ok(JogPlan {
+        drive: drive.label(),
+        dry_run: true,
+        speed: real_time_speed(session, drive, wanted, observer).await?,
+        speed_unit: SpeedUnit::Rpm.symbol(),
+        time: wanted.time.as_secs_f64(),
+        change: None,
+        telegrams,
+    })
+}
+
+async fn with_setting(
+    session: &mut Session,
+    drive: &mut Drive,
+    wanted: &Jog,
+    setting: &JogSpeed,
+    before: &mut Option<Reading>,
+    observer: &Observer,
+) -> Result<Report, MotionError> {
+    check_controller_loss(session, drive, &wanted.control, observer).await?;
+    let facts = session.motion_facts(drive).await?;
+    if let Some(speed) = wanted.speed {
+        limit::jog(speed, &facts, drive)?;
+    }
+    let settings = wanted.control.settings(Purpose::Jog, wanted.limit);
+    let mut axis = session.take_axis(drive, settings).await?;
+    let reading = prepared(&mut axis, wanted, setting, before, observer).await?;
+    let speed = setting.rpm(&reading).unwrap_or(0.0);
+    within(speed, wanted.limit, SpeedUnit::Rpm)?;
+    limit::jog(speed, &facts, drive)?;
+    report_switch(speed, &facts, observer);
+    let start = Start::Jog {
+        speed: Box::new(reading),
+    };
+    let mut taken = Taken::begin(axis, End::Time, start, false, observer);
+    let mut found = MotionResult::default();
+    let result = match taken.axis.enable().await {
+        Ok(mut enabled) => match enabled.jog(wanted.setpoint).await {
+            Ok(()) => keep(&mut enabled, speed, wanted.time, &mut found, observer).await,
+            Err(error) => Err(error),
+        },
+        Err(error) => Err(error),
+    };
+    found.speed = taken.speed();
+    taken.finish(result, found, (session, drive)).await
+}
+
+/// The jog speed as it is to be, what a killed program left put back before.
+async fn prepared(
+    axis: &mut Axis,
+    wanted: &Jog,
+    setting: &JogSpeed,
+    before: &mut Option<Reading>,
+    observer: &Observer,
+) -> Result<Reading, MotionError> {
+    let (session, drive) = axis.session();
+    let (selection, number) = (setting.selection, setting.number);
+    let parameter = selection.label();
+    let mut speed = session.read_one(drive, &selection).await?;
+    let note = Note::of(drive, number);
+    if let Some(left) = note.read().filter(|left| speed.raw() == Some(left.set)) {
+        observer.report(&Event::LeftOver(left.clone()));
+        set_speed(session, drive, number, &left.old).await?;
+        note.clear();
+        observer.report(&Event::PutBack(Setting::Noted {
+            parameter: parameter.clone(),
+            value: left.old,
+        }));
+        speed = session.read_one(drive, &selection).await?;
+    }
+    let Some(asked) = wanted.speed else {
+        return Ok(speed);
+    };
+    let quantity = setting.quantity(&rpm(asked));
+    let checked = drive
+        .parameters
+        .check(&selection, &quantity.clone().into())
+        .map_err(Error::from)?;
+    if checked.is_rounded() {
+        report_rounded(checked.asked, checked.engineering, checked.unit, observer);
+    }
+    // what the drive has already is neither written nor put back
+    let old = (speed.raw() != Some(checked.raw)).then(|| briefly(&drive.parameters, &selection, &speed));
+    let Some(old) = old.flatten() else {
+        return Ok(speed);
+    };
+    let leftover = Leftover {
+        pnu: number,
+        old,
+        set: checked.raw,
+    };
+    if let Err(cause) = note.write(&leftover) {
+        let reading = Box::new(speed.clone());
+        let setting = Setting::Reading { parameter, reading };
+        observer.report(&Event::NotNoted { setting, cause });
+    }
+    // put back at the end, whatever happens
+    *before = Some(speed);
+    set_speed(session, drive, number, &quantity).await?;
+    Ok(session.read_one(drive, &selection).await?)
+}
+
+async fn keep(
+    enabled: &mut Enabled<'_>,
+    speed: f64,
+    time: Duration,
+    found: &mut MotionResult,
+    observer: &Observer,
+) -> Result<(), Error> {
+    let begin = enabled.session().0.now();
+    let kept = enabled.keep_jog(speed, time).await;
+    found.time_at_speed = Some((enabled.session().0.now() - begin).as_secs_f64());
+    kept?;
+    match enabled.held_back().await {
+        Some(evidence) => observer.report(&Event::HeldBack(evidence)),
+        None => found.reached = true,
+    }
+    Ok(())
+}
+
+/// The speed as MDI_VELOCITY carries it, once nothing speaks against it.
+async fn real_time_speed(
+    session: &mut Session,
+    drive: &mut Drive,
+    wanted: &RealTimeJog,
+    observer: &Observer,
+) -> Result<f64, Error> {
+    let speed = session.check_jog(drive, wanted.speed, wanted.limit).await?;
+    report_rounded(wanted.speed, speed, SpeedUnit::Rpm.symbol(), observer);
+    Ok(speed)
+}
+
+fn rpm(speed: f64) -> Quantity {
+    Quantity {
+        number: Number::Decimal(speed),
+        unit: Some("rpm".into()),
+    }
+}
+
+/// The value of a reading with as few digits as the drive needs to have it again.
+fn briefly(parameters: &Parameters, selection: &Selection, reading: &Reading) -> Option<Quantity> {
+    let (number, raw) = (reading.number()?, reading.raw()?);
+    brief(parameters, selection, (number, reading.unit), raw)
+}
+
+fn brief(
+    parameters: &Parameters,
+    selection: &Selection,
+    (number, unit): (f64, &str),
+    raw: i64,
+) -> Option<Quantity> {
+    let same = |text: String| {
+        let value: Quantity = text.parse().ok()?;
+        let checked = parameters.check(selection, &value.clone().into()).ok()?;
+        (checked.raw == raw).then_some(value)
+    };
+    let rounded = (0..9).find_map(|digits| same(format!("{number:.digits$}{unit}")));
+    rounded.or_else(|| format!("{number}{unit}").parse().ok())
+}
+
+/// The speed of the drive as it was, to the last bit.
+async fn put_back(session: &mut Session, drive: &mut Drive, pnu: u16, before: &Reading) -> Result<(), Error> {
+    let Some(number) = before.number() else {
+        return Ok(());
+    };
+    let quantity = Quantity {
+        number: Number::Decimal(number),
+        unit: None,
+    };
+    set_speed(session, drive, pnu, &quantity).await
+}
+
+async fn set_speed(
+    session: &mut Session,
+    drive: &mut Drive,
+    pnu: u16,
+    speed: &Quantity,
+) -> Result<(), Error> {
+    let assignment = Assignment {
+        reference: ParameterReference::number(pnu),
+        value: speed.clone().into(),
+    };
+    let set = session.write(drive, &[assignment], WriteMode::Write).await?;
+    set.accepted()
+}
+
+#[cfg(test)]
+mod tests {
+    use profile::catalogue::{AKD, Scaling};
+
+    use super::*;
+
+    #[test]
+    fn a_speed_is_noted_with_the_digits_that_the_drive_needs() {
+        let parameters = Parameters {
+            catalogue: Some(&AKD),
+            scaling: Scaling::default(),
+        };
+        let selection = parameters.select(&ParameterReference::number(1004)).unwrap();
+        let whole: Quantity = "60.043931007385254rpm".parse().unwrap();
+        let raw = parameters.check(&selection, &whole.into()).unwrap().raw;
+        let brief = brief(&parameters, &selection, (60.043_931_007_385_254, "rpm"), raw).unwrap();
+        assert!(brief.to_string().len() <= "60.044 rpm".len(), "{brief}");
+        assert_eq!(parameters.check(&selection, &brief.into()).unwrap().raw, raw);
+    }
+}

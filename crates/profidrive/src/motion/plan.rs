@@ -1,0 +1,161 @@
+//! What a motion would do: checked as far as reading can, not done.
+
+use client::axis::MovePlan;
+use client::status::{Verdict, diagnose};
+use client::{AxisPlan, AxisSettings, Drive, Error, Session};
+use profile::state::Mode;
+use profile::value::Reading;
+use serde::Serialize;
+
+use super::error::MotionError;
+use super::event::{Event, Observer};
+
+/// The telegram that a motion would use. `None` where the drive would be put into another mode first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+pub struct Telegrams {
+    /// The telegram in use.
+    pub telegram: Option<u16>,
+    /// What the drive reports now (PNU 922).
+    pub telegram_before: Option<u16>,
+}
+
+/// A run that was not done.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct RunPlan {
+    /// The drive.
+    pub drive: String,
+    /// True: nothing was sent.
+    pub dry_run: bool,
+    /// Speed asked for, in `speed_unit`.
+    pub speed: f64,
+    /// Speed as it would travel, the nearest representable value; `None` where the telegram is not known yet.
+    #[serde(rename = "speed_told")]
+    pub speed_sent: Option<f64>,
+    /// `rpm` or `%`.
+    pub speed_unit: &'static str,
+    /// How long it would run at that speed, s; without end when `None`.
+    pub time: Option<f64>,
+    /// The telegram.
+    #[serde(flatten)]
+    pub telegrams: Telegrams,
+}
+
+/// A jog that was not done.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct JogPlan {
+    /// The drive.
+    pub drive: String,
+    /// True: nothing was sent.
+    pub dry_run: bool,
+    /// Speed as the drive would have it, rpm.
+    pub speed: f64,
+    /// `rpm`.
+    pub speed_unit: &'static str,
+    /// How long, s.
+    pub time: f64,
+    /// The jog speed of the drive that would be changed and put back.
+    #[serde(skip)]
+    pub change: Option<Box<JogChange>>,
+    /// The telegram.
+    #[serde(flatten)]
+    pub telegrams: Telegrams,
+}
+
+/// A jog speed of the drive that would be changed for a jog.
+#[derive(Debug, Clone, PartialEq)]
+pub struct JogChange {
+    /// The parameter as its vendor writes it.
+    pub parameter: String,
+    /// Its value.
+    pub before: Reading,
+    /// The value for the time of the jog.
+    pub after: Reading,
+}
+
+/// A move as it travels, with everything that speaks against it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct MoveReport {
+    /// The drive.
+    pub drive: String,
+    /// Where the axis is, turns.
+    pub from: Option<f64>,
+    /// Where it goes, turns.
+    pub target: Option<f64>,
+    /// Speed as the drive takes it, rpm.
+    pub speed: f64,
+    /// Acceleration as the drive takes it, rpm/s.
+    pub acceleration: f64,
+    /// Deceleration as the drive takes it, rpm/s.
+    pub deceleration: f64,
+    /// Computed time, s.
+    pub duration: Option<f64>,
+    /// SATZANW.
+    pub satzanw: u16,
+    /// MDI_TARPOS.
+    pub mdi_tarpos: i32,
+    /// MDI_VELOCITY.
+    pub mdi_velocity: u32,
+    /// MDI_ACC.
+    pub mdi_acc: u16,
+    /// MDI_DEC.
+    pub mdi_dec: u16,
+    /// MDI_MOD.
+    pub mdi_mod: u16,
+    /// What speaks against it.
+    pub objections: Vec<String>,
+}
+
+impl MoveReport {
+    /// A plan as data.
+    #[must_use]
+    pub fn of(plan: &MovePlan, drive: &Drive) -> Self {
+        Self {
+            drive: drive.label(),
+            from: plan.from,
+            target: plan.target,
+            speed: plan.speed,
+            acceleration: plan.acceleration,
+            deceleration: plan.deceleration,
+            duration: plan.duration,
+            satzanw: plan.traverse.satzanw,
+            mdi_tarpos: plan.traverse.target,
+            mdi_velocity: plan.traverse.velocity,
+            mdi_acc: plan.traverse.acceleration,
+            mdi_dec: plan.traverse.deceleration,
+            mdi_mod: plan.traverse.modus,
+            objections: plan.objections.iter().map(ToString::to_string).collect(),
+        }
+    }
+}
+
+/// Checks what taking the axis and enabling it would meet: whoever has the drive, its mode, the telegram, and what holds
+/// it back. Reads only. The drive would be put into mode `set_mode` where it is in another one.
+pub(super) async fn checked_axis(
+    session: &mut Session,
+    drive: &mut Drive,
+    settings: &AxisSettings,
+    set_mode: Option<Mode>,
+    observer: &Observer,
+) -> Result<(Option<AxisPlan>, Telegrams), MotionError> {
+    let plan = match (session.plan_axis(drive, settings).await, set_mode) {
+        (Err(Error::WrongMode { .. }), Some(mode)) => {
+            session.check_control(drive).await?;
+            observer.report(&Event::ModeWouldChange(mode));
+            None
+        }
+        (other, _) => Some(other?),
+    };
+    let status = session.status(drive).await?;
+    let diagnosis = diagnose(&status);
+    if diagnosis.verdict == Verdict::Held {
+        return Err(MotionError::Held {
+            drive: drive.label(),
+            diagnosis: Box::new(diagnosis),
+        });
+    }
+    let telegrams = Telegrams {
+        telegram: plan.as_ref().map(|plan| plan.telegram),
+        telegram_before: plan.as_ref().and_then(|plan| plan.telegram_before),
+    };
+    Ok((plan, telegrams))
+}

@@ -1,0 +1,244 @@
+//! Turning at a speed.
+
+use std::time::Duration;
+
+use client::axis::{Purpose, SpeedUnit};
+use client::{AxisSettings, Drive, Enabled, Error, Session};
+use profile::catalogue::Part;
+use profile::state::Mode;
+use profile::telegram::DANFOSS;
+
+use super::axis::{Taken, check_controller_loss, report_rounded, report_switch};
+use super::error::{End, MotionError};
+use super::event::{Event, Observer, Start};
+use super::limit::{above, too_fast, within};
+use super::plan::{RunPlan, checked_axis};
+use super::report::{MotionResult, Report};
+use super::{Control, FOR_EVER, SPEED_LIMIT, mode};
+
+/// Number of PPO type 0, if there were one: the selections of 9-22.
+const PPO: u16 = 100;
+/// A ramp that takes longer than this is reported beforehand.
+const LONG_RAMP: Duration = Duration::from_secs(2);
+
+/// A speed for some time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Run {
+    /// Speed, in `unit`.
+    pub speed: f64,
+    /// Unit of `speed` and `limit`: rpm, or percent of the reference of the drive.
+    pub unit: SpeedUnit,
+    /// Any speed above this is refused.
+    pub limit: f64,
+    /// Speed in rpm that is 100 % of the reference, for a drive that does not report it.
+    pub reference_speed: Option<f64>,
+    /// The telegram to connect with. When `None` it is the one that the drive reports if that carries a speed, else telegram 1.
+    pub telegram: Option<TelegramName>,
+    /// How long to run at the speed, counted from when it is reached; when `None` until the caller stops it.
+    pub time: Option<Duration>,
+    /// What all motions have in common.
+    pub control: Control,
+}
+
+/// A telegram as a person names it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TelegramName {
+    /// As in PNU 922.
+    Number(u16),
+    /// PPO type of a VLT.
+    Ppo(u8),
+}
+
+impl TelegramName {
+    /// Its number at this drive.
+    fn number(self, drive: &Drive) -> Result<u16, MotionError> {
+        match self {
+            Self::Number(number) => Ok(number),
+            Self::Ppo(number) if drive.station.vendor_id == DANFOSS => Ok(PPO + u16::from(number)),
+            Self::Ppo(_) => Err(MotionError::NoPpo { drive: drive.label() }),
+        }
+    }
+}
+
+impl Run {
+    /// At a speed in rpm, up to [`SPEED_LIMIT`], until the caller stops it.
+    #[must_use]
+    pub fn at(rpm: f64) -> Self {
+        Self {
+            speed: rpm,
+            unit: SpeedUnit::Rpm,
+            limit: SPEED_LIMIT,
+            reference_speed: None,
+            telegram: None,
+            time: None,
+            control: Control::default(),
+        }
+    }
+
+    /// At a share of the reference of the drive, up to 100 %, until the caller stops it.
+    #[must_use]
+    pub fn at_percent(percent: f64) -> Self {
+        Self {
+            unit: SpeedUnit::Percent,
+            limit: 100.0,
+            ..Self::at(percent)
+        }
+    }
+
+    /// Checks what is wrong whatever the drive is like.
+    ///
+    /// # Errors
+    /// A speed above the limit, a reference that is not above 0.
+    pub fn check(&self) -> Result<(), MotionError> {
+        if self
+            .reference_speed
+            .is_some_and(|speed| !speed.is_finite() || speed <= 0.0)
+        {
+            return Err(MotionError::Invalid {
+                what: "the reference speed has to be above 0",
+            });
+        }
+        Ok(within(self.speed, self.limit, self.unit)?)
+    }
+
+    fn settings(&self, drive: &Drive) -> Result<AxisSettings, MotionError> {
+        Ok(AxisSettings {
+            telegram: self.telegram.map(|name| name.number(drive)).transpose()?,
+            unit: self.unit,
+            reference_speed: self.reference_speed,
+            ..self.control.settings(Purpose::Speed, self.limit)
+        })
+    }
+}
+
+/// Turns the axis at a speed.
+///
+/// # Errors
+/// Nothing is sent where a limit, the mode, the loss reaction or another controller speaks against it; else when the speed is
+/// not reached or not kept, and when the caller stops a run that has a time before its end.
+pub async fn run(
+    session: &mut Session,
+    drive: &mut Drive,
+    wanted: &Run,
+    observer: &Observer,
+) -> Result<Report, MotionError> {
+    wanted.check()?;
+    let before = mode::enter(session, drive, Mode::Velocity, &wanted.control, observer).await?;
+    let result = turn(session, drive, wanted, observer).await;
+    mode::leave(session, drive, before, observer).await;
+    result
+}
+
+/// Reads and checks everything that [`run`] does; nothing is sent that changes anything.
+///
+/// # Errors
+/// As [`run`] before it takes the axis, and when something keeps the drive from running.
+pub async fn plan_run(
+    session: &mut Session,
+    drive: &mut Drive,
+    wanted: &Run,
+    observer: &Observer,
+) -> Result<RunPlan, MotionError> {
+    wanted.check()?;
+    permitted(session, drive, wanted, observer).await?;
+    let settings = wanted.settings(drive)?;
+    let set_mode = wanted.control.set_mode.then_some(Mode::Velocity);
+    let (plan, telegrams) = checked_axis(session, drive, &settings, set_mode, observer).await?;
+    let speed_sent = plan
+        .map(|plan| plan.rounded_speed_for(drive, wanted.speed))
+        .transpose()?;
+    if let Some(sent) = speed_sent {
+        report_rounded(wanted.speed, sent, wanted.unit.symbol(), observer);
+    }
+    Ok(RunPlan {
+        drive: drive.label(),
+        dry_run: true,
+        speed: wanted.speed,
+        speed_sent,
+        speed_unit: wanted.unit.symbol(),
+        time: wanted.time.map(|time| time.as_secs_f64()),
+        telegrams,
+    })
+}
+
+/// What the drive itself says against a speed, before anything is sent.
+async fn permitted(
+    session: &mut Session,
+    drive: &mut Drive,
+    wanted: &Run,
+    observer: &Observer,
+) -> Result<(), MotionError> {
+    let speed = wanted.speed;
+    if wanted.unit == SpeedUnit::Rpm {
+        // of all others the scale is known with the telegram only
+        let known = drive.model.catalogue.is_some() && !drive.model.learned;
+        if known && wanted.telegram.is_none() && wanted.reference_speed.is_none() {
+            session.check_speed(drive, speed).await?;
+        }
+        let facts = session.motion_facts(drive).await?;
+        report_switch(speed, &facts, observer);
+        // a caller that names 100 % knows better than the drive
+        let counts = |part: &Option<Part>| *part != Some(Part::Reference) || wanted.reference_speed.is_none();
+        if let Some(limit) = above(speed, &facts).filter(|(_, part)| counts(part)) {
+            return Err(too_fast(speed, limit, drive));
+        }
+    }
+    Ok(check_controller_loss(session, drive, &wanted.control, observer).await?)
+}
+
+async fn turn(
+    session: &mut Session,
+    drive: &mut Drive,
+    wanted: &Run,
+    observer: &Observer,
+) -> Result<Report, MotionError> {
+    permitted(session, drive, wanted, observer).await?;
+    let end = if wanted.time.is_some() {
+        End::Time
+    } else {
+        End::Open
+    };
+    let axis = session.take_axis(drive, wanted.settings(drive)?).await?;
+    if let Some(nearest) = axis.rounded_speed(wanted.speed) {
+        report_rounded(wanted.speed, nearest, wanted.unit.symbol(), observer);
+    }
+    let mut taken = Taken::begin(axis, end, Start::Run, wanted.control.set_mode, observer);
+    let mut found = MotionResult::default();
+    let result = match taken.axis.enable().await {
+        Ok(mut enabled) => keep(&mut enabled, wanted, &mut found, observer).await,
+        Err(error) => Err(error),
+    };
+    found.speed = taken.speed();
+    taken.finish(result, found, (session, drive)).await
+}
+
+async fn keep(
+    enabled: &mut Enabled<'_>,
+    wanted: &Run,
+    found: &mut MotionResult,
+    observer: &Observer,
+) -> Result<(), Error> {
+    let time = enabled.speed_time(wanted.speed);
+    if wanted.time.is_some() && time > LONG_RAMP {
+        let named = enabled.drive().named(&[Part::Acceleration, Part::RampUpTime]);
+        let by = named.into_iter().next();
+        observer.report(&Event::LongRamp { time, by });
+    }
+    let reached = enabled.reach_speed(wanted.speed, None).await;
+    if matches!(reached, Err(Error::Interrupted)) && wanted.time.is_none() {
+        let actual = enabled.status().and_then(|status| status.speed_actual);
+        observer.report(&Event::SpeedNotReached {
+            wanted: wanted.speed,
+            actual,
+            unit: wanted.unit.symbol(),
+        });
+    }
+    reached?;
+    found.reached = true;
+    let begin = enabled.session().0.now();
+    let kept = enabled
+        .keep_speed(wanted.speed, wanted.time.unwrap_or(FOR_EVER))
+        .await;
+    found.time_at_speed = Some((enabled.session().0.now() - begin).as_secs_f64());
+    kept
+}

@@ -1,0 +1,349 @@
+//! The motions of the library against virtual drives in memory and in virtual time.
+
+// helpers of tests fail by panicking, like the tests themselves
+#![allow(clippy::unwrap_used)]
+
+use std::net::Ipv4Addr;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex};
+use std::time::Duration;
+
+use client::{Drive, ErrorKind, Network, World, WriteMode};
+use network::host::{Host, StationId};
+use network::segment::{Pace, Segment, SegmentMedium};
+use profidrive::Wait;
+use profidrive::motion::{
+    self, Acknowledged, Control, Event, Home, Jog, MotionError, Move, Observer, Report, Run, Setting,
+};
+use profile::state::Mode;
+use profinet::controller::ControllerConfig;
+use profinet::device::Stored;
+use profinet::{IpSuite, MacAddress};
+use virtual_drive::drive::Injection;
+use virtual_drive::model::{self, Model};
+use virtual_drive::station::{Station, StationConfig};
+
+const SECOND: Duration = Duration::from_secs(1);
+
+const fn ip(last: u8) -> IpSuite {
+    IpSuite {
+        address: Ipv4Addr::new(10, 0, 0, last),
+        mask: Ipv4Addr::new(255, 255, 255, 0),
+        gateway: Ipv4Addr::UNSPECIFIED,
+    }
+}
+
+/// One drive and a client.
+struct Plant {
+    network: Network,
+    world: Arc<World<SegmentMedium>>,
+    station: StationId,
+    drive: Drive,
+}
+
+impl Plant {
+    fn new(model: &'static Model) -> Self {
+        let mut config = StationConfig::new(model, MacAddress([2, 0, 0, 0, 0, 1]));
+        config.network = Stored {
+            name: "drive-1".into(),
+            ip: ip(1),
+            ..Stored::default()
+        };
+        let mut segment = Segment::new(7);
+        let station = segment.attach(Box::new(Host::new(Station::new(config))));
+        let own = ControllerConfig::new(MacAddress([2, 0, 0, 0, 0, 99]), ip(99), "test", 1);
+        let (mut network, world) = Network::on(SegmentMedium::new(segment, Pace::Virtual), own);
+        let drive = network.find(&"drive-1".parse().unwrap()).wait().unwrap();
+        Self {
+            network,
+            world,
+            station,
+            drive,
+        }
+    }
+
+    fn with_drive<T>(&self, look: impl FnOnce(&mut virtual_drive::drive::Drive) -> T) -> T {
+        let mut wire = self.world.wire();
+        let station: &mut Host<Station> = wire.segment_mut().station_mut(self.station).unwrap();
+        look(station.endpoint_mut().drive_mut())
+    }
+
+    fn is_at_rest(&self) -> bool {
+        self.with_drive(|drive| !drive.is_enabled() && drive.axis().speed().abs() < 0.1)
+    }
+
+    fn value(&mut self, name: &str) -> f64 {
+        let selection = self.drive.select(name).unwrap();
+        let reading = self.network.read_one(&mut self.drive, &selection).wait().unwrap();
+        reading.number().unwrap()
+    }
+
+    fn write(&mut self, text: &str) {
+        let assignments = [text.parse().unwrap()];
+        let written = self
+            .network
+            .write(&mut self.drive, &assignments, WriteMode::Write);
+        assert!(written.wait().unwrap().is_done());
+    }
+
+    fn run(&mut self, wanted: &Run, observer: &Observer) -> Result<Report, MotionError> {
+        motion::run(&mut self.network, &mut self.drive, wanted, observer).wait()
+    }
+}
+
+/// Keeps every event but the samples.
+fn kept() -> (Observer, Arc<Mutex<Vec<Event>>>) {
+    let events = Arc::new(Mutex::new(Vec::new()));
+    let kept = Arc::clone(&events);
+    let observer = Observer::new(move |event| {
+        if !matches!(event, Event::Sample(_)) {
+            kept.lock().unwrap().push(event.clone());
+        }
+    });
+    (observer, events)
+}
+
+fn for_a_second(rpm: f64) -> Run {
+    Run {
+        time: Some(SECOND),
+        ..Run::at(rpm)
+    }
+}
+
+#[test]
+fn report_of_a_run_has_speed_time_and_distance() {
+    let mut plant = Plant::new(&model::AKD);
+    let (observer, events) = kept();
+    let report = plant.run(&for_a_second(300.0), &observer).unwrap();
+    let result = &report.result;
+    assert!(result.reached && !report.interrupted && report.released);
+    assert!((result.speed.unwrap() - 300.0).abs() < 1.0, "{result:?}");
+    assert!((result.time_at_speed.unwrap() - 1.0).abs() < 0.05, "{result:?}");
+    // five turns in the second, and the ramps
+    let distance = result.distance.unwrap();
+    assert!((5.0..6.5).contains(&distance), "{distance}");
+    assert!(report.frames.received.is_some_and(|frames| frames > 50));
+    assert!(plant.is_at_rest());
+    let json = serde_json::to_value(&report).unwrap();
+    assert_eq!(json["speed_unit"], "rpm");
+    assert_eq!(json["frames"]["missed"], 0);
+    let events = events.lock().unwrap();
+    // the setpoint of the AKD has steps of some tenths of a rpm
+    assert!(
+        matches!(events[..], [Event::Rounded { .. }, Event::Starting { .. }, ..]),
+        "{events:?}"
+    );
+    assert!(matches!(events.last(), Some(Event::Ended(ended)) if ended.report.is_some()));
+}
+
+#[test]
+fn a_dry_run_sends_nothing() {
+    let mut plant = Plant::new(&model::AKD);
+    let wanted = for_a_second(300.0);
+    let observer = Observer::default();
+    let plan = motion::plan_run(&mut plant.network, &mut plant.drive, &wanted, &observer);
+    let plan = plan.wait().unwrap();
+    assert_eq!(plan.telegrams.telegram, plan.telegrams.telegram_before);
+    assert!((plan.speed_sent.unwrap() - 300.0).abs() < 0.2);
+    assert_eq!(plant.with_drive(|drive| drive.control_word().0), 0);
+}
+
+#[test]
+fn a_speed_above_a_limit_is_refused_before_anything_is_sent() {
+    let mut plant = Plant::new(&model::AKD);
+    let error = plant
+        .run(&for_a_second(3001.0), &Observer::default())
+        .unwrap_err();
+    assert_eq!(error.kind(), ErrorKind::Safety);
+    let wanted = Run {
+        limit: 1e6,
+        ..for_a_second(20_000.0)
+    };
+    let error = plant.run(&wanted, &Observer::default()).unwrap_err();
+    assert_eq!(error.kind(), ErrorKind::Safety, "{error}");
+    assert_eq!(plant.with_drive(|drive| drive.control_word().0), 0);
+}
+
+#[test]
+fn mode_and_telegram_are_put_back() {
+    let mut plant = Plant::new(&model::AKD);
+    let telegram = plant.value("922");
+    let wanted = Home {
+        timeout: 60 * SECOND,
+        control: Control {
+            set_mode: true,
+            ..Control::default()
+        },
+    };
+    let (observer, events) = kept();
+    let home = motion::home(&mut plant.network, &mut plant.drive, &wanted, &observer).wait();
+    assert!(home.unwrap().result.reached);
+    assert_eq!((plant.value("930"), plant.value("922")), (1.0, telegram));
+    let events = events.lock().unwrap();
+    let changed = |event: &Event| {
+        matches!(
+            event,
+            Event::ModeChanged {
+                now: Mode::Position,
+                ..
+            }
+        )
+    };
+    assert!(changed(&events[0]), "{events:?}");
+    let back = |event: &&Event| matches!(event, Event::PutBack(Setting::Number { .. }));
+    assert_eq!(events.iter().filter(back).count(), 2, "{events:?}");
+}
+
+#[test]
+fn a_motion_in_another_mode_is_refused() {
+    let mut plant = Plant::new(&model::AKD);
+    let order = client::axis::Move::to(profile::notation::Position::Turns(1.0), 60.0);
+    let wanted = Move::by(order);
+    let observer = Observer::default();
+    let moved = motion::move_to(&mut plant.network, &mut plant.drive, &wanted, &observer).wait();
+    let error = moved.unwrap_err();
+    assert_eq!(error.kind(), ErrorKind::Safety);
+    assert_eq!(plant.value("930"), 1.0);
+    assert_eq!(plant.with_drive(|drive| drive.control_word().0), 0);
+}
+
+#[test]
+fn a_drive_that_runs_on_needs_consent_in_every_motion() {
+    let mut plant = Plant::new(&model::VLT);
+    let wanted = for_a_second(300.0);
+    let error = plant.run(&wanted, &Observer::default()).unwrap_err();
+    assert_eq!(
+        (error.kind(), error.consent()),
+        (ErrorKind::Safety, Some(client::Choice::RunOn))
+    );
+    let observer = Observer::default();
+    let jog = Jog::lasting(SECOND);
+    let jogged = motion::jog(&mut plant.network, &mut plant.drive, &jog, &observer).wait();
+    assert_eq!(jogged.unwrap_err().kind(), ErrorKind::Safety);
+    assert!(plant.is_at_rest());
+    let (observer, events) = kept();
+    let consented = Run {
+        control: Control {
+            may_run_on: true,
+            ..Control::default()
+        },
+        ..wanted
+    };
+    plant.run(&consented, &observer).unwrap();
+    assert!(matches!(events.lock().unwrap()[0], Event::RunsOn(_)));
+    plant.write("8-04=5");
+    plant.run(&wanted, &Observer::default()).unwrap();
+}
+
+#[test]
+fn a_jog_speed_is_put_back_after_a_failure_too() {
+    let mut plant = Plant::new(&model::AKD);
+    let before = plant.value("1004");
+    let wanted = Jog {
+        speed: Some(90.0),
+        ..Jog::lasting(SECOND)
+    };
+    let (observer, events) = kept();
+    let report = motion::jog(&mut plant.network, &mut plant.drive, &wanted, &observer).wait();
+    assert!(report.unwrap().result.reached);
+    assert_eq!(plant.value("1004"), before);
+    let back = |event: &Event| matches!(event, Event::PutBack(Setting::Reading { .. }));
+    assert!(events.lock().unwrap().iter().any(back));
+    let failing = Observer::new({
+        let station = plant.station;
+        let world = Arc::clone(&plant.world);
+        move |event| {
+            if matches!(event, Event::Starting { .. }) {
+                let mut wire = world.wire();
+                let host: &mut Host<Station> = wire.segment_mut().station_mut(station).unwrap();
+                host.endpoint_mut().drive_mut().inject(Injection::Fault {
+                    number: 439,
+                    lasting: false,
+                });
+            }
+        }
+    });
+    let error = motion::jog(&mut plant.network, &mut plant.drive, &wanted, &failing).wait();
+    let error = error.unwrap_err();
+    assert!(error.to_string().contains("439"), "{error}");
+    assert_eq!(plant.value("1004"), before);
+    assert!(plant.is_at_rest());
+    let control = Control::default();
+    let done = motion::acknowledge(&mut plant.network, &mut plant.drive, &control, &observer).wait();
+    assert!(matches!(done.unwrap(), Acknowledged::Done(_)));
+    let again = motion::acknowledge(&mut plant.network, &mut plant.drive, &control, &observer).wait();
+    assert_eq!(again.unwrap(), Acknowledged::None);
+}
+
+#[test]
+fn a_caller_that_stops_a_motion_finds_it_at_rest_and_put_back() {
+    let mut plant = Plant::new(&model::AKD);
+    plant.write("930=2");
+    let stop = Arc::new(AtomicBool::new(false));
+    let flag = Arc::clone(&stop);
+    plant.network.interrupt_with(move || flag.load(Ordering::SeqCst));
+    let observer = Observer::new(move |event| {
+        if matches!(event, Event::Sample(status) if status.speed_actual.is_some_and(|speed| speed > 100.0)) {
+            stop.store(true, Ordering::SeqCst);
+        }
+    });
+    let wanted = Run {
+        control: Control {
+            set_mode: true,
+            ..Control::default()
+        },
+        ..for_a_second(300.0)
+    };
+    let error = plant.run(&wanted, &observer).unwrap_err();
+    assert_eq!(error.kind(), ErrorKind::Interrupted, "{error}");
+    assert!(plant.is_at_rest());
+    plant.network.interrupt_with(|| false);
+    assert_eq!(plant.value("930"), 2.0);
+}
+
+/// A future that is dropped leaves the stop to the network.
+#[test]
+fn a_motion_that_is_dropped_brings_the_axis_to_rest() {
+    let plant = Plant::new(&model::AKD);
+    let (mut network, mut drive) = (plant.network.clone(), plant.drive.clone());
+    let wanted = Run::at(300.0);
+    let observer = Observer::default();
+    {
+        let mut motion = std::pin::pin!(motion::run(&mut network, &mut drive, &wanted, &observer));
+        let session = plant.network.clone();
+        let until = session.now() + 2 * SECOND;
+        let both = std::future::poll_fn(|context| {
+            let polled = motion.as_mut().poll(context);
+            assert!(polled.is_pending(), "a run without an end");
+            if session.now() < until {
+                context.waker().wake_by_ref();
+                return std::task::Poll::Pending;
+            }
+            std::task::Poll::Ready(())
+        });
+        both.wait();
+        assert!(plant.with_drive(|drive| drive.axis().speed().abs() > 100.0));
+    }
+    network.settled().wait().unwrap();
+    assert!(plant.is_at_rest());
+}
+
+#[test]
+fn motions_may_change_threads() {
+    fn movable<T: Send>(_: &T) {}
+    let plant = Plant::new(&model::AKD);
+    let (mut session, mut drive) = (plant.network.clone(), plant.drive.clone());
+    let observer = Observer::default();
+    movable(&motion::run(&mut session, &mut drive, &Run::at(1.0), &observer));
+    movable(&motion::jog(
+        &mut session,
+        &mut drive,
+        &Jog::lasting(SECOND),
+        &observer,
+    ));
+    let home = Home {
+        timeout: SECOND,
+        control: Control::default(),
+    };
+    movable(&motion::home(&mut session, &mut drive, &home, &observer));
+}
