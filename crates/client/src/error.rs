@@ -546,10 +546,10 @@ pub enum Error {
         /// Device.
         device_id: u16,
     },
-    /// A drive without a built-in catalogue, and no room for its descriptions.
+    /// There is no room for the parameter tables of one more kind of drive.
     #[error(
-        "{drive}: no room for the tables of one more kind of drive, this program has learned {} already",
-        crate::learn::MOST_KINDS
+        "{drive}: no room for the parameter tables of one more kind of drive, this program has stored {} parameters of drives without a built-in catalogue, the most that it may",
+        crate::learn::MOST_ROWS
     )]
     TooManyKinds {
         /// The drive.

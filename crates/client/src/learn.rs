@@ -1,6 +1,6 @@
-//! Builds a catalogue for a drive without a built-in one from its parameter descriptions.
+//! Tables of a drive without a built-in catalogue, made from the descriptions of its parameters.
 //!
-//! Made once for each kind of drive and kept for the life of the program, in a registry that has an end.
+//! They are made once for each kind of drive and stay in memory until the program ends. [`MOST_ROWS`] bounds that memory.
 
 use std::sync::{Mutex, PoisonError};
 
@@ -16,8 +16,8 @@ use profinet::controller::Station;
 use crate::modules::UNKNOWN;
 use profile::model::Model;
 
-/// Kinds of drives that are kept.
-pub const MOST_KINDS: usize = 16;
+/// Most parameters of all kinds of drives together: several hundred kinds of the usual size, about 40 MB.
+pub const MOST_ROWS: usize = 131_072;
 /// Parameters of one kind.
 pub const MOST_PARAMETERS: usize = 4096;
 /// Octets of a string in an array of strings, where the description has only their number.
@@ -81,31 +81,57 @@ pub struct KindOfDrive {
 /// A kind and its tables.
 type Known = (KindOfDrive, &'static Catalogue, &'static Dialect);
 
-static KNOWN: Mutex<Vec<Known>> = Mutex::new(Vec::new());
+static KNOWN: Registry = Registry::new();
 
-/// The tables of a kind, if they were learned before.
+/// Returns the tables of a kind if they were made before.
 pub fn known(kind: &KindOfDrive) -> Option<(&'static Catalogue, &'static Dialect)> {
-    let known = KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
-    let found = known.iter().find(|(one, ..)| one == kind);
-    found.map(|(_, tables, dialect)| (*tables, *dialect))
+    KNOWN.find(kind)
 }
 
-/// Keeps the tables of a kind; `None` when the registry is full.
+/// Stores the tables of a kind; `None` when there is no room for them.
 pub fn keep(
     kind: &KindOfDrive,
     dialect: &'static Dialect,
-    make: impl FnOnce() -> Catalogue,
+    tables: Catalogue,
 ) -> Option<&'static Catalogue> {
-    let mut known = KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
-    if let Some((_, tables, _)) = known.iter().find(|(one, ..)| one == kind) {
-        return Some(tables);
+    KNOWN.keep(kind, dialect, tables)
+}
+
+/// The tables of all kinds of drives that this program has met.
+#[derive(Debug)]
+struct Registry(Mutex<Vec<Known>>);
+
+impl Registry {
+    const fn new() -> Self {
+        Self(Mutex::new(Vec::new()))
     }
-    if known.len() >= MOST_KINDS {
-        return None;
+
+    fn find(&self, kind: &KindOfDrive) -> Option<(&'static Catalogue, &'static Dialect)> {
+        let known = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let found = known.iter().find(|(one, ..)| one == kind);
+        found.map(|(_, tables, dialect)| (*tables, *dialect))
     }
-    let tables: &'static Catalogue = Box::leak(Box::new(make()));
-    known.push((kind.clone(), tables, dialect));
-    Some(tables)
+
+    fn keep(
+        &self,
+        kind: &KindOfDrive,
+        dialect: &'static Dialect,
+        tables: Catalogue,
+    ) -> Option<&'static Catalogue> {
+        let mut known = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, tables, _)) = known.iter().find(|(one, ..)| one == kind) {
+            return Some(tables);
+        }
+        // a kind without parameters takes memory too
+        let rows = |tables: &Catalogue| tables.parameters.len() + 1;
+        let stored: usize = known.iter().map(|(_, tables, _)| rows(tables)).sum();
+        if stored + rows(&tables) > MOST_ROWS {
+            return None;
+        }
+        let tables: &'static Catalogue = Box::leak(Box::new(tables));
+        known.push((kind.clone(), tables, dialect));
+        Some(tables)
+    }
 }
 
 /// The tables out of descriptions and texts.
@@ -335,21 +361,27 @@ mod tests {
     }
 
     #[test]
-    fn the_registry_is_bounded_and_returns_known_entries() {
-        let kind = |unit: u8| KindOfDrive {
+    fn the_registry_returns_its_tables_and_bounds_their_memory() {
+        let kind = |unit: u16| KindOfDrive {
             vendor_id: 0xFFFE,
             device_id: 1,
             unit_type: Some(i64::from(unit)),
-            unit: vec![unit],
+            unit: Vec::new(),
         };
-        let make = || tables(&Station::default(), Vec::new());
-        let dialect = &DIALECTS[0];
-        let first = keep(&kind(0), dialect, make).unwrap();
-        assert!(std::ptr::eq(first, keep(&kind(0), dialect, make).unwrap()));
-        assert!(std::ptr::eq(first, known(&kind(0)).unwrap().0));
-        let kept = (0..=u8::MAX).filter(|&unit| keep(&kind(unit), dialect, make).is_some());
-        assert!(kept.count() <= MOST_KINDS);
-        assert!(known(&kind(255)).is_none());
+        let rows = |count: u16| -> Vec<Parameter> {
+            let row = |pnu| parameter(pnu, &described(7, 0), CodeSpace::V3, Vec::new());
+            (1..=count).map(row).collect()
+        };
+        let registry = Registry::new();
+        let keep = |unit, count| registry.keep(&kind(unit), &DIALECTS[0], tables(&Station::default(), rows(count)));
+        let first = keep(0, 10).unwrap();
+        assert!(std::ptr::eq(first, keep(0, 10).unwrap()));
+        assert!(std::ptr::eq(first, registry.find(&kind(0)).unwrap().0));
+        let largest = u16::try_from(MOST_PARAMETERS).unwrap();
+        let kept = (1..100).filter(|&unit| keep(unit, largest).is_some()).count();
+        assert!((31..=32).contains(&kept), "{kept} of the largest size");
+        assert!(registry.find(&kind(99)).is_none());
+        assert!(keep(100, 10).is_some(), "a small kind has room beside them");
     }
 
     #[test]

@@ -73,11 +73,17 @@ impl Queues {
         Some(ticket)
     }
 
-    /// Removes a caller; returns the waker of the next one if the turn passes on.
+    /// Removes a request from its queue. Returns the waker of the request whose turn it is now.
     fn leave(&mut self, at: At, ticket: u64) -> Option<Waker> {
-        let queue = self.queue(at);
+        let known = self.queues.iter().position(|(place, _)| *place == at)?;
+        let queue = &mut self.queues[known].1;
         let index = queue.iter().position(|place| place.ticket == ticket)?;
         queue.remove(index);
+        if queue.is_empty() {
+            // a program that runs for weeks meets many addresses
+            self.queues.swap_remove(known);
+            return None;
+        }
         let next = queue.front_mut().filter(|_| index == 0)?;
         next.waker.take()
     }

@@ -97,7 +97,7 @@ impl Session {
         }
         progress(numbers.len(), numbers.len());
         let station = drive.station.clone();
-        let tables = learn::keep(&kind, dialect, || learn::tables(&station, parameters))
+        let tables = learn::keep(&kind, dialect, learn::tables(&station, parameters))
             .ok_or_else(|| Error::TooManyKinds { drive: drive.label() })?;
         adopt(drive, tables, dialect);
         Ok(())
