@@ -1,4 +1,4 @@
-//! What the fuzzers call, one plain function for each parser of foreign bytes. `tests/tests/corpus.rs` replays the
+//! What the fuzzers call, one plain function for each parser of foreign bytes. `tests/tests/suite/corpus.rs` replays the
 //! committed corpus through them; `make fuzz` looks for more.
 //!
 //! A target fails by panicking. Beyond "does not panic" each checks what must hold for every input that is accepted:

@@ -5,7 +5,7 @@ use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Mutex, MutexGuard};
+use std::sync::{PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
 use std::time::Duration;
 
 use crate::process::{Finished, Running};
@@ -47,8 +47,29 @@ impl Side {
     }
 }
 
-/// One laboratory at a time: what is measured in one must not be disturbed by another.
-static ONE_AT_A_TIME: Mutex<()> = Mutex::new(());
+/// Laboratories run beside each other, as each has namespaces of its own; one that measures times runs alone.
+static LABS: RwLock<()> = RwLock::new(());
+
+/// The share that a laboratory has of this machine.
+#[derive(Debug)]
+enum Share {
+    /// Others run beside it.
+    Shared { _guard: RwLockReadGuard<'static, ()> },
+    /// No other laboratory runs.
+    Whole { _guard: RwLockWriteGuard<'static, ()> },
+}
+
+impl Share {
+    fn shared() -> Self {
+        let guard = LABS.read().unwrap_or_else(PoisonError::into_inner);
+        Self::Shared { _guard: guard }
+    }
+
+    fn whole() -> Self {
+        let guard = LABS.write().unwrap_or_else(PoisonError::into_inner);
+        Self::Whole { _guard: guard }
+    }
+}
 
 // Runs as the first process of fresh user, network, mount and process-number namespaces. When its standard input closes,
 // because the test is done or died, it ends, and the kernel ends everything else in there.
@@ -80,7 +101,7 @@ pub struct Lab {
     user: bool,
     folder: PathBuf,
     count: AtomicUsize,
-    _turn: MutexGuard<'static, ()>,
+    _share: Share,
 }
 
 impl Lab {
@@ -90,14 +111,24 @@ impl Lab {
     /// When this machine allows no namespaces; `make setup` says so too.
     #[must_use]
     pub fn new(name: &str) -> Self {
-        Self::start(name, &[true, false])
+        Self::with(name, Share::shared())
+    }
+
+    /// The same for a test that measures times or loads the machine: no other laboratory runs beside it.
+    ///
+    /// # Panics
+    /// As [`new`](Self::new).
+    #[must_use]
+    pub fn alone(name: &str) -> Self {
+        Self::with(name, Share::whole())
+    }
+
+    fn with(name: &str, share: Share) -> Self {
+        Self::start(name, &[true, false], share)
             .unwrap_or_else(|complaint| panic!("no network namespaces on this machine: {complaint}"))
     }
 
-    fn start(name: &str, ways: &[bool]) -> Result<Self, String> {
-        let turn = ONE_AT_A_TIME
-            .lock()
-            .unwrap_or_else(std::sync::PoisonError::into_inner);
+    fn start(name: &str, ways: &[bool], share: Share) -> Result<Self, String> {
         let folder = root().join("target/system").join(name);
         let _ = std::fs::remove_dir_all(&folder);
         std::fs::create_dir_all(&folder).unwrap();
@@ -131,7 +162,7 @@ impl Lab {
                     user,
                     folder,
                     count: AtomicUsize::new(0),
-                    _turn: turn,
+                    _share: share,
                 });
             }
             let _ = first.wait();

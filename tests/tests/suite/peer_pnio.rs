@@ -20,7 +20,7 @@ fn twenty_seconds_of_data_without_a_lost_cycle() {
 }
 
 fn twenty_seconds() -> Result<(), String> {
-    let lab = Lab::new("pnio-exchange");
+    let lab = Lab::alone("pnio-exchange");
     lab.address(Side::Device, "192.168.77.50/24");
     let mut device = device(&lab);
     let capture = lab.capture("traffic");
@@ -75,7 +75,7 @@ fn twenty_seconds() -> Result<(), String> {
 
 #[test]
 fn a_killed_device_is_noticed_and_found_again() {
-    let lab = Lab::new("pnio-killed");
+    let lab = Lab::alone("pnio-killed");
     lab.address(Side::Device, "192.168.77.50/24");
     let mut first = device(&lab);
     let capture = lab.capture("traffic");

@@ -3,9 +3,9 @@
 use std::collections::HashMap;
 use std::ops::RangeInclusive;
 
-const PARAMETERS: &str = include_str!("../../../data/akd/parameters.csv");
-const MEANINGS: &str = include_str!("../../../data/akd/meanings.csv");
-const DEVICE: &str = include_str!("../../../data/akd/device.toml");
+const PARAMETERS: &str = include_str!("../../../../data/akd/parameters.csv");
+const MEANINGS: &str = include_str!("../../../../data/akd/meanings.csv");
+const DEVICE: &str = include_str!("../../../../data/akd/device.toml");
 
 /// One row of the table.
 #[derive(Debug, Clone)]

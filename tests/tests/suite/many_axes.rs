@@ -73,7 +73,7 @@ fn end_of<'l>(lines: &'l [Value], axis: &str, end: &str) -> &'l Value {
 
 #[test]
 fn sixteen_axes_of_three_vendors_end_each_in_its_own_way() {
-    let lab = Lab::new("many-axes");
+    let lab = Lab::alone("many-axes");
     let (plant, mut names) = plant(&lab, &[("akd", 6), ("vlt", 5), ("vacon", 5)]);
     let _drives = simulate(&lab, &[plant.to_str().unwrap()]);
     let special = ["akd-1", "vlt-1", "vacon-1", "vlt-2"];
@@ -189,7 +189,7 @@ const SPANS: [(u64, u64); 3] = [(0, 800), (800, 1600), (1600, 3000)];
 
 #[test]
 fn a_program_that_ends_at_any_moment_leaves_all_drives_at_rest() {
-    let lab = Lab::new("many-axes-end");
+    let lab = Lab::alone("many-axes-end");
     let (plant, names) = plant(&lab, &[("akd", 1), ("vlt", 1), ("vacon", 1)]);
     let _drives = simulate(&lab, &[plant.to_str().unwrap()]);
     // by default nothing stops a VLT without its controller

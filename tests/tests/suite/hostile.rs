@@ -71,7 +71,7 @@ fn peak_memory(program: &Running) -> u64 {
 
 #[test]
 fn a_flood_of_names_and_resets_costs_neither_memory_nor_the_connection_of_another_drive() {
-    let lab = Lab::new("hostile-flood");
+    let lab = Lab::alone("hostile-flood");
     let state = lab.folder().join("kept");
     let _ = fs::remove_dir_all(&state);
     let drives = ["--name", "akd", "--count", "2", "--ip", "192.168.77.50/24"];

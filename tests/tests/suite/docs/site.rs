@@ -6,7 +6,7 @@ use std::path::{Component, Path, PathBuf};
 use pulldown_cmark::{Event, Tag, TagEnd};
 use system_tests::root;
 
-use crate::pages::{Page, SOURCES, all};
+use super::pages::{Page, SOURCES, all};
 
 /// Where files of the repository that are not pages of the site are shown.
 const REPOSITORY: &str = "https://github.com/profidrive/profidrive";

@@ -171,7 +171,7 @@ fn every_description_matches_the_table() {
         assert_eq!(octets.len(), 46);
         let word = |at: usize| u16::from_be_bytes([octets[at], octets[at + 1]]);
         let identifier = word(0);
-        assert_eq!(identifier & 0x00FF, row.data_type().into(), "{row:?}");
+        assert_eq!(identifier & 0x00FF, u16::from(row.data_type()), "{row:?}");
         assert_eq!(identifier & 0x4000 != 0, row.is_array(), "{row:?}");
         assert_eq!(identifier & 0x0200 != 0, row.access == "ro", "{row:?}");
         assert_eq!(identifier & 0xA400, 0, "reserved, reset only, texts: {row:?}");

@@ -16,7 +16,7 @@ use std::time::Duration;
 
 use system_tests::{Lab, Side, built, root, undisturbed};
 
-use crate::pages::{self, Page};
+use super::pages::{self, Page};
 
 /// Commands whose output depends on the moment.
 const ON_THE_CLOCK: [&str; 7] = [
@@ -192,7 +192,7 @@ fn same(shown: &[String], printed: &[&str], moment: bool) -> bool {
 
 /// All of it once; what went wrong where the clock takes part.
 fn session(steps: &[Step]) -> Result<(), String> {
-    let lab = Lab::new("docs");
+    let lab = Lab::alone("docs");
     let program = built("profidrive");
     let mut script = format!(
         "exec 2>&1\nexport BUILT={}\nunset PROFIDRIVE_INTERFACE\ncd {}\nexport XDG_RUNTIME_DIR=$PWD\n",

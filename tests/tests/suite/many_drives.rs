@@ -12,7 +12,7 @@ fn sixty_four_drives_and_one_controller() {
 }
 
 fn measure() -> Result<(), String> {
-    let lab = Lab::new("many-drives");
+    let lab = Lab::alone("many-drives");
     let arguments = [
         "simulate",
         "--model",

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-const README: &str = include_str!("../../data/README.md");
+const README: &str = include_str!("../../../data/README.md");
 
 /// The documents of the specification by number, as the table calls them.
 const SEEDS: [&str; 5] = ["000", "001", "002", "003", "004"];

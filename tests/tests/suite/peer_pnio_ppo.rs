@@ -20,7 +20,7 @@ const EXPECTED: [(&str, &str, &str); 8] = [
 
 #[test]
 fn ppo_modules_of_another_stack() {
-    let lab = Lab::new("pnio-ppo");
+    let lab = Lab::alone("pnio-ppo");
     lab.address(Side::Device, "192.168.77.50/24");
     let mut device = lab.spawn(
         Side::Device,

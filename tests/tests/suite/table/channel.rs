@@ -3,7 +3,7 @@
 use virtual_drive::drive::Drive;
 use virtual_drive::model;
 
-use crate::rows::Row;
+use super::rows::Row;
 
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Answer {

@@ -6,7 +6,7 @@ use plant::Scenario;
 use pulldown_cmark::Event;
 use system_tests::built;
 
-use crate::pages::{self, Page};
+use super::pages::{self, Page};
 
 /// A file with a key that does not exist, for each table of a plant file; `{}` stands for that key.
 const UNKNOWN_KEYS: [(&str, &str); 8] = [
