@@ -5,11 +5,22 @@
 //! Without hardware: `profidrive simulate` on the other end of a cable, see README.
 
 use std::error::Error;
+use std::process::ExitCode;
 
 use client::status::diagnose;
 use profidrive::Wait;
 
-fn main() -> Result<(), Box<dyn Error>> {
+fn main() -> ExitCode {
+    match run() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run() -> Result<(), Box<dyn Error>> {
     let mut arguments = std::env::args().skip(1);
     let (Some(interface), Some(drive)) = (arguments.next(), arguments.next()) else {
         return Err("give a network interface and a drive: eth0 akd-1".into());

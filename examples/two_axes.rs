@@ -6,16 +6,28 @@
 //! Without hardware: `profidrive simulate --count 2` on the other end of a cable, see README.
 
 use std::error::Error;
+use std::process::ExitCode;
 use std::thread;
 use std::time::Duration;
 
+use client::axis::Trouble;
 use client::{Axis, AxisSettings, Session, StopHandle};
 use profidrive::{Access, ForcedExit, Opening, Stop, Wait};
 
 const RPM: f64 = 60.0;
 const SECOND: Duration = Duration::from_secs(1);
 
-fn main() -> Result<(), Box<dyn Error>> {
+fn main() -> ExitCode {
+    match run() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let [interface, left, right] = arguments.as_slice() else {
         return Err("give a network interface and two drives: eth0 akd-1 akd-2".into());
@@ -31,8 +43,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let right = take(&network, right)?;
     let (stop_left, stop_right) = (left.stop_handle(), right.stop_handle());
     let ends = thread::scope(|scope| {
-        let left = scope.spawn(move || run(left, &stop_right));
-        let right = scope.spawn(move || run(right, &stop_left));
+        let left = scope.spawn(move || operate(left, &stop_right));
+        let right = scope.spawn(move || operate(right, &stop_left));
         [left.join(), right.join()]
     });
     for end in ends {
@@ -47,13 +59,19 @@ fn take(network: &Session, name: &str) -> Result<Axis, Box<dyn Error>> {
     Ok(session.take_axis(&mut drive, AxisSettings::default()).wait()?)
 }
 
-/// Turns an axis until Ctrl-C or a failure, then stops the other one, whatever the reason.
-fn run(mut axis: Axis, other: &StopHandle) -> Result<(), client::Error> {
+/// Turns an axis until Ctrl-C, a failure or the stop of the other one, which it then stops too.
+fn operate(mut axis: Axis, other: &StopHandle) -> Result<(), client::Error> {
     let turned = turn(&mut axis);
     other.stop();
     let released = axis.release().wait();
     match turned {
-        Err(client::Error::Interrupted) => released,
+        Err(
+            client::Error::Interrupted
+            | client::Error::Axis {
+                trouble: Trouble::Stopped,
+                ..
+            },
+        ) => released,
         turned => turned.and(released),
     }
 }
