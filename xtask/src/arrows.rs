@@ -72,6 +72,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("xtask", &[]),
     // tests and benchmarks look at every library, and no library depends on them
     ("system-tests", LIBRARIES),
+    ("testbench", LIBRARIES),
     ("comparisons", LIBRARIES),
     ("allocations", &[]),
     ("pnio-device", &[]),

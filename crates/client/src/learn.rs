@@ -89,11 +89,7 @@ pub fn known(kind: &KindOfDrive) -> Option<(&'static Catalogue, &'static Dialect
 }
 
 /// Stores the tables of a kind; `None` when there is no room for them.
-pub fn keep(
-    kind: &KindOfDrive,
-    dialect: &'static Dialect,
-    tables: Catalogue,
-) -> Option<&'static Catalogue> {
+pub fn keep(kind: &KindOfDrive, dialect: &'static Dialect, tables: Catalogue) -> Option<&'static Catalogue> {
     KNOWN.keep(kind, dialect, tables)
 }
 
@@ -373,7 +369,13 @@ mod tests {
             (1..=count).map(row).collect()
         };
         let registry = Registry::new();
-        let keep = |unit, count| registry.keep(&kind(unit), &DIALECTS[0], tables(&Station::default(), rows(count)));
+        let keep = |unit, count| {
+            registry.keep(
+                &kind(unit),
+                &DIALECTS[0],
+                tables(&Station::default(), rows(count)),
+            )
+        };
         let first = keep(0, 10).unwrap();
         assert!(std::ptr::eq(first, keep(0, 10).unwrap()));
         assert!(std::ptr::eq(first, registry.find(&kind(0)).unwrap().0));

@@ -2,8 +2,8 @@
 
 use std::time::Duration;
 
-use crate::bench::{Bench, bench, bench_of, find, other_controller, select, station, with_drive};
 use profidrive_client::{AtWork, Drive, Error, Wait, WriteMode};
+use testbench::{Bench, bench, bench_of, find, other_controller, select, station, with_drive};
 
 /// ResetToFactory of the application data.
 const APPLICATION: u8 = 1;

@@ -8,7 +8,6 @@ mod tasks;
 use profidrive_client::Wait;
 use std::time::Duration;
 
-use crate::bench::watched::{Bench, Claims, Wire, bench};
 use network::segment::Conditions;
 use profidrive_client::Error;
 use profidrive_client::backup::{Backup, compare};
@@ -17,6 +16,7 @@ use profile::catalogue::{AKD, Phase, Role, Size};
 use profile::fault::Counting;
 use profile::parameter::{Keep, ParameterAccess};
 use proptest::prelude::*;
+use testbench::watched::{Bench, Claims, Wire, bench};
 use virtual_drive::station::AnswerFault;
 
 /// Settings that differ from those as delivered, of every phase, with numbers that fit.

@@ -2,9 +2,9 @@
 
 use std::time::Duration;
 
-use crate::bench::{Bench, bench, find, with_drive};
 use profidrive_client::axis::{Jog, Objection, Purpose};
 use profidrive_client::{AxisSettings, Drive, Error, Wait, WriteMode};
+use testbench::{Bench, bench, find, with_drive};
 
 fn write(session: &mut Bench, drive: &mut Drive, text: &str) {
     for text in text.split(' ') {

@@ -1,10 +1,9 @@
 //! The cyclic connection of a command on an ordinary PC: calm where nothing else is requested, and measured before
 //! anything is enabled. In virtual time.
 
-use crate::bench::shared::On;
 use std::time::Duration;
+use testbench::shared::On;
 
-use crate::bench::{bench_of, find, ip, parts_of, running_on};
 use network::host::Host;
 use network::segment::SegmentMedium;
 use profidrive_client::axis::Purpose;
@@ -12,6 +11,7 @@ use profidrive_client::{AxisSettings, DriveAddress, Engine, Network, Wait, Wire}
 use profinet::cyclic::Timing;
 use profinet::device::Stored;
 use profinet::{Instant, MacAddress, Medium};
+use testbench::{bench_of, find, ip, parts_of, running_on};
 use virtual_drive::model;
 use virtual_drive::station::{Station, StationConfig};
 

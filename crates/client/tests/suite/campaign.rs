@@ -6,16 +6,16 @@
 // helpers of tests fail by panicking, like the tests themselves
 #![allow(clippy::panic, clippy::unwrap_used)]
 
-use crate::bench::running_on;
-use crate::bench::shared::On;
 use std::time::Duration;
+use testbench::running_on;
+use testbench::shared::On;
 
-use crate::bench::world::{Accident, Transport, World};
 use profidrive_client::axis::{Jog, Move, Purpose};
 use profidrive_client::status::{Cause, Diagnosis, diagnose};
 use profidrive_client::{Action, Advice, AxisSettings, Drive, Error, StopWay, Wait, WriteMode};
 use profile::notation::Position;
 use profile::parameter::{Keep, ParameterAccess};
+use testbench::world::{Accident, Transport, World};
 use virtual_drive::model::{self, Model as Virtual};
 
 const SECOND: Duration = Duration::from_secs(1);

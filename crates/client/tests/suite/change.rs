@@ -2,11 +2,11 @@
 
 use proptest::prelude::*;
 
-use crate::bench::watched::{Bench, bench};
 use profidrive_client::change::{ChangeSet, Condition, Saved, Step};
 use profidrive_client::{Error, Wait};
 use profile::parameter::ParameterAccess;
 use profile::value::Assignment;
+use testbench::watched::{Bench, bench};
 
 fn assignments(text: &str) -> Vec<Assignment> {
     text.split(' ')

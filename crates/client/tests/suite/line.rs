@@ -2,8 +2,6 @@
 
 use std::time::Duration;
 
-use crate::bench::line::{AtLine, Bench, Line, bench, bench_of, find};
-use crate::bench::running_on;
 use profidrive_client::axis::Purpose;
 use profidrive_client::{Drive, Error, StopWay, Wait, WriteMode};
 use profile::model::Model;
@@ -11,6 +9,8 @@ use profile::notation::ParameterReference;
 use profile::pkw::PkwErrorNumber;
 use profile::state::State;
 use profile::value::Selection;
+use testbench::line::{AtLine, Bench, Line, bench, bench_of, find};
+use testbench::running_on;
 use uss::{Protocol, SlaveConfig};
 use virtual_drive::model;
 use virtual_drive::serial::{SerialConfig, SerialStation};

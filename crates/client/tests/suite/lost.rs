@@ -1,14 +1,14 @@
 //! A connection that is lost while an axis stops, in virtual time.
 
-use crate::bench::running_on;
-use crate::bench::shared::Shared;
 use std::time::Duration;
+use testbench::running_on;
+use testbench::shared::Shared;
 
-use crate::bench::watched::bench;
-use crate::bench::world::{Accident, Transport, World};
 use profidrive_client::axis::Purpose;
 use profidrive_client::{Action, AxisSettings, Error, Wait, WriteMode};
 use profile::value::Assignment;
+use testbench::watched::bench;
+use testbench::world::{Accident, Transport, World};
 use virtual_drive::model;
 
 /// Steps of the medium from the begin of the stop until the cable is cut: well inside the ramp.

@@ -1,6 +1,5 @@
 //! The client against virtual drives in memory and in virtual time: one program for all of it.
 
-mod bench;
 mod remote_io;
 
 mod at_work;

@@ -7,8 +7,6 @@
 use std::panic::AssertUnwindSafe;
 use std::time::Duration;
 
-use crate::bench::shared::Shared;
-use crate::bench::{Bench, bench_of, find, ip, is_at_rest, running_on, select};
 use futures::FutureExt;
 use futures::future::{join, join_all};
 use network::host::{Host, StationId};
@@ -17,6 +15,8 @@ use profidrive_client::axis::{Purpose, Trouble};
 use profidrive_client::{Axis, DriveAddress, Enabled, Error, Session, StopHandle, StopWay, Wait, World};
 use profinet::device::Stored;
 use profinet::{Instant, MacAddress};
+use testbench::shared::Shared;
+use testbench::{Bench, bench_of, find, ip, is_at_rest, running_on, select};
 use virtual_drive::model;
 use virtual_drive::station::{Station, StationConfig};
 

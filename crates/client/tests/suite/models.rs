@@ -8,7 +8,6 @@ mod without_tables;
 
 use std::time::Duration;
 
-use crate::bench::{Bench, bench_of, find, ip, running_on, select, with_drive};
 use network::host::Host;
 use profidrive_client::axis::{Jog, Purpose, SpeedUnit};
 use profidrive_client::backup::{Backup, compare};
@@ -23,6 +22,7 @@ use profile::state::{Mode, Profile, State};
 use profile::value::{Assignment, Content};
 use profinet::MacAddress;
 use profinet::device::Stored;
+use testbench::{Bench, bench_of, find, ip, running_on, select, with_drive};
 use virtual_drive::model;
 use virtual_drive::station::{Station, StationConfig};
 

@@ -1,9 +1,8 @@
 //! Moving an axis: the client against virtual drives on an in-memory segment, in virtual time.
 
-use crate::bench::shared::Shared;
 use std::time::Duration;
+use testbench::shared::Shared;
 
-use crate::bench::{bench, drive_at, find, is_at_rest, other_controller, with_drive};
 use profidrive_client::axis::{Move, Objection, Purpose, Trouble};
 use profidrive_client::status::{Cause, Verdict, diagnose, switched_off_beside};
 use profidrive_client::{
@@ -15,6 +14,7 @@ use profile::parameter::{Keep, ParameterAccess};
 use profile::state::{Mode, State};
 use profile::value::Assignment;
 use profinet::controller::{ModuleConfig, SubmoduleConfig};
+use testbench::{bench, drive_at, find, is_at_rest, other_controller, with_drive};
 use virtual_drive::description::TelegramModule;
 
 fn write(session: &mut Session, drive: &mut Drive, assignments: &[&str]) {
@@ -208,7 +208,7 @@ fn why_it_does_not_run_from_first_contact_to_operation() {
     assert_eq!(seen(&mut enabled), Cause::Moves);
     drop(enabled);
     axis.release().wait().expect("released");
-    crate::bench::drive_mut(&session, ids[0]).inject_fault(439, false);
+    testbench::drive_mut(&session, ids[0]).inject_fault(439, false);
     let status = session.status(&mut drive).wait().expect("a status");
     let found = diagnose(&status);
     assert_eq!(found.cause, Cause::Fault);
@@ -225,9 +225,9 @@ fn stop_beside_another_controller_stops_and_names_it() {
     let (host, ar) = other_controller();
     let plc = (session.medium().segment_mut().attach(host), ar);
     session.pass(Duration::from_secs(3)).wait().expect("time passes");
-    crate::bench::command(&session, plc, &[0x04, 0x7E, 0, 0]);
+    testbench::command(&session, plc, &[0x04, 0x7E, 0, 0]);
     session.pass(Duration::from_secs(1)).wait().expect("time passes");
-    crate::bench::command(&session, plc, &[0x04, 0x7F, 0x01, 0x11]);
+    testbench::command(&session, plc, &[0x04, 0x7F, 0x01, 0x11]);
     session.pass(Duration::from_secs(2)).wait().expect("time passes");
     assert!(drive_at(&session, ids[0]).drive().axis().speed() > 90.0);
     let mut drive = find(&mut session, "akd-1").expect("there");
@@ -307,7 +307,7 @@ fn vendor_module(telegram: &TelegramModule) -> VendorModule {
 
 #[test]
 fn ident_numbers_of_a_vendor_file_come_from_the_drive() {
-    let (mut session, ids) = crate::bench::bench_from("GSDML-V2.1-KOLLMORGEN-AKDLIKE-20140301.xml");
+    let (mut session, ids) = testbench::bench_from("GSDML-V2.1-KOLLMORGEN-AKDLIKE-20140301.xml");
     let mut drive = find(&mut session, "akd-1").expect("there");
     let mut axis = connected(&mut session, &mut drive);
     assert_eq!(axis.telegram(), 1);
@@ -345,7 +345,7 @@ fn ident_numbers_of_a_vendor_file_come_from_the_drive() {
     );
     // but in the vendor's file, independent of the present telegram in PNU 922
     write(&mut session, &mut drive, &["922=9"]);
-    drive.vendor_modules = crate::bench::description("GSDML-V2.1-KOLLMORGEN-AKDLIKE-20140301.xml")
+    drive.vendor_modules = testbench::description("GSDML-V2.1-KOLLMORGEN-AKDLIKE-20140301.xml")
         .telegrams
         .iter()
         .map(vendor_module)

@@ -1,16 +1,16 @@
 //! Ownerless drives in operation, in virtual time: who may stop them, and how.
 
-use crate::bench::running_on;
-use crate::bench::shared::On;
 use std::time::Duration;
+use testbench::running_on;
+use testbench::shared::On;
 
-use crate::bench::world::{Accident, Transport, World};
 use profidrive_client::axis::{Purpose, SpeedUnit};
 use profidrive_client::status::{Cause, diagnose};
 use profidrive_client::{
     Action, AxisSettings, Drive, Error, LocalControl, LossAction, Rest, StopMeans, StopWay, Wait, WriteMode,
 };
 use profile::parameter::{Keep, ParameterAccess};
+use testbench::world::{Accident, Transport, World};
 use virtual_drive::drive::Injection;
 use virtual_drive::model::{self, Model as Virtual};
 

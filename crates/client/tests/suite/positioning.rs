@@ -1,10 +1,9 @@
 //! Positioning: the client against the virtual drive in position mode, in virtual time, and every way out of a motion.
 
-use crate::bench::shared::Shared;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::Duration;
+use testbench::shared::Shared;
 
-use crate::bench::{Bench, bench, drive_at, drive_mut, find, is_at_rest};
 use network::host::{Host, StationId};
 use network::segment::SegmentMedium;
 use profidrive_client::axis::{Goal, Jog, Move, Objection, Purpose, Trouble};
@@ -15,6 +14,7 @@ use profile::notation::Position;
 use profile::state::Mode;
 use profile::value::Assignment;
 use proptest::prelude::*;
+use testbench::{Bench, bench, drive_at, drive_mut, find, is_at_rest};
 use virtual_drive::drive::{Drive as VirtualDrive, Injection};
 use virtual_drive::station::Station;
 

@@ -1,10 +1,9 @@
 //! The ways to the records of a drive: device access, implicit reads, a connection as IO controller; on devices that refuse
 //! some of them, in virtual time.
 
-use crate::bench::shared::{On, Shared};
 use std::time::Duration;
+use testbench::shared::{On, Shared};
 
-use crate::bench::{Bench, bench_of, command, drive_at, drive_mut, find, ip, other_controller, select};
 use crate::remote_io::remote_io;
 use network::host::{Host, StationId};
 use network::segment::{Conditions, Pace, Segment, SegmentMedium};
@@ -20,6 +19,7 @@ use profinet::cyclic::Timing;
 use profinet::device::{Device, Refusals, Stored};
 use profinet::wire::PnioStatus;
 use profinet::{Instant, IpSuite, MacAddress};
+use testbench::{Bench, bench_of, command, drive_at, drive_mut, find, ip, other_controller, select};
 use virtual_drive::model::{self, Model};
 use virtual_drive::station::{Station, StationConfig, StationEvent};
 
@@ -464,7 +464,7 @@ fn a_device_description_that_declares_no_device_access_skips_the_try() {
 fn the_device_description_completes_modules_that_are_not_in_the_tables() {
     let file = "GSDML-V2.1-KOLLMORGEN-AKDLIKE-20140301.xml";
     let mut config = StationConfig::new(&model::AKD, MacAddress([2, 0, 0, 0, 0, 1]));
-    config.description = crate::bench::description(file);
+    config.description = testbench::description(file);
     config.refusals.device_access = Some(NO_AR_TYPE);
     config.network = Stored {
         name: "drive-1".into(),

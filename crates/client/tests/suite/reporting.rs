@@ -1,13 +1,13 @@
 //! Reports of an axis under control: virtual drives on a segment, in virtual time.
 
-use crate::bench::shared::Shared;
 use std::time::Duration;
+use testbench::shared::Shared;
 
-use crate::bench::{bench, find, is_at_rest, with_drive};
 use profidrive_client::axis::{Move, Objection, Purpose};
 use profidrive_client::{AxisSettings, Error, Wait, WriteMode};
 use profile::notation::Position;
 use profile::value::{Assignment, ParameterProblem};
+use testbench::{bench, find, is_at_rest, with_drive};
 use virtual_drive::drive::Injection;
 
 /// A warning is reported by number when it comes, once, also one that comes while another is there.

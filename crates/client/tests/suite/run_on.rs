@@ -2,11 +2,11 @@
 
 use std::time::Duration;
 
-use crate::bench::running_on;
-use crate::bench::shared::On;
-use crate::bench::world::{Transport, World};
 use profidrive_client::axis::Purpose;
 use profidrive_client::{Action, AxisSettings, Choice, Drive, Error, ErrorKind, Session, Wait, WriteMode};
+use testbench::running_on;
+use testbench::shared::On;
+use testbench::world::{Transport, World};
 use virtual_drive::model::{self, Model as Virtual};
 
 /// The purposes that move a converter.

@@ -1,11 +1,10 @@
 //! The client against virtual drives on an in-memory segment, in virtual time.
 
-use crate::bench::shared::{On, Shared};
 use std::net::SocketAddrV4;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::Duration;
+use testbench::shared::{On, Shared};
 
-use crate::bench::{Bench, bench, drive_at, find, ip, is_at_rest, other_controller, select, station};
 use network::host::{Host, StationId};
 use network::segment::{Conditions, Pace, Segment, SegmentMedium};
 use profidrive_client::axis::{Goal, Trouble};
@@ -20,6 +19,7 @@ use profinet::device::Stored;
 use profinet::wire::ethernet::Frame;
 use profinet::{Endpoint, Instant, IpSuite, MacAddress, Medium, Transmit};
 use proptest::prelude::*;
+use testbench::{Bench, bench, drive_at, find, ip, is_at_rest, other_controller, select, station};
 use virtual_drive::model;
 use virtual_drive::station::{Station, StationConfig};
 

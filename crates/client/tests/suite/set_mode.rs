@@ -1,13 +1,13 @@
 //! A mode for one piece of work: what that changes at the drive is put back, however the work ends. In virtual time.
 
-use crate::bench::shared::Shared;
 use std::time::Duration;
+use testbench::shared::Shared;
 
-use crate::bench::{Bench, bench, find, is_at_rest, select, with_drive};
 use network::host::StationId;
 use profidrive_client::axis::{Jog, Purpose};
 use profidrive_client::{AxisSettings, Drive, Error, Wait, WriteMode};
 use profile::state::Mode;
+use testbench::{Bench, bench, find, is_at_rest, select, with_drive};
 
 /// How the work ends.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -3,7 +3,6 @@
 
 use std::time::Duration;
 
-use crate::bench::{Bench, bench_of, drive_mut, find, ip, select};
 use network::host::{Host, StationId};
 use profidrive_client::backup::{Backup, compare};
 use profidrive_client::change::Choice;
@@ -11,6 +10,7 @@ use profidrive_client::{AxisSettings, Drive, Wait, WriteMode};
 use profile::catalogue::VACON;
 use profinet::MacAddress;
 use profinet::device::Stored;
+use testbench::{Bench, bench_of, drive_mut, find, ip, select};
 use virtual_drive::drive::Injection;
 use virtual_drive::model;
 use virtual_drive::station::{Station, StationConfig};

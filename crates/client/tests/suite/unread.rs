@@ -1,13 +1,13 @@
 //! Stopping a drive whose parameters cannot be read, in virtual time: control word and status word are enough.
 
-use crate::bench::running_on;
-use crate::bench::shared::On;
 use std::time::Duration;
+use testbench::running_on;
+use testbench::shared::On;
 
-use crate::bench::world::{Accident, Transport, World};
 use profidrive_client::axis::Purpose;
 use profidrive_client::{AxisSettings, Drive, Error, LocalControl, StopOutcome, StopWay, Wait};
 use profile::parameter::{Keep, ParameterAccess};
+use testbench::world::{Accident, Transport, World};
 use virtual_drive::model::{self, Model as Virtual};
 use virtual_drive::station::AnswerFault;
 

@@ -1,25 +1,15 @@
-//! One virtual drive of each model and our controller, with raw requests and frames.
+//! One virtual drive of each dut and our controller, with raw requests and frames.
 
 use std::cell::RefCell;
-use std::net::Ipv4Addr;
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
-use network::host::{Host, StationId};
-use network::segment::{Pace, Segment, SegmentMedium};
-use profile::catalogue::Device;
-use profinet::controller::{
-    ArId, ConnectConfig, Controller, ControllerConfig, Event, ModuleConfig, RecordAddress, Resolve,
-    ServiceError, SubmoduleConfig, Target,
-};
-use profinet::cyclic::Timing;
-use profinet::device::Stored;
-use profinet::{Instant, IpSuite, MacAddress, Medium};
+use profinet::Instant;
 use system_tests::memory::Traffic;
 use system_tests::{judge, memory};
+use testbench::plc::{DRIVE, Plc};
 use virtual_drive::drive::Injection;
 use virtual_drive::model::{self, Model};
-use virtual_drive::station::{Station, StationConfig};
 
 /// Who a line is for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -29,7 +19,7 @@ pub enum Vendor {
     Vacon,
 }
 
-/// What differs between the vendors in the stimuli.
+/// What differs between the makes in the stimuli.
 pub struct DeviceUnderTest {
     pub vendor: Vendor,
     pub model: &'static Model,
@@ -80,10 +70,7 @@ pub static VACON: DeviceUnderTest = DeviceUnderTest {
 /// One drive and one controller on a segment.
 pub struct Bench {
     pub dut: &'static DeviceUnderTest,
-    pub medium: SegmentMedium,
-    controller: Controller,
-    ar: ArId,
-    station: StationId,
+    pub plc: Plc,
     traffic: Arc<Mutex<Traffic>>,
 }
 
@@ -91,9 +78,6 @@ thread_local! {
     /// What all benches of this thread have sent.
     static ALL: RefCell<Traffic> = const { RefCell::new(Vec::new()) };
 }
-
-/// Ethernet address of the drive.
-const DRIVE: MacAddress = MacAddress([2, 0x50, 0x4E, 0, 0, 1]);
 
 /// The frames of one line follow those of the line before.
 impl Drop for Bench {
@@ -127,115 +111,22 @@ impl Bench {
 
     /// Connected with this telegram; the controller sends these outputs from its first frame on.
     pub fn sending(dut: &'static DeviceUnderTest, telegram: u16, outputs: &[u8]) -> Self {
-        let ip = |last| IpSuite {
-            address: Ipv4Addr::new(10, 0, 0, last),
-            mask: Ipv4Addr::new(255, 255, 255, 0),
-            gateway: Ipv4Addr::UNSPECIFIED,
-        };
-        let device = &dut.model.catalogue.device;
-        let mut segment = Segment::new(1);
-        let drive_mac = DRIVE;
-        let mut config = StationConfig::new(dut.model, drive_mac);
-        config.network = Stored {
-            name: "drive-1".into(),
-            ip: ip(2),
-            ..Stored::default()
-        };
-        let station = segment.attach(Box::new(Host::new(Station::new(config))));
-        let traffic = memory::listen(&mut segment);
-        let medium = SegmentMedium::new(segment, Pace::Virtual);
-        let config = ControllerConfig::new(MacAddress([2, 0x50, 0x4E, 0, 0, 0xC0]), ip(1), "controller", 1);
-        let mut controller = Controller::new(config);
-        let target = Target {
-            name: "drive-1".into(),
-            mac: Some(drive_mac),
-            ip: ip(2),
-            vendor_id: device.vendor_id,
-            device_id: device.device_id,
-            instance: 1,
-        };
-        let timing = Timing::for_interval(Duration::from_millis(16)).unwrap();
-        let mut config = ConnectConfig::new(modules(device, telegram), timing);
-        config.resolve = Resolve::Trust;
-        let ar = controller.connect(medium.now(), target, config).unwrap();
-        let mut bench = Self {
-            dut,
-            medium,
-            controller,
-            ar,
-            station,
-            traffic,
-        };
-        let (mut ready, mut running) = (false, false);
-        bench.until(Duration::from_secs(5), |bench, event| {
-            match event {
-                Some(Event::Connected { .. }) => bench.output(outputs),
-                Some(Event::Ready { diff, .. }) => {
-                    assert!(diff.is_none_or(|diff| {
-                        diff.modules
-                            .iter()
-                            .all(|module| module.submodules.iter().all(|submodule| submodule.ident != 0))
-                    }));
-                    ready = true;
-                }
-                Some(Event::Running { .. }) => running = true,
-                Some(Event::Lost { cause, .. }) => panic!("{cause}"),
-                _ => {}
-            }
-            ready && running
+        let mut traffic = None;
+        let plc = Plc::connected(dut.model, telegram, outputs, |segment| {
+            traffic = Some(memory::listen(segment));
         });
-        bench
-    }
-
-    pub fn output(&mut self, outputs: &[u8]) {
-        let subslot = self.dut.model.catalogue.device.layout.telegram;
-        self.controller.set_output(self.ar, 1, subslot, outputs).unwrap();
-    }
-
-    fn until(&mut self, limit: Duration, mut done: impl FnMut(&mut Self, Option<Event>) -> bool) {
-        let end = self.medium.now() + limit;
-        loop {
-            assert!(self.medium.now() < end, "not within {limit:?}");
-            self.medium.step(&mut self.controller, end).unwrap();
-            while let Some(event) = self.controller.poll_event() {
-                if done(self, Some(event)) {
-                    return;
-                }
-            }
-            if done(self, None) {
-                return;
-            }
+        Self {
+            dut,
+            plc,
+            traffic: traffic.unwrap(),
         }
     }
 
-    /// One job through a record: the answer, or why the write was refused.
-    pub fn job_at(&mut self, index: u16, request: &[u8]) -> Result<Vec<u8>, ServiceError> {
-        let device = &self.dut.model.catalogue.device;
-        let at = RecordAddress {
-            api: device.api.into(),
-            slot: 1,
-            subslot: device.layout.parameters.subslot,
-            index,
-        };
-        let now = self.medium.now();
-        let call = self.controller.parameter_job(now, self.ar, at, request).unwrap();
-        let mut answer = None;
-        self.until(Duration::from_secs(10), |_, event| {
-            if let Some(Event::RecordDone { call: done, result }) = event
-                && done == call
-            {
-                answer = Some(result);
-            }
-            answer.is_some()
-        });
-        answer.unwrap()
-    }
-
     pub fn job(&mut self, request: &[u8]) -> Vec<u8> {
-        self.job_at(self.dut.records[0], request).unwrap()
+        self.plc.job(self.dut.records[0], request).unwrap()
     }
 
-    /// Returns a request with `DD` for the axis.
+    /// A request with `DD` for the axis.
     pub fn hex(&self, text: &str) -> Vec<u8> {
         text.split_whitespace()
             .map(|octet| match octet {
@@ -250,7 +141,7 @@ impl Bench {
         self.job(&request)
     }
 
-    /// Returns the error number of an answer with one refused parameter.
+    /// The error number of an answer with one refused parameter.
     #[track_caller]
     pub fn error(&mut self, request: &str) -> u16 {
         let answer = self.ask(request);
@@ -261,7 +152,7 @@ impl Bench {
         u16::from_be_bytes([high, low])
     }
 
-    /// Returns a word that a read brings.
+    /// A word that a read brings.
     #[track_caller]
     pub fn words(&mut self, pnu: u16, first: u16, count: u8) -> Vec<u16> {
         let ([a, b], [c, d]) = (pnu.to_be_bytes(), first.to_be_bytes());
@@ -282,7 +173,7 @@ impl Bench {
             .collect()
     }
 
-    /// Returns a change of the writable parameter with these octets behind its address.
+    /// A change of the writable parameter with these octets behind its address.
     pub fn change(&mut self, id: u8, block: &[u8]) -> Vec<u8> {
         let mut request = vec![0x19, id, self.dut.axis, 1, 0x10, 1];
         request.extend(self.dut.writable);
@@ -293,28 +184,12 @@ impl Bench {
     /// Sends a control word and setpoint for a while; status word and actual value at its end.
     pub fn send(&mut self, stw1: u16, setpoint: u16, time: Duration) -> (u16, i16) {
         let ([a, b], [c, d]) = (stw1.to_be_bytes(), setpoint.to_be_bytes());
-        let data = self.exchange(&[a, b, c, d], time);
+        let data = self.plc.exchange(&[a, b, c, d], time);
         let [a, b, c, d] = data.try_into().unwrap();
         (u16::from_be_bytes([a, b]), i16::from_be_bytes([c, d]))
     }
 
-    /// Sends outputs for a while; the inputs at its end.
-    pub fn exchange(&mut self, outputs: &[u8], time: Duration) -> Vec<u8> {
-        self.output(outputs);
-        let end = self.medium.now() + time;
-        while self.medium.now() < end {
-            self.medium.step(&mut self.controller, end).unwrap();
-            while let Some(event) = self.controller.poll_event() {
-                assert!(!matches!(event, Event::Lost { .. }), "{event:?}");
-            }
-        }
-        let subslot = self.dut.model.catalogue.device.layout.telegram;
-        let (data, iops) = self.controller.input(self.ar, 1, subslot).unwrap();
-        assert!(iops.is_good());
-        data.to_vec()
-    }
-
-    /// Returns a few cycles of a control word: status word under the mask of the checklist.
+    /// A few cycles of a control word: status word under the mask of the checklist.
     pub fn word(&mut self, stw1: u16) -> u16 {
         self.send(stw1, 0, CYCLES).0 & 0x0077
     }
@@ -335,51 +210,8 @@ impl Bench {
     }
 
     pub fn inject(&mut self, injection: Injection) {
-        let segment = self.medium.segment_mut();
-        let host = segment.station_mut::<Host<Station>>(self.station).unwrap();
-        host.endpoint_mut().drive_mut().inject(injection);
+        self.plc.drive_mut().inject(injection);
     }
 }
 
 pub const CYCLES: Duration = Duration::from_millis(160);
-
-fn modules(device: &Device, telegram: u16) -> Vec<ModuleConfig> {
-    let submodule = |subslot, ident, input_length, output_length| SubmoduleConfig {
-        subslot,
-        ident,
-        input_length,
-        output_length,
-    };
-    let telegram = device.telegram(telegram).unwrap();
-    let access_point = device
-        .access_point()
-        .map(|(subslot, ident)| submodule(subslot, ident, 0, 0))
-        .collect();
-    let parameters = &device.layout.parameters;
-    let mut drive: Vec<SubmoduleConfig> = parameters
-        .submodule
-        .map(|ident| submodule(parameters.subslot, ident, 0, 0))
-        .into_iter()
-        .collect();
-    let (inputs, outputs) = (telegram.inputs, telegram.outputs);
-    drive.push(submodule(
-        device.layout.telegram,
-        telegram.submodule,
-        inputs,
-        outputs,
-    ));
-    vec![
-        ModuleConfig {
-            api: 0,
-            slot: 0,
-            ident: device.access_point_module,
-            submodules: access_point,
-        },
-        ModuleConfig {
-            api: device.api.into(),
-            slot: 1,
-            ident: telegram.module,
-            submodules: drive,
-        },
-    ]
-}

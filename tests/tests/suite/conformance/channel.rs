@@ -28,7 +28,7 @@ fn ppo(bench: &mut Bench, channel: [u8; 8], control: u16, reference: u16, time: 
     let [a, b] = control.to_be_bytes();
     let [c, d] = reference.to_be_bytes();
     let outputs = [&channel[..], &[a, b, c, d]].concat();
-    bench.exchange(&outputs, time)
+    bench.plc.exchange(&outputs, time)
 }
 
 fn no_such_parameter_in_a_ppo() {

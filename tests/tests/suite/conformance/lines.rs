@@ -55,7 +55,7 @@ pub static LINES: &[Line] = &[
     on(13, &[Akd, Vacon], |bench| {
         let mut request = vec![0x0D, 1, bench.dut.axis, 40];
         (0..40).for_each(|_| request.extend([0x10, 1, 0x03, 0x9A, 0, 0]));
-        match (bench.dut.vendor, bench.job_at(bench.dut.records[0], &request)) {
+        match (bench.dut.vendor, bench.plc.job(bench.dut.records[0], &request)) {
             (Akd, refused) => assert!(refused.is_err(), "{refused:02X?}"),
             (_, answer) => {
                 let answer = answer.unwrap();
@@ -114,7 +114,7 @@ pub static LINES: &[Line] = &[
             request.extend(address);
             request.extend(block);
         }
-        match bench.job_at(bench.dut.records[0], &request) {
+        match bench.plc.job(bench.dut.records[0], &request) {
             Err(_) => {}
             Ok(answer) => {
                 assert_eq!(answer[1], 0x82, "{answer:02X?}");
@@ -128,15 +128,15 @@ pub static LINES: &[Line] = &[
     }),
     // B. Transport
     all(40, |bench| {
-        let before = bench.medium.now();
+        let before = bench.plc.medium.now();
         bench.ask("01 01 DD 01 10 01 03 9A 00 00");
-        assert!(bench.medium.now() - before < Duration::from_secs(1));
+        assert!(bench.plc.medium.now() - before < Duration::from_secs(1));
     }),
     on(43, &[Akd, Vacon], |bench| {
         let request = bench.hex("01 01 DD 01 10 01 03 9A 00 00");
         let [one, other] = bench.dut.records;
-        let first = bench.job_at(one, &request).unwrap();
-        assert_eq!(bench.job_at(other, &request).unwrap(), first);
+        let first = bench.plc.job(one, &request).unwrap();
+        assert_eq!(bench.plc.job(other, &request).unwrap(), first);
     }),
     // C. Description and text
     all(46, |bench| {

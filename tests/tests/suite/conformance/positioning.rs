@@ -34,7 +34,7 @@ fn outputs(stw1: u16) -> [u8; 20] {
 }
 
 fn send(bench: &mut Bench, stw1: u16, time: Duration) -> u16 {
-    let inputs = bench.exchange(&outputs(stw1), time);
+    let inputs = bench.plc.exchange(&outputs(stw1), time);
     u16::from_be_bytes([inputs[0], inputs[1]])
 }
 
@@ -65,7 +65,7 @@ fn a_rejected_task_is_gone() {
     let mut bench = bench();
     assert_eq!(send(&mut bench, EDGE, Duration::from_secs(1)) & STANDS, 0);
     let position = |bench: &mut Bench, stw1| {
-        let inputs = bench.exchange(&outputs(stw1), Duration::from_secs(1));
+        let inputs = bench.plc.exchange(&outputs(stw1), Duration::from_secs(1));
         i32::from_be_bytes(inputs[6..10].try_into().unwrap())
     };
     let reject = EDGE & !0x0010;

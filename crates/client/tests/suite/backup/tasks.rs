@@ -1,8 +1,8 @@
 //! Motion tasks in backups: read through their window, which is left as it was, and written back.
 
-use crate::bench::shared::Shared;
 use profidrive_client::Wait;
 use profidrive_client::backup::{Task, TaskCoverage, compare_tasks};
+use testbench::shared::Shared;
 
 use super::*;
 
@@ -12,7 +12,14 @@ const CLEAR: u16 = 2265;
 /// MT.NUM, P, V, ACC, DEC, CNTL, MTNEXT, TNEXT, TNUM.
 const WINDOW: [u16; 9] = [NUM, 2275, 2283, 2263, 2268, 2266, 2273, 2278, 2279];
 
-impl Bench {
+/// The window of the motion tasks, set and looked up in the drive itself.
+trait Tasks {
+    fn show(&mut self, values: [u64; 9]);
+    fn task(&mut self, number: u64, position: i32, speed: u64);
+    fn window(&mut self) -> [u64; 9];
+}
+
+impl Tasks for Bench {
     fn show(&mut self, values: [u64; 9]) {
         for (pnu, raw) in WINDOW.into_iter().zip(values) {
             self.set(pnu, raw);

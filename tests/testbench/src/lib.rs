@@ -1,6 +1,18 @@
-//! Virtual drives and a client on an in-memory segment, in virtual time.
+//! Virtual drives, controllers and clients in memory and in virtual time, and what happens to them.
+//!
+//! | a test needs | module |
+//! |---|---|
+//! | a client and drives on a segment | this one |
+//! | drives at a serial line that loses and spoils octets | [`line`] |
+//! | a controller with raw requests and frames | [`plc`] |
+//! | a client that is killed or frozen, a cable that is pulled | [`world`] |
+//! | to look at the drive after each step of a session | [`watched`] |
+//!
+//! For integration tests: a unit test would have a second copy of the types that it tests.
+#![allow(clippy::missing_panics_doc)]
 
 pub mod line;
+pub mod plc;
 pub mod shared;
 pub mod watched;
 pub mod world;
@@ -8,27 +20,23 @@ pub mod world;
 use std::net::Ipv4Addr;
 use std::ops::{Deref, DerefMut};
 use std::path::Path;
-use std::time::Duration;
 
+use client::axis::Purpose;
+use client::{AxisSettings, Client, Drive, DriveAddress, Error, Network, Wait};
 use network::host::{Host, StationId};
 use network::segment::{Pace, Segment, SegmentMedium};
-use profidrive_client::axis::Purpose;
-use profidrive_client::{AxisSettings, Client, Drive, DriveAddress, Error, Network, Wait};
-use profile::catalogue::AKD;
 use profile::notation::ParameterReference;
 use profile::value::Selection;
-use profinet::controller::{
-    ArId, ConnectConfig, ControllerConfig, ModuleConfig, Resolve, SubmoduleConfig, Target,
-};
-use profinet::cyclic::Timing;
+use profinet::controller::{ArId, ControllerConfig, Resolve};
 use profinet::device::Stored;
 use profinet::{Instant, IpSuite, MacAddress};
 use virtual_drive::description::Description;
 use virtual_drive::model;
 use virtual_drive::station::{Station, StationConfig};
 
-use shared::On;
+use crate::shared::On;
 
+/// A network in memory, with the segment that it is on.
 pub type Bench = On<SegmentMedium>;
 
 /// The settings for a purpose on drives as delivered, some of which run on without their controller.
@@ -39,6 +47,7 @@ pub fn running_on(purpose: Purpose) -> AxisSettings {
     }
 }
 
+/// Address `10.0.0.last`.
 pub fn ip(last: u8) -> IpSuite {
     IpSuite {
         address: Ipv4Addr::new(10, 0, 0, last),
@@ -47,6 +56,7 @@ pub fn ip(last: u8) -> IpSuite {
     }
 }
 
+/// A virtual AKD with a name and the address `10.0.0.last`.
 pub fn station(name: &str, last: u8) -> Box<Host<Station>> {
     let mut config = StationConfig::new(&model::AKD, MacAddress([2, 0, 0, 0, 0, last]));
     config.network = Stored {
@@ -57,13 +67,14 @@ pub fn station(name: &str, last: u8) -> Box<Host<Station>> {
     Box::new(Host::new(Station::new(config)))
 }
 
+/// AKDs with these names and addresses on a segment, and a client.
 pub fn bench(drives: &[(&str, u8)]) -> (Bench, Vec<StationId>) {
     bench_of(drives.iter().map(|&(name, last)| station(name, last)).collect())
 }
 
 /// Returns the description of an AKD from a vendor file.
 pub fn description(file: &str) -> Description {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/descriptions");
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../descriptions");
     let text = std::fs::read(folder.join(file)).expect("the file");
     let gsdml = gsdml::parse(&text).expect("a description");
     let import = Description::from_gsdml(&gsdml, &model::AKD, None).expect("an AKD");
@@ -82,6 +93,7 @@ pub fn bench_from(file: &str) -> (Bench, Vec<StationId>) {
     bench_of(vec![Box::new(Host::new(Station::new(config)))])
 }
 
+/// Stations on a segment, and a client.
 pub fn bench_of(stations: Vec<Box<Host<Station>>>) -> (Bench, Vec<StationId>) {
     let (medium, config, ids) = parts_of(stations);
     (On::new(Network::on(medium, config)), ids)
@@ -99,12 +111,14 @@ pub fn parts_of(stations: Vec<Box<Host<Station>>>) -> (SegmentMedium, Controller
     (medium, config, ids)
 }
 
+/// Finds a drive as a person calls it.
 pub fn find(session: &mut Bench, text: &str) -> Result<Drive, Error> {
     session
         .find(&text.parse::<DriveAddress>().expect("an address"))
         .wait()
 }
 
+/// The station of a drive, to look at.
 pub fn drive_at(session: &Bench, id: StationId) -> impl Deref<Target = Station> + '_ {
     At {
         medium: session.medium(),
@@ -127,6 +141,7 @@ impl<M: Deref<Target = SegmentMedium>> Deref for At<M> {
     }
 }
 
+/// The parameter that a person means.
 pub fn select(drive: &Drive, text: &str) -> Selection {
     drive
         .parameters
@@ -134,6 +149,7 @@ pub fn select(drive: &Drive, text: &str) -> Selection {
         .expect("known")
 }
 
+/// True when the power stage is off and no controller exchanges data.
 pub fn is_at_rest(session: &Bench, id: StationId) -> bool {
     let station = drive_at(session, id);
     !station.drive().is_enabled() && !station.device().is_exchanging()
@@ -143,36 +159,8 @@ pub fn is_at_rest(session: &Bench, id: StationId) -> bool {
 pub fn other_controller() -> (Box<Host<Client>>, ArId) {
     let config = ControllerConfig::new(MacAddress([2, 0, 0, 0, 1, 1]), ip(201), "plc", 2);
     let mut client = Client::new(config);
-    let telegram = AKD.device.telegram(1).expect("telegram 1");
-    let submodule = |subslot, ident, length| SubmoduleConfig {
-        subslot,
-        ident,
-        input_length: length,
-        output_length: length,
-    };
-    let access_point = ModuleConfig {
-        api: 0,
-        slot: 0,
-        ident: AKD.device.access_point_module,
-        submodules: vec![submodule(1, AKD.device.access_point_submodule, 0)],
-    };
-    let drive = ModuleConfig {
-        api: 0x3A00,
-        slot: 1,
-        ident: telegram.module,
-        submodules: vec![submodule(1, telegram.submodule, 4)],
-    };
-    let timing = Timing::for_interval(Duration::from_millis(16)).expect("16 ms");
-    let mut config = ConnectConfig::new(vec![access_point, drive], timing);
-    config.resolve = Resolve::Check;
-    let target = Target {
-        name: "akd-1".into(),
-        mac: None,
-        ip: IpSuite::NONE,
-        vendor_id: AKD.device.vendor_id,
-        device_id: AKD.device.device_id,
-        instance: 1,
-    };
+    let target = plc::target(&model::AKD, "akd-1", None, IpSuite::NONE);
+    let config = plc::connection(&model::AKD, 1, Resolve::Check);
     let ar = client
         .controller()
         .connect(Instant::ZERO, target, config)
@@ -223,8 +211,5 @@ impl<M: DerefMut<Target = SegmentMedium>> DerefMut for Changed<M> {
 
 /// Does something to the drive itself, as a hand at the machine would.
 pub fn with_drive(session: &Bench, id: StationId, act: impl FnOnce(&mut virtual_drive::drive::Drive)) {
-    let mut medium = session.medium();
-    let segment = medium.segment_mut();
-    let host = segment.station_mut::<Host<Station>>(id).expect("the drive");
-    act(host.endpoint_mut().drive_mut());
+    act(&mut drive_mut(session, id));
 }

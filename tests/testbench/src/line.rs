@@ -4,13 +4,13 @@ use std::collections::VecDeque;
 use std::convert::Infallible;
 use std::time::Duration;
 
-use profidrive_client::{Drive, DriveAddress, Engine, Error, LineConfig, Network, Wait, Wire};
+use client::{Drive, DriveAddress, Engine, Error, LineConfig, Network, Wait, Wire};
 use profinet::Instant;
 use uss::{Protocol, SlaveConfig};
 use virtual_drive::model::{self, Model as Virtual};
 use virtual_drive::serial::{SerialConfig, SerialStation};
 
-use super::shared::{On, Shared};
+use crate::shared::{On, Shared};
 
 /// What a line does to the octets of both sides.
 #[derive(Clone, Copy, Default)]
@@ -31,18 +31,25 @@ pub struct Line {
 
 /// The wire that the session has, and what is at the other end of it.
 pub struct Bus {
+    /// Virtual time.
     pub now: Instant,
+    /// What the line does to octets.
     pub line: Line,
+    /// State of the random numbers.
     pub random: u64,
+    /// The drives at the line.
     pub drives: Vec<SerialStation>,
+    /// Octets on their way to the client, with the time of arrival.
     pub to_client: VecDeque<(Instant, Vec<u8>)>,
     /// Process data that the client sent, each time it changed.
     pub words: Vec<Vec<u8>>,
 }
 
 #[derive(Clone)]
+/// The end of the line that the client has.
 pub struct AtLine(pub Shared<Bus>);
 
+/// A client at a serial line, with the line.
 pub type Bench = On<AtLine>;
 
 impl Bus {
@@ -145,10 +152,12 @@ impl Wire for AtLine {
     }
 }
 
+/// AKDs with these addresses at a line, and a client.
 pub fn bench(protocol: Protocol, numbers: &[u8], line: Line) -> (Bench, AtLine) {
     bench_of(&model::AKD, protocol, numbers, line)
 }
 
+/// Drives of a model at a line, and a client.
 pub fn bench_of(model: &'static Virtual, protocol: Protocol, numbers: &[u8], line: Line) -> (Bench, AtLine) {
     let config = |&number| {
         let slave = match protocol {
@@ -171,6 +180,7 @@ pub fn bench_of(model: &'static Virtual, protocol: Protocol, numbers: &[u8], lin
     )
 }
 
+/// Finds a drive as a person calls it.
 pub fn find(session: &mut Bench, text: &str) -> Result<Drive, Error> {
     session
         .find(&text.parse::<DriveAddress>().expect("an address"))

@@ -6,30 +6,33 @@
 
 use std::ops::{Deref, DerefMut};
 
+use client::backup::Backup;
+use client::change::{ChangeSet, Choice};
+use client::{Drive, DriveAddress, Error, Network, Wait};
 use network::host::{Host, StationId};
 use network::segment::{Pace, Segment, SegmentMedium};
-use profidrive_client::backup::Backup;
-use profidrive_client::change::{ChangeSet, Choice};
-use profidrive_client::{Drive, DriveAddress, Error, Network, Wait};
 use profile::catalogue::AKD;
 use profile::parameter::{Keep, ParameterAccess};
 use profinet::controller::ControllerConfig;
 use profinet::{Endpoint, Instant, MacAddress, Medium};
 use virtual_drive::station::Station;
 
-use super::shared::{On, Shared};
-use super::{ip, station};
+use crate::shared::{On, Shared};
+use crate::{ip, station};
 
 /// What happens to the drive while a session works: called after each step of the medium with its number.
 pub type Hook = Box<dyn FnMut(usize, &mut Wire<'_>) + Send>;
 
 /// The drive and its cable, looked at past the session.
 pub struct Wire<'a> {
+    /// The segment.
     pub segment: Box<dyn DerefMut<Target = Segment> + 'a>,
+    /// The drive on it.
     pub id: StationId,
 }
 
 impl Wire<'_> {
+    /// The station of the drive.
     pub fn station(&mut self) -> &mut Station {
         let host = self.segment.station_mut::<Host<Station>>(self.id);
         host.unwrap().endpoint_mut()
@@ -45,7 +48,9 @@ impl Wire<'_> {
 /// A segment that is looked at after each thing that happens on it.
 pub struct Watched {
     inner: SegmentMedium,
+    /// The drive.
     pub id: StationId,
+    /// Number of steps so far.
     pub steps: Shared<usize>,
     hook: Shared<Hook>,
 }
@@ -89,12 +94,16 @@ impl<M: DerefMut<Target = Watched>> DerefMut for Of<M> {
 
 /// One virtual AKD and a session with it.
 pub struct Bench {
+    /// The session.
     pub session: On<Watched>,
+    /// The drive as the session found it.
     pub drive: Drive,
+    /// Number of steps so far.
     pub steps: Shared<usize>,
     hook: Shared<Hook>,
 }
 
+/// One AKD and a session with it.
 pub fn bench() -> Bench {
     let mut segment = Segment::new(7);
     let id = segment.attach(station("akd-1", 1));
@@ -131,6 +140,7 @@ impl Bench {
         }
     }
 
+    /// A backup of the drive.
     pub fn backup(&mut self) -> Backup {
         self.session
             .backup(&mut self.drive, &mut |_, _| {})
@@ -138,6 +148,7 @@ impl Bench {
             .unwrap()
     }
 
+    /// Sets a number in the drive itself.
     pub fn set(&mut self, pnu: u16, raw: u64) {
         let result = self
             .wire()
@@ -147,6 +158,7 @@ impl Bench {
         result.unwrap_or_else(|error| panic!("{pnu} = {raw}: {error}"));
     }
 
+    /// The journal of a restoration that has not begun.
     pub fn journal(&mut self, wanted: &Backup, choice: &Choice) -> ChangeSet {
         let plan = self.session.plan(&mut self.drive, wanted, choice).wait();
         plan.unwrap().set
@@ -168,6 +180,7 @@ impl Bench {
         (result, kept)
     }
 
+    /// Calls `hook` after each step from now on, counted from 1.
     pub fn on_each_step(&self, hook: impl FnMut(usize, &mut Wire<'_>) + Send + 'static) {
         self.steps.set(0);
         *self.hook.borrow_mut() = Box::new(hook);
@@ -180,11 +193,14 @@ pub type Numbers = Vec<(u16, u64, u64)>;
 /// Looks at the drive after each step and compares it with what the text that was kept last claims.
 #[derive(Clone, Default)]
 pub struct Claims {
+    /// The text that was stored last.
     pub kept: Shared<String>,
+    /// True numbers of each parameter.
     pub numbers: Shared<Numbers>,
 }
 
 impl Claims {
+    /// Begins to watch a restoration.
     pub fn watch(bench: &mut Bench, journal: &ChangeSet) -> Self {
         let claims = Self::default();
         for change in journal.changes() {
@@ -200,6 +216,7 @@ impl Claims {
         claims
     }
 
+    /// Compares the drive with what the stored text claims.
     pub fn check(&self, wire: &mut Wire<'_>) {
         let text = self.kept.borrow();
         if text.is_empty() {

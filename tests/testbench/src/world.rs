@@ -4,9 +4,9 @@
 use std::fmt;
 use std::time::Duration;
 
+use client::{Client, Drive, DriveAddress, Engine, Error, LineConfig, Network, Wait, Wire};
 use network::host::{Host, StationId};
 use network::segment::{Pace, Segment, SegmentMedium};
-use profidrive_client::{Client, Drive, DriveAddress, Engine, Error, LineConfig, Network, Wait, Wire};
 use profile::model::Model;
 use profinet::controller::ControllerConfig;
 use profinet::device::Stored;
@@ -17,15 +17,18 @@ use virtual_drive::model::Model as Virtual;
 use virtual_drive::serial::{SerialConfig, SerialStation};
 use virtual_drive::station::{AnswerFault, Station, StationConfig};
 
-use super::ip;
-use super::line::{AtLine, Line, bench_of};
-use super::shared::{On, Shared};
+use crate::ip;
+use crate::line::{AtLine, Line, bench_of};
+use crate::shared::{On, Shared};
 
 /// How a drive is reached.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Transport {
+    /// PROFINET IO.
     Profinet,
+    /// A serial line with the FC protocol.
     Fc,
+    /// A serial line with USS.
     Uss,
 }
 
@@ -89,6 +92,7 @@ fn idle_engine() -> Engine {
 const CLIENT: MacAddress = MacAddress([2, 0, 0, 0, 1, 0]);
 
 impl World {
+    /// A drive of a model, reached in this way.
     pub fn new(model: &'static Virtual, transport: Transport, seed: u64) -> Self {
         let ends = match transport {
             Transport::Profinet => {
@@ -208,6 +212,7 @@ impl World {
         }
     }
 
+    /// Speed of the axis, rpm.
     pub fn speed(&self) -> f64 {
         self.look(|drive| drive.axis().speed())
     }

@@ -6,7 +6,7 @@
 use std::ops::{Deref, DerefMut};
 use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
 
-use profidrive_client::{Network, Session, Wait, Wire, World};
+use client::{Network, Session, Wait, Wire, World};
 
 /// Something that several have, with the calls of a `RefCell`; it may change threads.
 #[derive(Debug, Default)]
@@ -19,14 +19,23 @@ impl<T> Clone for Shared<T> {
 }
 
 impl<T> Shared<T> {
+    /// Shares a value.
     pub fn new(value: T) -> Self {
         Self(Arc::new(Mutex::new(value)))
     }
 
+    /// Locks it.
+    ///
+    /// # Panics
+    /// When it is locked already.
     pub fn borrow(&self) -> MutexGuard<'_, T> {
         self.borrow_mut()
     }
 
+    /// Locks it to change it.
+    ///
+    /// # Panics
+    /// When it is locked already.
     pub fn borrow_mut(&self) -> MutexGuard<'_, T> {
         match self.0.try_lock() {
             Ok(value) => value,
@@ -35,6 +44,7 @@ impl<T> Shared<T> {
         }
     }
 
+    /// A copy of the value.
     pub fn get(&self) -> T
     where
         T: Copy,
@@ -42,6 +52,7 @@ impl<T> Shared<T> {
         *self.borrow()
     }
 
+    /// Replaces the value.
     pub fn set(&self, value: T) {
         *self.borrow_mut() = value;
     }
@@ -54,6 +65,7 @@ pub struct On<W: Wire> {
 }
 
 impl<W: Wire + Send + 'static> On<W> {
+    /// From the two halves that `client::Network::on` returns.
     pub fn new((network, world): (Network, Arc<World<W>>)) -> Self {
         Self { network, world }
     }
