@@ -4,9 +4,6 @@ use client::status::Diagnosis;
 use client::{Action, Advice, Choice};
 use profidrive::motion::Leftover;
 use profidrive::report::Wording;
-use serde_json::Value;
-
-use crate::fields;
 
 /// The words of this program for advice about a drive.
 #[derive(Debug, Clone, Copy)]
@@ -135,15 +132,6 @@ pub fn leftover(left: &Leftover, drive: &str) -> (String, String) {
         format!("PNU {pnu} still has the value of a `profidrive jog` that was killed, before it was {old}"),
         format!("`profidrive write {drive} {pnu}={old}` puts it back, the next `jog` does it too"),
     )
-}
-
-/// What a diagnosis recommends, for programs.
-pub fn json(diagnosis: &Diagnosis, drive: &str) -> Value {
-    let actions = diagnosis
-        .actions
-        .iter()
-        .map(|action| Value::Object(fields! { "action": action.id(), "command": command(action, drive) }));
-    Value::Array(actions.collect())
 }
 
 #[cfg(test)]

@@ -3,7 +3,9 @@
 // help texts are printed as they stand: `947[0..7]` is not a link
 #![allow(rustdoc::broken_intra_doc_links)]
 
+mod drives;
 mod explain;
+mod gsdml;
 mod motion;
 mod parameters;
 mod simulate;
@@ -16,13 +18,15 @@ use std::time::Duration;
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 use profile::notation::Quantity;
 
+pub use drives::{Backup, Diff, Faults, Status};
 pub use explain::{Decode, Explain, Octets, Only, Sender};
+pub use gsdml::{Gsdml, GsdmlCheck, GsdmlCommand, GsdmlExport, GsdmlShow};
 pub use motion::{Ack, Consent, Cyclic, Home, Jog, Move, Run, SetMode, Stop, Task};
 pub use parameters::{Describe, List, Read, Write};
-pub use simulate::{DcpInOperation, Demo, Simulate, simulated};
+pub use simulate::{DcpInOperation, Demo, Inject, Protocol, Simulate, simulated};
 pub use stations::{Blink, Ip, Name, Network, Reset, ResetMode, Scan};
 
-use crate::commands::{Backup, Diff, Faults, Gsdml, Inject, Restore, Status};
+use crate::commands::Restore;
 
 /// PROFIdrive and PROFINET drives: find, address, read, write, run, simulate, explain.
 #[derive(Debug, Parser)]

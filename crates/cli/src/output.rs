@@ -231,9 +231,24 @@ impl Output {
 
     /// Prints the one report of a command: as lines, or as a JSON document when the command ends, with its error in it.
     pub fn report(&self, report: &impl Page) {
+        self.json_report(report);
+        if !self.json {
+            report.print(self);
+        }
+    }
+
+    /// Prints the one report of a command that says the same to people in other words.
+    pub fn json_report(&self, report: &impl Serialize) {
         if self.json {
             self.document(&self.command, members(report));
-        } else {
+        }
+    }
+
+    /// Prints one of the reports of a command that has many, at once: as lines, or as a JSON document in a line of its own
+    /// (JSON Lines).
+    pub fn report_event(&self, report: &impl Page) {
+        self.json_event(report);
+        if !self.json {
             report.print(self);
         }
     }

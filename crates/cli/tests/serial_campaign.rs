@@ -97,11 +97,8 @@ fn to_rest(drive: &str, speed: &str, at: &str) {
             );
             acted |= acts;
         }
-        // where no parameter has it in rpm the reply has it in percent
-        let speed = report["speed_actual"]
-            .as_f64()
-            .or(report["speed_percent"].as_f64());
-        let speed = speed.unwrap_or(f64::MAX);
+        // in percent where no parameter has it in rpm
+        let speed = report["speed_actual"]["value"].as_f64().unwrap_or(f64::MAX);
         if !acted && speed.abs() < 1.0 {
             assert_eq!(report["cause"], "no-controller", "{at}: {report}");
             return;

@@ -80,7 +80,7 @@ fn report(lab: &Lab, at: &str) -> Value {
         let finished = client(lab, &["status", "drive-1", "--json"]);
         let line = finished.out.lines().next().unwrap_or_default();
         let report: Option<Value> = serde_json::from_str(line).ok();
-        let report = report.filter(|report| report["controller"].is_null());
+        let report = report.filter(|report| report["controller"]["connected"] == false);
         let found = report.filter(|_| matches!(finished.code, Some(0 | 5)));
         let done = found.is_some();
         last = Some((finished, found));
@@ -178,7 +178,7 @@ fn try_out(case: &Case, moment: Duration, at: &str) {
                 "{at}: `{command}` of {found}: {done:?}"
             );
         }
-        let speed = found["speed_actual"].as_f64().unwrap_or(f64::MAX);
+        let speed = found["speed_actual"]["value"].as_f64().unwrap_or(f64::MAX);
         let tried = |command: &String| command.ends_with("--dry-run");
         commands.iter().all(tried) && speed.abs() < 1.0
     });

@@ -13,6 +13,7 @@ mod gsdml;
 mod harness;
 mod hostile;
 mod hour;
+mod json_documents;
 mod manual;
 mod manual_drive;
 mod manual_faults;

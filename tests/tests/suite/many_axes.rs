@@ -45,13 +45,12 @@ fn at_rest(lab: &Lab, name: &str, when: &str) -> Value {
         let line = finished.out.lines().next().unwrap_or_default();
         let report: Option<Value> = serde_json::from_str(line).ok();
         let rests = report.as_ref().is_some_and(|report| {
-            let stands = |key: &str| report[key].as_f64().is_none_or(|speed| speed.abs() < 0.5);
-            report["controller"].is_null()
+            let speed = report["speed_actual"]["value"].as_f64();
+            report["controller"]["connected"] == false
                 && report["state"]
                     .as_str()
                     .is_some_and(|state| state != "S4" && state != "S5")
-                && stands("speed_actual")
-                && stands("speed_percent")
+                && speed.is_none_or(|speed| speed.abs() < 0.5)
         });
         last = Some((finished, report));
         rests

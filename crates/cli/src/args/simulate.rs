@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
+use client::Parity;
 use virtual_drive::model::{self, Model};
 
 use super::{Network, duration};
@@ -62,7 +63,7 @@ pub struct Simulate {
     #[arg(long, value_name = "FILE")]
     pub pcap: Option<PathBuf>,
     #[command(flatten)]
-    pub line: crate::commands::SerialOptions,
+    pub line: SerialOptions,
 }
 
 /// What a drive does with DCP while it operates.
@@ -90,4 +91,55 @@ pub struct Demo {
     /// As fast as the machine allows, in virtual time
     #[arg(long)]
     pub fast: bool,
+}
+
+/// Drives at a serial line instead of a network.
+#[derive(Debug, Args)]
+pub struct SerialOptions {
+    /// Serial port: the drives are slaves of a serial line instead of stations on a network
+    #[arg(
+        long,
+        value_name = "PORT",
+        conflicts_with_all = ["plant", "virtual_time", "gsdml", "ip", "mac", "min_cycle", "pcap"]
+    )]
+    pub serial: Option<String>,
+    /// Protocol of the line
+    #[arg(long, value_enum, default_value = "fc", requires = "serial")]
+    pub protocol: Protocol,
+    /// Address of the (first) drive: 1 to 126, USS 0 to 31
+    #[arg(long, value_name = "N", default_value_t = 1, requires = "serial")]
+    pub address: u8,
+    /// Bits per second
+    #[arg(long, default_value_t = 9600, requires = "serial")]
+    pub baud: u32,
+    /// Parity
+    #[arg(long, value_name = "even|odd|none", default_value = "even", value_parser = parity, requires = "serial")]
+    pub parity: Parity,
+}
+
+/// Protocols of a serial line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Protocol {
+    /// Danfoss FC protocol
+    Fc,
+    /// USS
+    Uss,
+}
+
+fn parity(text: &str) -> Result<Parity, &'static str> {
+    let known = Parity::ALL.into_iter().find(|parity| parity.name() == text);
+    known.ok_or("even, odd or none")
+}
+
+/// What to let happen to which virtual drive.
+#[derive(Debug, Args)]
+pub struct Inject {
+    /// Station name, IP address, MAC address, or fc:PORT/ADDRESS or uss:PORT/ADDRESS of a drive that `profidrive simulate` runs on this computer
+    pub drive: Option<String>,
+    /// What is to happen, in this order; without any: what can happen
+    #[arg(value_name = "KEY=VALUE")]
+    pub events: Vec<String>,
+    /// Ends it again after this time
+    #[arg(long = "for", value_name = "TIME", value_parser = duration)]
+    pub lasts: Option<Duration>,
 }

@@ -7,13 +7,13 @@ use std::time::Duration;
 
 use client::{AtWork, Drive, Error, Wait, describe};
 use network::system::InterfaceInfo;
+use profidrive::report::{BlinkReport, IpReport, NameReport, ResetReport};
 use profinet::IpSuite;
 use profinet::wire::dcp::{check_name, legal_name};
 
 use crate::args::{Blink, Interface, Ip, Name, Reset, ResetMode};
 use crate::connect::{self, Live, Need};
 use crate::failure::{Exit, Failure};
-use crate::fields;
 use crate::output::Output;
 use crate::render::table::clean;
 
@@ -36,14 +36,13 @@ pub fn name(args: &Name, interface: &Interface, output: &Output) -> Result<(), F
         session.set_name(&drive, &args.name, !args.temporary).wait()?;
         output.say(&format!("{station} is {name} now ({kept})"));
     }
-    if output.json() {
-        let mac = drive.station.mac.to_string();
-        let fields = fields! {
-            "mac": mac, "old": drive.station.name.as_str(), "name": args.name.as_str(), "permanent": !args.temporary,
-            "dry_run": args.dry_run,
-        };
-        output.document("name", fields);
-    }
+    output.json_report(&NameReport {
+        mac: drive.station.mac.to_string(),
+        old: named(&drive.station.name),
+        name: named(&args.name),
+        permanent: !args.temporary,
+        dry_run: args.dry_run,
+    });
     Ok(())
 }
 
@@ -54,6 +53,11 @@ pub fn no_name(name: &str, rule: impl std::fmt::Display) -> Failure {
         legal if legal.is_empty() => failure,
         legal => failure.hint(format!("perhaps {legal}")),
     }
+}
+
+/// A name; `None` for a station without one.
+fn named(name: &str) -> Option<String> {
+    Some(name.to_owned()).filter(|name| !name.is_empty())
 }
 
 fn shown(name: &str) -> &str {
@@ -158,14 +162,8 @@ pub fn ip(args: &Ip, interface: &Interface, output: &Output) -> Result<(), Failu
         session.set_ip(&drive, ip, !args.temporary).wait()?;
         output.say(&format!("{label} has {suite} now ({kept})"));
     }
-    if output.json() {
-        let fields = fields! {
-            "mac": drive.station.mac.to_string(), "name": drive.station.name.as_str(),
-            "ip": ip.address.to_string(), "mask": ip.mask.to_string(), "gateway": ip.gateway.to_string(),
-            "permanent": !args.temporary, "dry_run": args.dry_run,
-        };
-        output.document("ip", fields);
-    }
+    let report = IpReport::new(&drive.station, ip, !args.temporary, args.dry_run);
+    output.json_report(&report);
     Ok(())
 }
 
@@ -214,9 +212,9 @@ pub fn blink(args: &Blink, interface: &Interface, output: &Output) -> Result<(),
             break;
         }
     }
-    if output.json() {
-        output.document("blink", fields! { "mac": drive.station.mac.to_string() });
-    }
+    output.json_report(&BlinkReport {
+        mac: drive.station.mac.to_string(),
+    });
     Ok(())
 }
 
@@ -243,10 +241,11 @@ pub fn reset(args: &Reset, interface: &Interface, output: &Output) -> Result<(),
     };
     done.map_err(not_reset)?;
     output.say(&format!("{} reset: {what}", drive.label()));
-    if output.json() {
-        let fields = fields! { "mac": drive.station.mac.to_string(), "mode": mode, "what": what };
-        output.document("reset", fields);
-    }
+    output.json_report(&ResetReport {
+        mac: drive.station.mac.to_string(),
+        mode,
+        what,
+    });
     Ok(())
 }
 

@@ -1,34 +1,21 @@
 //! `profidrive backup DRIVE -o FILE`; exit code 1 when settings or motion tasks are missing.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use client::backup::{Backup, MAX_TEXT, Task, TaskCoverage};
 use client::{Drive, Refusal, Wait};
 use network::files::StateFile;
+use profidrive::report::{BackupReport, MotionTask};
 use serde_json::{Map, Value};
 
-use super::parameters::refusal_json;
+use crate::advice::Commands;
+use crate::args;
 use crate::args::Interface;
 use crate::connect::{self, Need};
 use crate::failure::{Exit, Failure};
-use crate::fields;
-use crate::output::Output;
-use crate::render::value;
+use crate::output::{Output, members};
 
-/// Arguments of `backup`.
-#[derive(Debug, clap::Args)]
-pub struct Args {
-    /// Station name, IP address, MAC address, or fc:PORT/ADDRESS or uss:PORT/ADDRESS
-    pub drive: String,
-    /// File to write; the settings go to stdout when left out
-    #[arg(short, long, value_name = "FILE")]
-    pub output: Option<PathBuf>,
-    /// Also over a file that is not a backup
-    #[arg(long, requires = "output")]
-    pub force: bool,
-}
-
-pub fn run(args: &Args, interface: &Interface, output: &Output) -> Result<(), Failure> {
+pub fn run(args: &args::Backup, interface: &Interface, output: &Output) -> Result<(), Failure> {
     // what cannot be written is reported before anything is read
     let old = match &args.output {
         Some(path) => replaceable(path, args.force)?,
@@ -62,18 +49,10 @@ pub fn run(args: &Args, interface: &Interface, output: &Output) -> Result<(), Fa
     }
     let incomplete = incomplete(&backup, &label);
     if output.json() {
-        let values: Vec<Value> = backup.readings().iter().map(value::json).collect();
-        let refused: Vec<Value> = backup
-            .refused()
-            .iter()
-            .map(|one| Value::Object(refusal_json(one)))
-            .collect();
         let file = args.output.as_ref().map(|path| path.display().to_string());
-        output.document(
-            "backup",
-            fields! { "drive": label, "model": drive.model.name, "file": file, "parameters": values, "refused": refused,
-                "tasks": tasks_json(&backup), "complete": incomplete.is_none() },
-        );
+        let complete = incomplete.is_none();
+        let wording = Commands::any();
+        output.json_report(&BackupReport::new(&drive, &backup, file, complete, &wording));
     } else if args.output.is_none() {
         output.raw(&text);
     }
@@ -169,27 +148,9 @@ pub fn whole(name: &str, interface: &Interface, output: &Output) -> Result<(Back
     Ok((backup, drive))
 }
 
-/// Returns the motion tasks, in their order; none where they are left out.
-fn tasks_json(backup: &Backup) -> Option<Vec<Value>> {
-    let complete = backup.header.tasks == TaskCoverage::All;
-    complete.then(|| {
-        let numbers = backup.task_numbers().into_iter();
-        numbers
-            .filter_map(|number| Some((number, backup.task(number)?)))
-            .filter(|(_, task)| **task != Task::Empty)
-            .map(|(number, task)| {
-                let mut fields = fields! { "number": number };
-                fields.extend(task_json(task));
-                Value::Object(fields)
-            })
-            .collect()
-    })
-}
-
 /// Returns the values of a motion task; none of an empty one.
 pub fn task_json(task: &Task) -> Map<String, Value> {
-    let values: Vec<Value> = task.values().iter().map(value::json).collect();
-    fields! { "empty": *task == Task::Empty, "values": values }
+    members(&MotionTask::from(task))
 }
 
 /// Reads a backup file.

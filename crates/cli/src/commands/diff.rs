@@ -4,32 +4,20 @@ use std::path::Path;
 
 use client::backup::{Backup, Difference, Side, TaskCoverage, compare, compare_tasks};
 use client::{Drive, DriveAddress, Wait};
+use profidrive::report::{self, DiffReport, MotionTask, TaskDifference};
 use profile::catalogue::Role;
 use profile::value::Reading;
-use serde_json::{Map, Value};
 
-use super::backup::{self, task_json};
-use super::parameters::refusal_json;
-use crate::args::Interface;
+use super::backup;
+use crate::advice::Commands;
+use crate::args::{Diff, Interface};
 use crate::connect::{self, Need};
 use crate::failure::{Exit, Failure};
-use crate::fields;
 use crate::output::Output;
 use crate::render::table::Table;
 use crate::render::value;
 
-/// Arguments of `diff`.
-#[derive(Debug, clap::Args)]
-pub struct Args {
-    /// A backup file or a drive; a file of this name comes first
-    #[arg(value_name = "A")]
-    pub left: String,
-    /// A backup file or a drive
-    #[arg(value_name = "B")]
-    pub right: String,
-}
-
-pub fn run(args: &Args, interface: &Interface, output: &Output) -> Result<(), Failure> {
+pub fn run(args: &Diff, interface: &Interface, output: &Output) -> Result<(), Failure> {
     let (left, right) = (source(&args.left)?, source(&args.right)?);
     let (left, right) = match (left, right) {
         (Some(left), Some(right)) => (left, right),
@@ -68,39 +56,25 @@ pub fn run(args: &Args, interface: &Interface, output: &Output) -> Result<(), Fa
     }
     let differences = compare(&left, &right);
     let tasks = compare_tasks(&left, &right);
-    if output.json() {
-        let list: Vec<Value> = differences
+    let wording = Commands::any();
+    output.json_report(&DiffReport {
+        left: args.left.clone(),
+        right: args.right.clone(),
+        differences: differences
             .iter()
-            .map(|one| {
-                let mut fields = one.reading().map_or_else(Map::new, |reading| {
-                    fields! { "pnu": reading.pnu, "index": reading.index, "name": reading.name }
-                });
-                fields.insert("connection".into(), of_connection(one, &left).into());
-                fields.insert("left".into(), side_json(&one.left));
-                fields.insert("right".into(), side_json(&one.right));
-                Value::Object(fields)
-            })
-            .collect();
-        let tasks: Vec<Value> = tasks
+            .map(|one| report::Difference::new(one, of_connection(one, &left), &wording))
+            .collect(),
+        tasks: tasks
             .iter()
-            .map(|one| {
-                let mut fields = fields! { "number": one.number };
-                fields.insert("left".into(), Value::Object(task_json(&one.left)));
-                fields.insert("right".into(), Value::Object(task_json(&one.right)));
-                Value::Object(fields)
+            .map(|one| TaskDifference {
+                number: one.number,
+                left: MotionTask::from(&one.left),
+                right: MotionTask::from(&one.right),
             })
-            .collect();
-        output.document(
-            "diff",
-            fields! { "left": args.left.as_str(), "right": args.right.as_str(), "differences": list,
-            "tasks": tasks },
-        );
-    } else {
-        for line in rows(&differences, &left, &right).lines() {
-            output.line(&line);
-        }
-    }
+            .collect(),
+    });
     if !output.json() {
+        output.table(&rows(&differences, &left, &right));
         for one in &tasks {
             output.line(&format!("MT[{}]", one.number));
             output.line(&format!("  left   {}", one.left.text(left.parameters())));
@@ -261,14 +235,6 @@ fn meaning(side: &Side) -> String {
     match side {
         Side::Value(reading) => value::meaning(reading),
         Side::Missing | Side::Refused(_) => String::new(),
-    }
-}
-
-fn side_json(side: &Side) -> Value {
-    match side {
-        Side::Missing => Value::Null,
-        Side::Refused(refusal) => Value::Object(refusal_json(refusal)),
-        Side::Value(reading) => value::json(reading),
     }
 }
 

@@ -10,7 +10,7 @@ use profile::value::Assignment;
 use serde_json::{Map, Value};
 
 use crate::advice;
-use crate::args::Interface;
+use crate::args::{Faults, Interface};
 use crate::connect::{self, Need};
 use crate::failure::{Exit, Failure};
 use crate::output::{Colour, Output, members};
@@ -20,17 +20,7 @@ use crate::render::Page;
 const CLEAR_TIMEOUT: Duration = Duration::from_secs(1);
 const GLANCE: Duration = Duration::from_millis(50);
 
-/// Arguments of `faults`.
-#[derive(Debug, clap::Args)]
-pub struct Args {
-    /// Station name, IP address, MAC address, or fc:PORT/ADDRESS or uss:PORT/ADDRESS
-    pub drive: String,
-    /// Also the faults that were acknowledged, situation by situation
-    #[arg(long)]
-    pub history: bool,
-}
-
-pub fn run(args: &Args, interface: &Interface, output: &Output) -> Result<(), Failure> {
+pub fn run(args: &Faults, interface: &Interface, output: &Output) -> Result<(), Failure> {
     let (mut session, mut drive) = connect::drive(interface, Need::Records, &args.drive, output)?;
     let report = session.fault_report(&mut drive).wait()?;
     session.close().wait()?;

@@ -1,36 +1,31 @@
 //! `profidrive inject DRIVE fault=439`: injects an event into a drive of a running `profidrive simulate`.
 
-use std::time::Duration;
-
-use clap::Args;
 use plant::control_socket::{ControlSocketError, InjectError, InjectRequest, target};
 use plant::keys;
+use profidrive::report::{InjectKey, InjectReport};
 
-use crate::args::duration;
+use crate::args::Inject;
 use crate::failure::{Exit, Failure};
-use crate::fields;
 use crate::output::Output;
+use crate::render::Page;
 use crate::render::table::{Table, clean};
-
-/// What to let happen to which virtual drive.
-#[derive(Debug, Args)]
-pub struct Inject {
-    /// Station name, IP address, MAC address, or fc:PORT/ADDRESS or uss:PORT/ADDRESS of a drive that `profidrive simulate` runs on this computer
-    pub drive: Option<String>,
-    /// What is to happen, in this order; without any: what can happen
-    #[arg(value_name = "KEY=VALUE")]
-    pub events: Vec<String>,
-    /// Ends it again after this time
-    #[arg(long = "for", value_name = "TIME", value_parser = duration)]
-    pub lasts: Option<Duration>,
-}
 
 pub fn run(args: &Inject, output: &Output) -> Result<(), Failure> {
     let Some(drive) = args.drive.as_ref().filter(|_| !args.events.is_empty()) else {
         if args.lasts.is_some() {
             return Err(Failure::usage("--for needs something that happens: KEY=VALUE"));
         }
-        print_keys(output);
+        output.report(&InjectReport {
+            drive: None,
+            happened: None,
+            keys: keys()
+                .map(|key| InjectKey {
+                    key: key.key,
+                    example: key.example,
+                    meaning: key.meaning,
+                })
+                .collect(),
+        });
         return Ok(());
     };
     let request = InjectRequest::new(drive, &args.events, args.lasts).map_err(failure)?;
@@ -43,11 +38,11 @@ pub fn run(args: &Inject, output: &Output) -> Result<(), Failure> {
     }
     let name = target.inject(request).map_err(failure)?;
     let what = args.events.join(" ");
-    if output.json() {
-        output.document("inject", fields! { "drive": name, "happened": what });
-    } else {
-        output.say(&format!("{}: {what}", clean(&name)));
-    }
+    output.report(&InjectReport {
+        drive: Some(name),
+        happened: Some(what),
+        keys: Vec::new(),
+    });
     Ok(())
 }
 
@@ -88,19 +83,15 @@ fn failure(error: InjectError) -> Failure {
     }
 }
 
-fn print_keys(output: &Output) {
-    if output.json() {
-        let all: Vec<_> = keys()
-            .map(|key| fields! { "key": key.key, "example": key.example, "meaning": key.meaning })
-            .collect();
-        output.document("inject", fields! { "keys": all });
-        return;
-    }
-    let mut table = Table::new(&["example", "what happens"]);
-    for key in keys() {
-        table.row([key.example.to_owned(), key.meaning.to_owned()]);
-    }
-    for line in table.lines() {
-        output.line(&line);
+impl Page for InjectReport {
+    fn print(&self, output: &Output) {
+        if let (Some(drive), Some(what)) = (&self.drive, &self.happened) {
+            output.say(&format!("{}: {what}", clean(drive)));
+        }
+        let mut table = Table::new(&["example", "what happens"]);
+        for key in &self.keys {
+            table.row([key.example.to_owned(), key.meaning.to_owned()]);
+        }
+        output.table(&table);
     }
 }

@@ -28,14 +28,7 @@ mod stop;
 mod task;
 pub mod vendor;
 
-pub use backup::Args as Backup;
-pub use diff::Args as Diff;
-pub use faults::Args as Faults;
-pub use gsdml::Gsdml;
-pub use inject::Inject;
 pub use restore::Args as Restore;
-pub use simulate::SerialOptions;
-pub use status::Status;
 
 use crate::args::{Cli, Command, Interface, OnDrive};
 use crate::failure::Failure;

@@ -7,22 +7,20 @@ mod write;
 
 use client::Refusal;
 use client::Wait;
-use profidrive::report::{ParametersReport, parameter};
-use profile::catalogue::{Access, Catalogue, Parameter, Part};
-use profile::notation::{ParameterReference, Shown};
+use profidrive::report::{Parameter as ParameterValue, ParametersReport, parameter};
+use profile::catalogue::Part;
+use profile::notation::ParameterReference;
 use profile::parameter::pnu;
 use profile::state::Mode;
 use profile::telegram::Telegram;
-use profile::value::{ParameterProblem, Parameters, Reading, Selection};
+use profile::value::{ParameterProblem, Reading, Selection};
 use serde_json::{Map, Value};
 
 use crate::advice::Commands;
 use crate::args::{Interface, Read};
 use crate::connect::{self, Need};
 use crate::failure::Failure;
-use crate::fields;
 use crate::output::{Output, members};
-use crate::render::Page;
 use crate::render::table::Table;
 
 pub use describe::describe;
@@ -114,25 +112,18 @@ fn parse_all(texts: &[String]) -> Result<Vec<ParameterReference>, Failure> {
 /// Prints readings; the raw values only with `raw`.
 fn print_readings(drive: &str, readings: &[Result<Reading, Refusal>], raw: bool, output: &Output) {
     let wording = Commands::any();
-    let parameters = readings.iter().map(|reading| parameter(reading, &wording));
+    let values = readings.iter().map(|reading| parameter(reading, &wording));
     let report = ParametersReport {
         drive: drive.to_owned(),
-        parameters: parameters.collect(),
+        parameters: values.collect(),
     };
-    if output.json() {
-        output.report(&report);
-    } else {
-        output.table(&table(&report, raw));
+    output.json_report(&report);
+    if !output.json() {
+        output.table(&values_table(&report.parameters, raw));
     }
 }
 
-impl Page for ParametersReport {
-    fn print(&self, output: &Output) {
-        output.table(&table(self, false));
-    }
-}
-
-fn table(report: &ParametersReport, raw: bool) -> Table {
+fn values_table(values: &[ParameterValue], raw: bool) -> Table {
     let mut table = Table::new(&[
         "name",
         "number",
@@ -141,14 +132,14 @@ fn table(report: &ParametersReport, raw: bool) -> Table {
         "meaning",
         if raw { "raw" } else { "" },
     ]);
-    for parameter in report.parameters.iter().filter(|one| one.error.is_none()) {
+    for value in values.iter().filter(|one| one.error.is_none()) {
         table.row([
-            parameter.name.clone().unwrap_or_default(),
-            parameter.number.clone(),
-            parameter.text.clone().unwrap_or_default(),
-            parameter.unit.clone(),
-            parameter.meaning.clone().unwrap_or_default(),
-            if raw { parameter.octets() } else { String::new() },
+            value.name.clone().unwrap_or_default(),
+            value.number.clone(),
+            value.text.clone().unwrap_or_default(),
+            value.unit.clone(),
+            value.meaning.clone().unwrap_or_default(),
+            if raw { value.octets() } else { String::new() },
         ]);
     }
     table
@@ -160,40 +151,4 @@ fn reading_json(reading: &Result<Reading, Refusal>) -> Value {
 
 pub fn refusal_json(refusal: &Refusal) -> Map<String, Value> {
     members(&parameter(&Err(*refusal), &Commands::any()))
-}
-
-const fn access_word(access: Access) -> &'static str {
-    match access {
-        Access::ReadOnly => "read",
-        Access::ReadWrite => "read, write",
-        Access::WriteOnly => "command",
-    }
-}
-
-fn number_of(tables: &Catalogue, parameter: &Parameter) -> String {
-    let writable = Some(parameter.access != Access::ReadOnly);
-    Shown {
-        pnu: parameter.pnu,
-        index: parameter.base,
-        writable,
-        notation: tables.notation,
-    }
-    .to_string()
-}
-
-/// Limits as the tables have them; null where only the size limits.
-fn parameter_json(tables: &Catalogue, parameter: &Parameter, drive: &Parameters) -> Map<String, Value> {
-    let limits = drive.limits(parameter);
-    let meanings = |list: &[profile::catalogue::Meaning]| -> Vec<Value> {
-        list.iter()
-            .map(|row| Value::Object(fields! { "value": row.value, "text": row.text }))
-            .collect()
-    };
-    fields! {
-        "pnu": parameter.pnu, "index": parameter.base, "number": number_of(tables, parameter), "name": parameter.name, "description": parameter.description, "unit": parameter.unit_in(&drive.scaling),
-        "access": access_word(parameter.access), "elements": parameter.elements, "octets": parameter.size.octets(),
-        "signed": parameter.signed, "high": parameter.high(), "saved": tables.is_kept(parameter), "minimum": parameter.minimum.map(|_| limits.0),
-        "maximum": parameter.maximum.map(|_| limits.1), "default": parameter.default_in(&drive.scaling), "choices": meanings(parameter.choices),
-        "bits": meanings(parameter.bits), "source": parameter.source,
-    }
 }

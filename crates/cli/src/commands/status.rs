@@ -1,31 +1,18 @@
 //! `profidrive status`
 
-use clap::Args;
-use client::status::{Diagnosis, DriveStatus, Note, Verdict, diagnose};
-use client::{Action, LossReaction, Wait};
+use client::status::{Note, Verdict, diagnose};
+use client::{Action, Wait};
 use profidrive::motion::leftovers;
-use profile::catalogue::{Catalogue, Part};
-use profile::state::{Mode, Profile};
-use serde_json::{Map, Value};
+use profidrive::report::{Controller, LossReaction, Quantity, StatusReport, Word};
+use profile::state::Profile;
 
-use super::axis::{fault_text, warned};
-use crate::advice;
-use crate::args::Interface;
+use crate::advice::{self, Commands};
+use crate::args::{Interface, Status};
 use crate::connect::{self, Need};
 use crate::failure::{Exit, Failure};
-use crate::fields;
 use crate::output::{Colour, Output};
 use crate::render::table::clean;
-use crate::render::{hex16, words};
-
-#[derive(Debug, Args)]
-pub struct Status {
-    /// Station name, IP address, MAC address, or fc:PORT/ADDRESS or uss:PORT/ADDRESS
-    pub drive: String,
-    /// Only the sentence, and what else stands in the way
-    #[arg(long)]
-    pub short: bool,
-}
+use crate::render::{Page, hex16};
 
 pub fn run(args: &Status, interface: &Interface, output: &Output) -> Result<(), Failure> {
     let (mut session, mut drive) = connect::drive(interface, Need::Records, &args.drive, output)?;
@@ -48,30 +35,14 @@ pub fn run(args: &Status, interface: &Interface, output: &Output) -> Result<(), 
             next: Some(next.into()),
         }
     }));
-    if output.json() {
-        output.document("status", json(&status, &diagnosis));
-    } else {
-        let colour = match diagnosis.verdict {
-            Verdict::Runs => Colour::Normal,
-            Verdict::Waits => Colour::Action,
-            Verdict::Held => Colour::Fault,
-        };
-        let sentence = format!("{}: {}", drive.label(), clean(&diagnosis.sentence));
-        output.line(&output.paint(colour, &sentence));
-        if let Some(next) = advice::next(&diagnosis, &drive.label()) {
-            output.line(&format!("  next: {}", clean(&next)));
-        }
-        for note in &diagnosis.notes {
-            output.line(&output.paint(Colour::Warning, &format!("  also: {}", clean(&note.sentence))));
-            if let Some(next) = &note.next {
-                let next = advice::text(next, &drive.label());
-                output.line(&format!("    next: {}", clean(&next)));
-            }
-        }
-        if !args.short {
-            for line in lines(&status, drive.model.catalogue) {
-                output.line(&line);
-            }
+    let label = drive.label();
+    let next = advice::next(&diagnosis, &label);
+    let tables = drive.model.catalogue;
+    let report = StatusReport::new(&status, &diagnosis, tables, next, &Commands(&label));
+    output.report(&report);
+    if !args.short && !output.json() {
+        for line in lines(&report) {
+            output.line(&line);
         }
     }
     match diagnosis.verdict {
@@ -85,6 +56,27 @@ pub fn run(args: &Status, interface: &Interface, output: &Output) -> Result<(), 
                 diagnosis.cause.id()
             ),
         )),
+    }
+}
+
+impl Page for StatusReport {
+    fn print(&self, output: &Output) {
+        let colour = match self.verdict.as_str() {
+            "runs" => Colour::Normal,
+            "waits" => Colour::Action,
+            _ => Colour::Fault,
+        };
+        let sentence = format!("{}: {}", self.drive, clean(&self.sentence));
+        output.line(&output.paint(colour, &sentence));
+        if let Some(next) = &self.next {
+            output.line(&format!("  next: {}", clean(next)));
+        }
+        for note in &self.notes {
+            output.line(&output.paint(Colour::Warning, &format!("  also: {}", clean(&note.sentence))));
+            if let Some(next) = &note.next {
+                output.line(&format!("    next: {}", clean(next)));
+            }
+        }
     }
 }
 
@@ -105,110 +97,87 @@ fn unread(error: client::Error, drive: &str) -> Failure {
 }
 
 /// The facts, one a line.
-fn lines(status: &DriveStatus, tables: Option<&Catalogue>) -> Vec<String> {
-    let mode = status.word_mode;
+fn lines(report: &StatusReport) -> Vec<String> {
     let mut lines = Vec::new();
     let mut line = |name: &str, text: Option<String>| {
         if let Some(text) = text {
             lines.push(format!("{name:<12} {}", clean(&text)));
         }
     };
-    line("state", status.state().map(|state| state.to_string()));
-    line(
-        "STW1",
-        status
-            .control_word
-            .map(|word| words::shown(status.profile.control_bits(mode), word)),
-    );
-    line(
-        "ZSW1",
-        status
-            .status_word
-            .map(|word| words::shown(status.profile.status_bits(mode), word)),
-    );
-    line(
-        "words",
-        (status.profile != Profile::Profidrive).then(|| format!("of {}", status.profile.name())),
-    );
-    line("control", status.controller.as_ref().map(owner));
-    line("telegram", status.telegram.map(|number| number.to_string()));
-    line("mode", status.mode.map(mode_text));
+    let words = &report.words;
+    let number = |quantity: &Option<Quantity>, digits: usize| {
+        let Quantity { value, unit, .. } = quantity.as_ref()?;
+        let of = if unit == "%" { " of its reference" } else { "" };
+        Some(format!("{value:.digits$} {unit}{of}"))
+    };
+    let set = |word: &Option<Word>| word.as_ref().filter(|word| word.number != 0).map(Word::shown);
+    line("state", report.state_text.clone());
+    line("STW1", words.stw1.as_ref().map(Word::shown));
+    line("ZSW1", words.zsw1.as_ref().map(Word::shown));
+    let other = words.profile != Profile::Profidrive.name();
+    line("words", other.then(|| format!("of {}", words.profile)));
+    line("control", report.controller.as_ref().map(owner));
+    line("telegram", report.telegram.map(|number| number.to_string()));
+    line("mode", report.operating_mode.map(mode_text));
     line(
         "setpoints",
-        status.command_source.map(|source| {
-            let text = status.command_source_text.unwrap_or("not in the tables");
+        report.command_source.map(|source| {
+            let text = report.command_source_text.unwrap_or("not in the tables");
             format!("from {source}, {text} (DRV.CMDSOURCE)")
         }),
     );
-    line("STO", status.torque_allowed.map(allowed));
-    line(
-        "disabled by",
-        status
-            .disable_sources
-            .filter(|&sources| sources != 0)
-            .map(|sources| bits_of(tables, Part::DisableSources, sources)),
-    );
-    line(
-        "motion held",
-        status
-            .motion_disable_sources
-            .filter(|&sources| sources != 0)
-            .map(|sources| bits_of(tables, Part::MotionDisableSources, sources)),
-    );
-    line("DC bus", status.bus_voltage.map(|volts| format!("{volts:.0} V")));
-    line("limits", limits(status));
-    if mode == Mode::Position {
-        line("homed", status.zsw1.map(homed));
-    }
-    let rpm = |speed: Option<f64>| speed.map(|speed| format!("{speed:.2} rpm"));
-    line("speed set", rpm(status.speed_set));
-    let percent = |speed: f64| format!("{speed:.2} % of its reference");
-    line(
-        "speed",
-        rpm(status.speed_actual).or(status.speed_percent.map(percent)),
-    );
-    let lost = status
-        .loss
-        .as_ref()
-        .filter(|loss| !loss.action.stops() && loss.parameter.is_some());
-    line("if lost", lost.map(ToString::to_string));
-    line("position", status.position.map(|turns| format!("{turns:.3} rev")));
+    let torque = |allowed| {
+        if allowed {
+            "torque allowed"
+        } else {
+            "safe torque off"
+        }
+    };
+    line("STO", report.torque_allowed.map(|allowed| torque(allowed).into()));
+    line("disabled by", set(&report.disable_sources));
+    line("motion held", set(&report.motion_disable_sources));
+    line("DC bus", number(&report.bus_voltage, 0));
+    line("limits", limits(report));
+    let homed = |homed| {
+        if homed {
+            "yes (ZSW1 bit 11)"
+        } else {
+            "no (ZSW1 bit 11)"
+        }
+    };
+    line("homed", report.homed.map(|yes| homed(yes).into()));
+    line("speed set", number(&report.speed_set, 2));
+    line("speed", number(&report.speed_actual, 2));
+    let goes_on =
+        |loss: &&LossReaction| matches!(loss.action, "keeps-turning" | "unknown") && loss.parameter.is_some();
+    let lost = report.on_loss.as_ref().filter(goes_on);
+    line("if lost", lost.map(|loss| loss.text.clone()));
+    line("position", number(&report.position, 3));
+    let following = number(&report.following_error, 3);
     line(
         "following",
-        status
-            .following_error
-            .map(|error| format!("{error:.3} rev (position command minus position)")),
+        following.map(|error| format!("{error} (position command minus position)")),
     );
-    for fault in &status.faults {
-        line("fault", Some(fault_text(fault)));
+    for fault in &report.faults {
+        let meaning = fault.meaning.as_deref().unwrap_or("not in the tables");
+        line("fault", Some(format!("F{} {meaning}", fault.number)));
     }
-    for warning in &status.warnings {
-        line("warning", Some(warned(warning)));
+    for warning in &report.warnings {
+        let meaning = warning.meaning.as_deref().unwrap_or("not in the tables");
+        line("warning", Some(format!("n{} {meaning}", warning.number)));
     }
     lines
 }
 
-/// `0x0003 [Software disable, Fault present]`
-fn bits_of(tables: Option<&Catalogue>, part: Part, word: u16) -> String {
-    let known = tables.and_then(|tables| {
-        let parameter = tables.part(part)?;
-        tables.word_at(parameter.pnu, parameter.base)
-    });
-    match known {
-        Some(known) => format!(
-            "{} {}",
-            hex16(word),
-            words::bracketed(&known.describe(word.into(), Profile::default(), Mode::default()))
-        ),
-        None => hex16(word),
+fn owner(controller: &Controller) -> String {
+    if controller.connected {
+        format!(
+            "controller \"{}\"",
+            controller.name.as_deref().unwrap_or_default()
+        )
+    } else {
+        "none: no controller is connected".into()
     }
-}
-
-fn owner(controller: &Option<String>) -> String {
-    controller.as_ref().map_or_else(
-        || "none: no controller is connected".into(),
-        |name| format!("controller \"{name}\""),
-    )
 }
 
 fn mode_text(mode: u16) -> String {
@@ -219,110 +188,28 @@ fn mode_text(mode: u16) -> String {
     }
 }
 
-fn allowed(allowed: bool) -> String {
-    if allowed {
-        "torque allowed".into()
-    } else {
-        "safe torque off".into()
-    }
-}
-
-fn homed(zsw1: profile::state::Zsw1) -> String {
-    if zsw1.has(profile::state::Zsw1::HOMED) {
-        "yes (ZSW1 bit 11)".into()
-    } else {
-        "no (ZSW1 bit 11)".into()
-    }
-}
-
-fn limits(status: &DriveStatus) -> Option<String> {
+fn limits(report: &StatusReport) -> Option<String> {
     let mut hit = Vec::new();
     for (switch, name) in [
-        (status.negative_switch, "negative switch"),
-        (status.positive_switch, "positive switch"),
+        (report.negative_switch, "negative switch"),
+        (report.positive_switch, "positive switch"),
     ] {
         if switch == Some(true) {
             hit.push(name.to_owned());
         }
     }
-    if let Some(limits) = status.software_limits.filter(|&limits| limits != 0) {
+    if let Some(limits) = report.software_limits.filter(|&limits| limits != 0) {
         hit.push(format!("software limits (SWLS.STATE {limits})"));
     }
     (!hit.is_empty()).then(|| hit.join(", "))
 }
 
-fn json(status: &DriveStatus, diagnosis: &Diagnosis) -> Map<String, Value> {
-    let mode = status.word_mode;
-    let faults: Vec<Value> = status
-        .faults
-        .iter()
-        .map(|fault| entry(fault.number.into(), fault.meaning, fault.remedy))
-        .collect();
-    let warnings: Vec<Value> = status
-        .warnings
-        .iter()
-        .map(|warning| entry(warning.number, warning.meaning, warning.remedy))
-        .collect();
-    let notes: Vec<Value> = diagnosis
-        .notes
-        .iter()
-        .map(|note| {
-            Value::Object(
-                fields! { "cause": note.id, "sentence": note.sentence.as_str(), "next": note.next.as_ref().map(|next| advice::text(next, &status.drive)) },
-            )
-        })
-        .collect();
-    let mut fields = fields! {
-        "drive": status.drive.as_str(), "verdict": diagnosis.verdict.to_string(), "cause": diagnosis.cause.id(),
-        "sentence": diagnosis.sentence.as_str(), "next": advice::next(diagnosis, &status.drive), "actions": advice::json(diagnosis, &status.drive),
-        "state": status.zsw1.map(|zsw1| words::state_number(zsw1.0, status.stw1.map(|stw1| stw1.0))),
-        "telegram": status.telegram, "mode": status.mode, "command_source": status.command_source,
-        "disable_sources": status.disable_sources, "motion_disable_sources": status.motion_disable_sources,
-        "motion_status": status.motion, "torque_allowed": status.torque_allowed,
-        "negative_switch": status.negative_switch, "positive_switch": status.positive_switch,
-        "software_limits": status.software_limits, "speed_set": status.speed_set,
-        "speed_actual": status.speed_actual, "speed_percent": status.speed_percent, "position": status.position,
-        "following_error": status.following_error, "bus_voltage": status.bus_voltage, "notes": notes,
-        "faults": faults, "warnings": warnings,
-    };
-    if let Some(loss) = &status.loss {
-        fields.insert("on_loss".into(), Value::Object(on_loss(loss)));
-    }
-    if let Some(controller) = &status.controller {
-        fields.insert("controller".into(), controller.as_deref().into());
-    }
-    if let Some(word) = status.control_word {
-        fields.insert(
-            "stw1".into(),
-            words::word_json(status.profile.control_bits(mode), word),
-        );
-    }
-    if let Some(word) = status.status_word {
-        fields.insert(
-            "zsw1".into(),
-            words::word_json(status.profile.status_bits(mode), word),
-        );
-    }
-    fields
-}
-
-/// What the drive does when its controller is lost.
-fn on_loss(loss: &LossReaction) -> Map<String, Value> {
-    fields! {
-        "action": loss.action.id(), "parameter": loss.parameter.as_deref(), "setting": loss.setting.as_deref(),
-        "after": loss.after.map(|after| after.as_secs_f64()),
-    }
-}
-
-fn entry(number: u32, meaning: Option<&str>, remedy: Option<&str>) -> Value {
-    Value::Object(fields! { "number": number, "meaning": meaning, "remedy": remedy })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use client::status::DriveStatus;
     use profile::catalogue::AKD;
-    use profile::state::{Stw1, Zsw1};
+    use profile::state::{Mode, Stw1, Zsw1};
 
     #[test]
     fn a_drive_with_a_silent_channel_can_be_stopped() {
@@ -355,7 +242,9 @@ mod tests {
             disable_sources: Some(3),
             ..DriveStatus::default()
         };
-        let text = lines(&status, Some(&AKD)).join("\n");
+        let diagnosis = diagnose(&status);
+        let report = StatusReport::new(&status, &diagnosis, Some(&AKD), None, &Commands("akd-1"));
+        let text = lines(&report).join("\n");
         for part in [
             "state        S4 operation",
             "ZSW1         0x2337 [READY_ON, READY_OP, OPERATION, IN_TOLERANCE, CTRL_REQ, STOPPED]",
@@ -369,8 +258,6 @@ mod tests {
             assert!(text.contains(part), "{part} in\n{text}");
         }
         assert!(!text.contains("speed"), "{text}");
-        let fields = json(&status, &diagnose(&status));
-        assert_eq!(fields["cause"], "limit-switch");
-        assert_eq!(fields["verdict"], "held");
+        assert_eq!((report.cause, report.verdict.as_str()), ("limit-switch", "held"));
     }
 }

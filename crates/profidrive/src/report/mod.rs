@@ -12,20 +12,34 @@
 //! Every field is always there: `null` says that it is not known or does not apply, a list without entries is `[]`.
 //! Times are in seconds. With the feature `schema` each report has a JSON schema.
 
+mod backup;
 mod drive;
+mod gsdml;
 mod motion;
 #[cfg(feature = "schema")]
 pub mod schema;
 mod shapes;
+mod simulation;
+mod station;
+mod status;
+mod tables;
 
 pub use dissect::report::{DriveState, Parameter, ParameterContent, ParameterError, Word};
 
+pub use backup::{BackupReport, DiffReport, Difference, MotionTask, NumberedTask, TaskDifference};
 pub use drive::{
     FaultsReport, Identity, InfoReport, LogEntry, Module, MonitorReading, Neighbour, ParametersReport,
     ScanReport, Submodule,
 };
+pub use gsdml::{GsdmlCheckReport, GsdmlExportReport, GsdmlProblem};
 pub use motion::{AxisState, CycleStrained, DryRun, Frames, MotionEnd, MotionEvent, TelegramChange};
 pub use shapes::{
     Action, Controller, DriveWords, Error, Fault, LossReaction, Quantity, Station, Warning, Wording,
     parameter, parameter_error,
+};
+pub use simulation::{InjectKey, InjectReport, SimulationEvent};
+pub use station::{BlinkReport, IpReport, NameReport, ResetReport};
+pub use status::{StatusNote, StatusReport};
+pub use tables::{
+    DescribeReport, ListReport, ParameterDescription, ReportedDescription, ValueText, access, number,
 };

@@ -4,7 +4,11 @@ use schemars::generate::SchemaSettings;
 use schemars::{JsonSchema, SchemaGenerator};
 use serde_json::{Map, Value, json};
 
-use super::{Error, FaultsReport, InfoReport, ParametersReport, ScanReport};
+use super::{
+    BackupReport, BlinkReport, DescribeReport, DiffReport, Error, FaultsReport, GsdmlCheckReport,
+    GsdmlExportReport, InfoReport, InjectReport, IpReport, ListReport, NameReport, ParametersReport,
+    ResetReport, ScanReport, SimulationEvent, StatusReport,
+};
 
 /// Name of the file with the shared definitions.
 pub const DEFINITIONS: &str = "definitions.json";
@@ -17,6 +21,19 @@ const COMMANDS: &[(&str, Describe)] = &[
     ("scan", of::<ScanReport>),
     ("info", of::<InfoReport>),
     ("read", of::<ParametersReport>),
+    ("list", of::<ListReport>),
+    ("describe", of::<DescribeReport>),
+    ("backup", of::<BackupReport>),
+    ("diff", of::<DiffReport>),
+    ("gsdml check", of::<GsdmlCheckReport>),
+    ("gsdml export", of::<GsdmlExportReport>),
+    ("name", of::<NameReport>),
+    ("ip", of::<IpReport>),
+    ("blink", of::<BlinkReport>),
+    ("reset", of::<ResetReport>),
+    ("simulate", of::<SimulationEvent>),
+    ("inject", of::<InjectReport>),
+    ("status", of::<StatusReport>),
     ("faults", of::<FaultsReport>),
 ];
 

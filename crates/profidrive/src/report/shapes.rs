@@ -321,6 +321,8 @@ pub struct LossReaction {
     pub setting: Option<String>,
     /// Seconds from the last control word until the drive reacts.
     pub after: Option<f64>,
+    /// The same in words: `the drive keeps turning (8-04 is Off)`.
+    pub text: String,
 }
 
 impl From<&client::LossReaction> for LossReaction {
@@ -330,6 +332,7 @@ impl From<&client::LossReaction> for LossReaction {
             parameter: loss.parameter.clone(),
             setting: loss.setting.clone(),
             after: loss.after.map(|after| after.as_secs_f64()),
+            text: loss.to_string(),
         }
     }
 }

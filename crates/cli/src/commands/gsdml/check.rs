@@ -5,11 +5,10 @@ use std::io::Read;
 use std::path::Path;
 
 use gsdml::{Bitmap, Gsdml, Problem, Severity};
-use serde_json::{Map, Value};
+use profidrive::report::{GsdmlCheckReport, GsdmlProblem};
 
-use super::Check;
+use crate::args::GsdmlCheck;
 use crate::failure::{Exit, Failure};
-use crate::fields;
 use crate::output::{Colour, Output};
 use crate::render::table::clean;
 
@@ -19,7 +18,7 @@ const PICTURE: (u32, u32) = (70, 40);
 /// Octets of a picture that are read; its size stands in the first 26.
 const HEAD: u64 = 64;
 
-pub fn run(args: &Check, output: &Output) -> Result<(), Failure> {
+pub fn run(args: &GsdmlCheck, output: &Output) -> Result<(), Failure> {
     let path = &args.file;
     let report = gsdml::check(&super::octets(path)?, Some(&super::file_name(path)));
     let pictures = report
@@ -35,21 +34,15 @@ pub fn run(args: &Check, output: &Output) -> Result<(), Failure> {
     };
     let (unusable, errors) = (worst(Severity::Unusable), worst(Severity::Error));
     let warnings = worst(Severity::Warning) + pictures.len();
-    if output.json() {
-        let problems: Vec<Value> = report
-            .problems
-            .iter()
-            .map(|problem| json(problem).into())
-            .collect();
-        output.document(
-            "gsdml check",
-            fields! {
-                "file": path.display().to_string(), "sound": report.is_sound(),
-                "usable": report.description.is_some(), "problems": problems, "left_out": report.left_out,
-                "pictures": pictures.clone(),
-            },
-        );
-    } else {
+    output.json_report(&GsdmlCheckReport {
+        file: path.display().to_string(),
+        sound: report.is_sound(),
+        usable: report.description.is_some(),
+        problems: report.problems.iter().map(listed).collect(),
+        left_out: report.left_out,
+        pictures: pictures.clone(),
+    });
+    if !output.json() {
         for problem in &report.problems {
             let (colour, severity) = (colour(problem.severity), problem.severity.word());
             output.line(&format!(
@@ -106,10 +99,13 @@ const fn colour(severity: Severity) -> Colour {
     }
 }
 
-fn json(problem: &Problem) -> Map<String, Value> {
-    fields! {
-        "severity": problem.severity.word(), "rule": problem.rule.word(), "line": problem.position.line,
-        "column": problem.position.column, "message": problem.message.as_str(),
+fn listed(problem: &Problem) -> GsdmlProblem {
+    GsdmlProblem {
+        severity: problem.severity.word(),
+        rule: problem.rule.word(),
+        line: problem.position.line,
+        column: problem.position.column,
+        message: problem.message.clone(),
     }
 }
 

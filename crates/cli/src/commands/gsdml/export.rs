@@ -1,15 +1,14 @@
 //! `profidrive gsdml export --model akd -o DIR`
 
 use network::files::StateFile;
-use serde_json::Value;
+use profidrive::report::GsdmlExportReport;
 use virtual_drive::description::export::export;
 
-use super::Export;
+use crate::args::GsdmlExport;
 use crate::failure::{Exit, Failure};
-use crate::fields;
 use crate::output::Output;
 
-pub fn run(args: &Export, output: &Output) -> Result<(), Failure> {
+pub fn run(args: &GsdmlExport, output: &Output) -> Result<(), Failure> {
     let exported = export(args.model);
     let mut files = vec![(
         exported.file_name.to_string(),
@@ -25,11 +24,10 @@ pub fn run(args: &Export, output: &Output) -> Result<(), Failure> {
         if !output.json() {
             output.line(&path.display().to_string());
         }
-        written.push(Value::from(path.display().to_string()));
+        written.push(path.display().to_string());
     }
-    if output.json() {
-        output.document("gsdml export", fields! { "files": written });
-    } else {
+    output.json_report(&GsdmlExportReport { files: written });
+    if !output.json() {
         output.say("install the .xml in the engineering tool; the drive is in its catalogue under drives");
     }
     Ok(())

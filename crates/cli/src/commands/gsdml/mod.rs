@@ -6,68 +6,19 @@ mod show;
 
 use std::fs::File;
 use std::io::Read as _;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use clap::{Args, Subcommand};
 use gsdml::{Gsdml as Description, MOST_OCTETS};
-use virtual_drive::model::Model;
 
-use crate::args::simulated;
+use crate::args::{Gsdml, GsdmlCommand};
 use crate::failure::{Exit, Failure};
 use crate::output::Output;
 
-/// What to do with device descriptions.
-#[derive(Debug, Args)]
-pub struct Gsdml {
-    #[command(subcommand)]
-    what: What,
-}
-
-#[derive(Debug, Subcommand)]
-enum What {
-    /// Write the device description of a virtual drive with its picture, for the engineering tool of a PLC
-    Export(Export),
-    /// Show what a device description says: identity, access points, modules, lengths, texts
-    Show(Show),
-    /// Look for everything that is against the rules in a device description
-    Check(Check),
-}
-
-#[derive(Debug, Args)]
-struct Export {
-    /// Drive model
-    #[arg(long, value_parser = simulated(), value_name = "MODEL", default_value = "akd")]
-    model: &'static Model,
-    /// Folder to write into; the rules give the names of the files
-    #[arg(short, long, value_name = "DIR", default_value = ".")]
-    output: PathBuf,
-}
-
-#[derive(Debug, Args)]
-struct Show {
-    /// Device description (.xml)
-    #[arg(value_name = "FILE")]
-    file: PathBuf,
-    /// Names in another language of the file, for example de
-    #[arg(long, value_name = "LANGUAGE")]
-    language: Option<String>,
-    /// Show all texts too
-    #[arg(long)]
-    texts: bool,
-}
-
-#[derive(Debug, Args)]
-struct Check {
-    /// Device description (.xml)
-    #[arg(value_name = "FILE")]
-    file: PathBuf,
-}
-
 pub fn run(args: &Gsdml, output: &Output) -> Result<(), Failure> {
     match &args.what {
-        What::Export(args) => export::run(args, output),
-        What::Show(args) => show::run(args, output),
-        What::Check(args) => check::run(args, output),
+        GsdmlCommand::Export(args) => export::run(args, output),
+        GsdmlCommand::Show(args) => show::run(args, output),
+        GsdmlCommand::Check(args) => check::run(args, output),
     }
 }
 

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use gsdml::{AccessPoint, Gsdml, Module, ModuleInfo, Submodule, TextId, ValueList};
 use serde_json::{Map, Value};
 
-use super::Show;
+use crate::args::GsdmlShow;
 use crate::failure::Failure;
 use crate::fields;
 use crate::output::{Colour, Output};
@@ -15,7 +15,7 @@ use crate::render::table::{Table, clean};
 /// Milliseconds of one step of an update time.
 const TICK: f64 = 0.031_25;
 
-pub fn run(args: &Show, output: &Output) -> Result<(), Failure> {
+pub fn run(args: &GsdmlShow, output: &Output) -> Result<(), Failure> {
     let description = super::read(&args.file)?;
     let languages = &description.texts.languages;
     if let Some(language) = &args.language

@@ -1,18 +1,20 @@
 //! `profidrive describe`
 
 use client::{Described, Drive, Refusal, Wait};
+use profidrive::report::{
+    self, DescribeReport, ParameterDescription, ReportedDescription, access, number as number_as_written,
+};
 use profile::catalogue::{Access, Parameter, Role, Scaling, Word};
 use profile::notation::{Notation, Shown};
 use profile::parameter::Saving;
 use profile::value::{Reading, Selection};
-use serde_json::Value;
 
-use super::limits::{self, Limits};
-use super::{access_word, name_bits, number_of, parameter_json, parse_all, reading_json};
+use super::limits::Limits;
+use super::{name_bits, parse_all};
+use crate::advice::Commands;
 use crate::args::{Describe, Interface};
 use crate::connect::{self, Need};
 use crate::failure::{Exit, Failure};
-use crate::fields;
 use crate::output::{Colour, Output};
 use crate::render::{number, value};
 
@@ -36,20 +38,25 @@ pub fn describe(args: &Describe, interface: &Interface, output: &Output) -> Resu
     let mut readings = session.read(&mut drive, &[selection]).wait()?;
     name_bits(&mut session, &mut drive, &mut readings)?;
     session.close().wait()?;
+    let wording = Commands::any();
+    output.json_report(&DescribeReport {
+        drive: drive.label(),
+        model: drive.model.name,
+        parameter: Some(ParameterDescription::new(tables, parameter, &drive.parameters)),
+        scaling: Some(parameter.rule(&drive.parameters.scaling)),
+        reported: description.as_ref().map(ReportedDescription::from),
+        values: readings
+            .iter()
+            .map(|reading| report::parameter(reading, &wording))
+            .collect(),
+    });
     if output.json() {
-        let mut fields = fields! { "drive": drive.label(), "model": drive.model.name };
-        fields.extend(parameter_json(tables, parameter, &drive.parameters));
-        fields.insert("scaling".into(), parameter.rule(&drive.parameters.scaling).into());
-        fields.extend(limits::json(description.as_ref()));
-        let values: Vec<Value> = readings.iter().map(reading_json).collect();
-        fields.insert("values".into(), values.into());
-        output.document("describe", fields);
         return Ok(());
     }
     let limits = Limits::of(&drive.parameters, parameter, description.as_ref());
     output.line(&output.paint(
         Colour::Strong,
-        &format!("{} ({})", parameter.name, number_of(tables, parameter)),
+        &format!("{} ({})", parameter.name, number_as_written(tables, parameter)),
     ));
     let scaling = &drive.parameters.scaling;
     let word = tables.word_at(parameter.pnu, parameter.base);
@@ -74,13 +81,15 @@ fn in_no_table(
         return Err(Failure::new(Exit::Failed, message)
             .hint("the drive does not describe it; `profidrive read` may read it all the same"));
     };
+    output.json_report(&DescribeReport {
+        drive: drive.label(),
+        model: drive.model.name,
+        parameter: None,
+        scaling: None,
+        reported: Some(ReportedDescription::from(&description)),
+        values: Vec::new(),
+    });
     if output.json() {
-        let mut fields = fields! {
-            "drive": drive.label(), "model": drive.model.name, "pnu": selection.pnu, "name": description.name.as_str(),
-            "unit": description.unit, "access": if description.read_only { "read" } else { "read, write" }, "elements": description.elements,
-        };
-        fields.extend(limits::json(Some(&description)));
-        output.document("describe", fields);
         return Ok(());
     }
     let title = format!("{} ({})", description.name, selection.label());
@@ -166,7 +175,7 @@ fn description_lines(
         text => format!("\"{text}\""),
     };
     line("default", default);
-    line("access", access_word(parameter.access).to_owned());
+    line("access", access(parameter.access).to_owned());
     line("size", size_words(parameter));
     if parameter.length == 0 {
         line("scaling", parameter.rule(scaling));

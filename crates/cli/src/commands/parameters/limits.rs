@@ -3,9 +3,7 @@
 use client::{Described, ReportedLimits};
 use profile::catalogue::Parameter;
 use profile::value::Parameters;
-use serde_json::{Map, Value};
 
-use crate::fields;
 use crate::render::number;
 
 /// What is known of the limits of one parameter.
@@ -85,25 +83,6 @@ impl<'a> Limits<'a> {
             .filter(|(value, _)| parameter.choices.iter().all(|choice| choice.value != *value))
             .map(|(value, text)| (*value, text.as_str()))
     }
-}
-
-/// Returns the description of the drive: its limits, null where it has none of its own, and its texts.
-pub fn json(description: Option<&Described>) -> Map<String, Value> {
-    let Some(description) = description else {
-        return fields! { "told": Value::Null };
-    };
-    let (low, high) = match description.limits {
-        ReportedLimits::Own(low, high) => (Some(low), Some(high)),
-        _ => (None, None),
-    };
-    let texts = description.texts.iter();
-    let texts: Vec<Value> = texts
-        .map(|(value, text)| Value::Object(fields! { "value": *value, "text": text.as_str() }))
-        .collect();
-    let description = fields! {
-        "minimum": low, "maximum": high, "unit": description.unit, "changed": description.changed, "texts": texts,
-    };
-    fields! { "told": description }
 }
 
 #[cfg(test)]

@@ -1,17 +1,18 @@
 //! `profidrive list`
 
-use client::Wait;
+use client::{Drive, Wait};
+use profidrive::report::{ListReport, ParameterDescription, number, parameter};
 use profile::catalogue::{Catalogue, Parameter};
 use profile::notation::{Notation, ParameterReference, Shown, Target};
 use profile::value::{Parameters, Selection};
-use serde_json::Value;
 
-use super::{access_word, name_bits, number_of, parameter_json, print_readings};
+use super::{name_bits, values_table};
+use crate::advice::Commands;
 use crate::args::{Interface, List};
 use crate::connect::{self, Need};
 use crate::failure::{Exit, Failure};
-use crate::fields;
 use crate::output::Output;
+use crate::render::Page;
 use crate::render::table::Table;
 
 pub fn list(args: &List, interface: &Interface, output: &Output) -> Result<(), Failure> {
@@ -44,36 +45,31 @@ pub fn list(args: &List, interface: &Interface, output: &Output) -> Result<(), F
         bar.finish_and_clear();
         name_bits(&mut session, &mut drive, &mut readings)?;
         session.close().wait()?;
-        print_readings(&drive.label(), &readings, args.raw, output);
+        let wording = Commands::any();
+        let values = readings.iter().map(|reading| parameter(reading, &wording));
+        let report = ListReport {
+            values: values.collect(),
+            ..empty(&drive)
+        };
+        output.json_report(&report);
+        if !output.json() {
+            output.table(&values_table(&report.values, args.raw));
+        }
         let refused = readings.iter().filter(|reading| reading.is_err()).count();
         if refused > 0 {
             output.say(&format!("{refused} of {} could not be read", readings.len()));
         }
         return Ok(());
     }
+    let rows = parameters.iter();
+    output.report(&ListReport {
+        parameters: rows
+            .map(|parameter| ParameterDescription::new(tables, parameter, &drive.parameters))
+            .collect(),
+        ..empty(&drive)
+    });
     if output.json() {
-        let list: Vec<Value> = parameters
-            .iter()
-            .map(|parameter| Value::Object(parameter_json(tables, parameter, &drive.parameters)))
-            .collect();
-        output.document(
-            "list",
-            fields! { "drive": drive.label(), "model": tables.model, "parameters": list },
-        );
         return Ok(());
-    }
-    let mut table = Table::new(&["name", "number", "access", "unit", "description"]);
-    for parameter in &parameters {
-        table.row([
-            parameter.name.to_owned(),
-            number_of(tables, parameter),
-            access_word(parameter.access).to_owned(),
-            parameter.unit.to_owned(),
-            parameter.description.to_owned(),
-        ]);
-    }
-    for line in table.lines() {
-        output.line(&line);
     }
     let wide = parameters.iter().filter(|parameter| parameter.wide).count();
     let also = match wide {
@@ -83,6 +79,39 @@ pub fn list(args: &List, interface: &Interface, output: &Output) -> Result<(), F
     };
     output.say(&format!("{}{also}", counted(parameters.len())));
     Ok(())
+}
+
+fn empty(drive: &Drive) -> ListReport {
+    ListReport {
+        drive: drive.label(),
+        model: drive.model.name,
+        ..ListReport::default()
+    }
+}
+
+impl Page for ListReport {
+    fn print(&self, output: &Output) {
+        let mut table = Table::new(&["name", "number", "access", "unit", "description"]);
+        for parameter in &self.parameters {
+            table.row([
+                parameter.name.to_owned(),
+                parameter.number.clone(),
+                parameter.access.to_owned(),
+                parameter.unit.to_owned(),
+                parameter.description.to_owned(),
+            ]);
+        }
+        output.table(&table);
+        for pnu in &self.numbers {
+            let shown = Shown {
+                pnu: *pnu,
+                index: None,
+                writable: None,
+                notation: Notation::Name,
+            };
+            output.line(&shown.to_string());
+        }
+    }
 }
 
 fn counted(count: usize) -> String {
@@ -111,11 +140,7 @@ fn filtered(parameters: &Parameters, tables: &'static Catalogue, text: &str) -> 
     let digits = wanted.contains(|c: char| c.is_ascii_digit());
     let of_number = tables.parameters.iter().filter(|parameter| {
         let same = |other: &&Parameter| (other.pnu, other.base) == (parameter.pnu, parameter.base);
-        digits
-            && number_of(tables, parameter)
-                .to_ascii_lowercase()
-                .contains(&wanted)
-            && !found.iter().any(same)
+        digits && number(tables, parameter).to_ascii_lowercase().contains(&wanted) && !found.iter().any(same)
     });
     let of_number: Vec<_> = of_number.collect();
     found.extend(of_number);
@@ -123,38 +148,16 @@ fn filtered(parameters: &Parameters, tables: &'static Catalogue, text: &str) -> 
 }
 
 /// A drive without tables lists its numbers itself (PNU 980 and following).
-fn list_numbers(
-    session: &mut connect::Live,
-    drive: &mut client::Drive,
-    output: &Output,
-) -> Result<(), Failure> {
+fn list_numbers(session: &mut connect::Live, drive: &mut Drive, output: &Output) -> Result<(), Failure> {
     let numbers = session.numbers(drive).wait()?;
     session.close().wait()?;
-    if output.json() {
-        let list: Vec<Value> = numbers
-            .iter()
-            .map(|&pnu| Value::Object(fields! { "pnu": pnu }))
-            .collect();
-        output.document(
-            "list",
-            fields! { "drive": drive.label(), "model": drive.model.name, "parameters": list },
-        );
-    } else {
-        for pnu in &numbers {
-            output.line(
-                &Shown {
-                    pnu: *pnu,
-                    index: None,
-                    writable: None,
-                    notation: Notation::Name,
-                }
-                .to_string(),
-            );
-        }
-        output.say(&format!(
-            "{}; no names are known for this drive",
-            counted(numbers.len())
-        ));
+    let count = counted(numbers.len());
+    output.report(&ListReport {
+        numbers,
+        ..empty(drive)
+    });
+    if !output.json() {
+        output.say(&format!("{count}; no names are known for this drive"));
     }
     Ok(())
 }
@@ -188,10 +191,7 @@ mod tests {
                 scaling: tables.scaling,
             };
             let found = filtered(&known, tables, text);
-            found
-                .iter()
-                .map(|parameter| number_of(tables, parameter))
-                .collect()
+            found.iter().map(|parameter| number(tables, parameter)).collect()
         };
         // the number itself stands first
         assert_eq!(numbers(&VLT, "3-4"), ["3-04", "3-40", "3-41", "3-42"]);

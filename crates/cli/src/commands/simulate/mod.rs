@@ -7,8 +7,7 @@ mod virtual_time;
 
 use std::path::Path;
 
-use clap::{Args, ValueEnum};
-use client::{LineAddress, Parity};
+use client::LineAddress;
 use network::system::Stop;
 use plant::Scenario;
 use plant::host::{
@@ -17,43 +16,10 @@ use plant::host::{
 use profidrive::serial_settings;
 use virtual_drive::model::{self, Model as DriveModel};
 
-use crate::args::{DcpInOperation, Interface, Simulate};
+use crate::args::{DcpInOperation, Interface, Protocol, Simulate};
 use crate::connect;
 use crate::failure::{Exit, Failure};
 use crate::output::Output;
-
-/// Drives at a serial line instead of a network.
-#[derive(Debug, Args)]
-pub struct SerialOptions {
-    /// Serial port: the drives are slaves of a serial line instead of stations on a network
-    #[arg(
-        long,
-        value_name = "PORT",
-        conflicts_with_all = ["plant", "virtual_time", "gsdml", "ip", "mac", "min_cycle", "pcap"]
-    )]
-    pub serial: Option<String>,
-    /// Protocol of the line
-    #[arg(long, value_enum, default_value = "fc", requires = "serial")]
-    pub protocol: Protocol,
-    /// Address of the (first) drive: 1 to 126, USS 0 to 31
-    #[arg(long, value_name = "N", default_value_t = 1, requires = "serial")]
-    pub address: u8,
-    /// Bits per second
-    #[arg(long, default_value_t = 9600, requires = "serial")]
-    pub baud: u32,
-    /// Parity
-    #[arg(long, value_name = "even|odd|none", default_value = "even", value_parser = parity, requires = "serial")]
-    pub parity: Parity,
-}
-
-/// Protocols of a serial line.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Protocol {
-    /// Danfoss FC protocol
-    Fc,
-    /// USS
-    Uss,
-}
 
 impl From<Protocol> for uss::Protocol {
     fn from(protocol: Protocol) -> Self {
@@ -62,11 +28,6 @@ impl From<Protocol> for uss::Protocol {
             Protocol::Uss => Self::Uss,
         }
     }
-}
-
-fn parity(text: &str) -> Result<Parity, &'static str> {
-    let known = Parity::ALL.into_iter().find(|parity| parity.name() == text);
-    known.ok_or("even, odd or none")
 }
 
 pub fn run(args: &Simulate, on: &Interface, output: &Output) -> Result<(), Failure> {

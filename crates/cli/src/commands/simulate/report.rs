@@ -4,10 +4,11 @@ use std::thread::{JoinHandle, sleep, spawn};
 use std::time::Duration;
 
 use plant::host::{DriveEvent, Event, EventSender, HostError, SaveResult, events};
+use profidrive::report::SimulationEvent;
 
 use crate::failure::Failure;
-use crate::fields;
 use crate::output::Output;
+use crate::render::Page;
 
 /// How long the end waits for a terminal that takes nothing.
 const TIMEOUT: Duration = Duration::from_secs(1);
@@ -36,18 +37,21 @@ fn print(event: &Event, output: &Output) {
     match event {
         _ if event.is_warning() => output.warn(&warning(event)),
         Event::Drive { drive, at, what } => {
-            let (at, text) = (at.as_secs_f64(), of_drive(what));
-            if output.json() {
-                output.event(
-                    "simulate",
-                    fields! { "time": at, "drive": &**drive, "text": text },
-                );
-            } else {
-                output.line(&format!("{at:>10.3} s  {drive:<16} {}", text.trim_end()));
-            }
+            output.report_event(&SimulationEvent {
+                time: at.as_secs_f64(),
+                drive: drive.to_string(),
+                text: of_drive(what),
+            });
         }
         Event::Running { .. } => output.say(&format!("{event}; Ctrl-C ends")),
         _ => output.say(&event.to_string()),
+    }
+}
+
+impl Page for SimulationEvent {
+    fn print(&self, output: &Output) {
+        let Self { time, drive, text } = self;
+        output.line(&format!("{time:>10.3} s  {drive:<16} {}", text.trim_end()));
     }
 }
 

@@ -7,10 +7,10 @@ use network::files::create;
 use network::pcap::Writer;
 use network::system::{Stop, now};
 use plant::{Entry, Scenario, World};
+use profidrive::report::SimulationEvent;
 use profinet::Instant;
 
 use crate::failure::{Exit, Failure};
-use crate::fields;
 use crate::output::Output;
 
 /// Virtual time between two looks at the stop flag.
@@ -62,11 +62,11 @@ pub fn run(
 
 fn print(entry: &Entry, output: &Output) {
     if output.json() {
-        let time = (entry.at - Instant::ZERO).as_secs_f64();
-        output.event(
-            "simulate",
-            fields! { "time": time, "drive": entry.drive.as_str(), "text": entry.what.to_string() },
-        );
+        output.json_event(&SimulationEvent {
+            time: (entry.at - Instant::ZERO).as_secs_f64(),
+            drive: entry.drive.clone(),
+            text: entry.what.to_string(),
+        });
     } else {
         output.line(&entry.to_string());
     }

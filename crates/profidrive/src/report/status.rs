@@ -1,0 +1,169 @@
+//! Why a drive runs, waits or is held.
+
+use client::status::{Diagnosis, DriveStatus};
+use dissect::hex16;
+use profile::catalogue::{Catalogue, Part};
+use profile::state::{Mode, Profile, Zsw1};
+use serde::Serialize;
+
+use super::{Action, Controller, DriveWords, Fault, LossReaction, Quantity, Warning, Word, Wording};
+
+/// How a drive is, and in one sentence why it does not run.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct StatusReport {
+    /// The drive.
+    pub drive: String,
+    /// `runs`, `waits` (nothing is wrong) or `held`.
+    pub verdict: String,
+    /// Stable name of the cause.
+    pub cause: &'static str,
+    /// The cause in one sentence.
+    pub sentence: String,
+    /// What to do next.
+    pub next: Option<String>,
+    /// The same as actions.
+    pub actions: Vec<Action>,
+    /// What else stands in the way.
+    pub notes: Vec<StatusNote>,
+    /// State of the drive and its words.
+    #[serde(flatten)]
+    pub words: DriveWords,
+    /// The state in words.
+    pub state_text: Option<String>,
+    /// Who has its cyclic connection; null where it does not report that.
+    pub controller: Option<Controller>,
+    /// Telegram that is selected (PNU 922).
+    pub telegram: Option<u16>,
+    /// Operating mode (PNU 930): 1 speed control, 2 positioning.
+    pub operating_mode: Option<u16>,
+    /// Where the setpoints come from: 1 is the field bus.
+    pub command_source: Option<u16>,
+    /// What that source is called.
+    pub command_source_text: Option<&'static str>,
+    /// What keeps the power stage off.
+    pub disable_sources: Option<Word>,
+    /// What keeps the axis from moving.
+    pub motion_disable_sources: Option<Word>,
+    /// Status of the motion (DRV.MOTIONSTAT).
+    pub motion_status: Option<u32>,
+    /// False for safe torque off.
+    pub torque_allowed: Option<bool>,
+    /// Whether the axis has its home position; null in velocity mode.
+    pub homed: Option<bool>,
+    /// Whether the limit switch at the negative end is hit.
+    pub negative_switch: Option<bool>,
+    /// Whether the limit switch at the positive end is hit.
+    pub positive_switch: Option<bool>,
+    /// Software limits that are reached: bits 0 and 1.
+    pub software_limits: Option<u16>,
+    /// Voltage of the DC bus.
+    pub bus_voltage: Option<Quantity>,
+    /// Speed that is commanded.
+    pub speed_set: Option<Quantity>,
+    /// Speed of the motor; in `%` of the reference where it is not known in `rpm`.
+    pub speed_actual: Option<Quantity>,
+    /// Position.
+    pub position: Option<Quantity>,
+    /// Commanded position minus position.
+    pub following_error: Option<Quantity>,
+    /// What the drive does when its controller is lost.
+    pub on_loss: Option<LossReaction>,
+    /// The faults that are present.
+    pub faults: Vec<Fault>,
+    /// The warnings that are present.
+    pub warnings: Vec<Warning>,
+}
+
+/// Something else that stands in the way.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct StatusNote {
+    /// Stable name of the cause.
+    pub cause: &'static str,
+    /// The cause in one sentence.
+    pub sentence: String,
+    /// What to do about it.
+    pub next: Option<String>,
+}
+
+impl StatusReport {
+    /// Returns how a drive is; `next` is what to do in the words of the front end.
+    #[must_use]
+    pub fn new(
+        status: &DriveStatus,
+        diagnosis: &Diagnosis,
+        tables: Option<&Catalogue>,
+        next: Option<String>,
+        wording: &dyn Wording,
+    ) -> Self {
+        let word = |part, word: Option<u16>| word.map(|word| part_word(tables, part, word));
+        let notes = diagnosis.notes.iter().map(|note| StatusNote {
+            cause: note.id,
+            sentence: note.sentence.clone(),
+            next: note.next.as_ref().map(|next| wording.advice(next)),
+        });
+        let rpm = status.speed_actual.map(Quantity::rpm);
+        let percent = status.speed_percent.map(|value| Quantity::new(value, "%"));
+        Self {
+            drive: status.drive.clone(),
+            verdict: diagnosis.verdict.to_string(),
+            cause: diagnosis.cause.id(),
+            sentence: diagnosis.sentence.clone(),
+            next,
+            actions: diagnosis
+                .actions
+                .iter()
+                .map(|action| Action::of(action, wording))
+                .collect(),
+            notes: notes.collect(),
+            words: DriveWords::of(
+                status.profile,
+                status.word_mode,
+                status.control_word,
+                status.status_word,
+            ),
+            state_text: status.state().map(|state| state.to_string()),
+            controller: Controller::of(status.controller.as_ref()),
+            telegram: status.telegram,
+            operating_mode: status.mode,
+            command_source: status.command_source,
+            command_source_text: status.command_source_text,
+            disable_sources: word(Part::DisableSources, status.disable_sources),
+            motion_disable_sources: word(Part::MotionDisableSources, status.motion_disable_sources),
+            motion_status: status.motion,
+            torque_allowed: status.torque_allowed,
+            homed: status
+                .zsw1
+                .filter(|_| status.word_mode == Mode::Position)
+                .map(|word| word.has(Zsw1::HOMED)),
+            negative_switch: status.negative_switch,
+            positive_switch: status.positive_switch,
+            software_limits: status.software_limits,
+            bus_voltage: status.bus_voltage.map(|volts| Quantity::new(volts, "V")),
+            speed_set: status.speed_set.map(Quantity::rpm),
+            speed_actual: rpm.or(percent),
+            position: status.position.map(Quantity::turns),
+            following_error: status.following_error.map(Quantity::turns),
+            on_loss: status.loss.as_ref().map(LossReaction::from),
+            faults: status.faults.iter().map(Fault::from).collect(),
+            warnings: status.warnings.iter().map(Warning::from).collect(),
+        }
+    }
+}
+
+/// A word whose bits the tables of a drive name.
+fn part_word(tables: Option<&Catalogue>, part: Part, word: u16) -> Word {
+    let known = tables.and_then(|tables| {
+        let parameter = tables.part(part)?;
+        tables.word_at(parameter.pnu, parameter.base)
+    });
+    Word {
+        number: word.into(),
+        hex: hex16(word),
+        bits: known.map_or_else(Vec::new, |known| {
+            known.describe(word.into(), Profile::default(), Mode::default())
+        }),
+        meaning: None,
+    }
+}

@@ -1,0 +1,145 @@
+//! Every document of `--json` is what its schema in `docs/schema` says, for every vendor, after success and failure. A
+//! Python package that validates JSON Schema is the judge.
+
+use std::io::Write as _;
+use std::process::{Command, Stdio};
+
+use system_tests::{Lab, client, peer, python, root, simulate};
+
+const PLANT: &str = r#"
+    [[drive]]
+    model = "vacon"
+    name = "vacon-1"
+    ip = "192.168.77.51/24"
+    [[drive]]
+    model = "vlt"
+    name = "vlt-1"
+    ip = "192.168.77.52/24"
+    [[drive]]
+    name = "akd-1"
+    ip = "192.168.77.53/24"
+"#;
+
+/// What is called for each drive: a parameter of its vendor stands for `PARAM`. With the exit codes that may be.
+const OF_DRIVES: &[(&str, &[i32])] = &[
+    ("info", &[0]),
+    ("status", &[0, 5]),
+    ("status --short", &[0, 5]),
+    ("faults", &[0]),
+    ("faults --history", &[0]),
+    ("read PARAM 922", &[0]),
+    ("read NO.SUCH.NAME 922", &[2]),
+    ("read 64999", &[3]),
+    ("list --filter 922", &[0]),
+    ("list --filter 922 --values", &[0]),
+    ("list --filter nothing-like-it", &[1]),
+    ("describe PARAM", &[0]),
+    ("backup", &[0, 1]),
+    ("describe NO.SUCH.NAME", &[2]),
+    ("blink --for 1ms", &[0]),
+    ("name other-1 --dry-run", &[0]),
+    ("name Not_Valid", &[2]),
+    ("name DOUBLE", &[1]),
+    ("ip 192.168.77.60/24 --dry-run", &[0]),
+    ("ip 192.168.77.50/24 --gateway 192.168.77.1 --force", &[0, 1]),
+    ("read", &[2]),
+];
+
+/// What is called besides.
+const OTHERS: &[(&str, &[i32])] = &[
+    ("scan", &[0]),
+    ("diff akd-1 akd-1", &[0]),
+    ("diff akd-1 vlt-1", &[2]),
+    ("inject", &[0]),
+    ("inject akd-1 fault=439", &[0]),
+    ("inject nobody fault=439", &[4]),
+    ("faults akd-1", &[0]),
+    ("status akd-1", &[5]),
+    ("info akd-1", &[0]),
+    ("info nobody", &[4]),
+    ("status nobody", &[4]),
+    ("read nobody 922", &[4]),
+    ("reset akd-1 --mode communication", &[6]),
+    ("reset akd-1 --mode communication --yes --force", &[0]),
+    ("scan --no-such-option", &[2]),
+];
+
+/// Calls the program and returns the documents that it prints.
+#[track_caller]
+fn documents(lab: &Lab, line: &str, codes: &[i32]) -> String {
+    let mut arguments = vec!["--json"];
+    arguments.extend(line.split(' '));
+    let finished = client(lab, &arguments);
+    let code = finished.code.unwrap_or(-1);
+    assert!(codes.contains(&code), "{line}: {code} {finished:?}");
+    assert!(finished.out.ends_with("}\n"), "{line}: {finished:?}");
+    finished.out
+}
+
+/// Returns what is wrong with documents, by their schemas.
+fn complaints(documents: &str) -> String {
+    let mut judge = Command::new(python())
+        .arg(peer("json_schema.py"))
+        .arg(root().join("docs/schema"))
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .spawn()
+        .unwrap();
+    judge
+        .stdin
+        .take()
+        .unwrap()
+        .write_all(documents.as_bytes())
+        .unwrap();
+    let output = judge.wait_with_output().unwrap();
+    assert!(output.status.success(), "{output:?}");
+    String::from_utf8(output.stdout).unwrap()
+}
+
+#[test]
+fn every_document_is_what_its_schema_says() {
+    let lab = Lab::new("json-documents");
+    let plant = lab.folder().join("plant.toml");
+    std::fs::write(&plant, PLANT).unwrap();
+    let drives = simulate(&lab, &[plant.to_str().unwrap()]);
+    let mut printed = String::new();
+    for (drive, parameter, other) in [
+        ("akd-1", "DRV.ACC", "vlt-1"),
+        ("vlt-1", "3-41", "akd-1"),
+        ("vacon-1", "ID103", "akd-1"),
+    ] {
+        for (line, codes) in OF_DRIVES {
+            let line = line.replace("PARAM", parameter).replace("DOUBLE", other);
+            let (verb, rest) = line.split_once(' ').unwrap_or((&line, ""));
+            let whole = format!("{verb} {drive} {rest}");
+            printed += &documents(&lab, whole.trim_end(), codes);
+        }
+    }
+    for (line, codes) in OTHERS {
+        printed += &documents(&lab, line, codes);
+    }
+    drop(drives);
+    let plant = root().join("examples/plants/first.toml");
+    let virtual_time = format!("simulate {} --virtual-time --for 5s", plant.display());
+    printed += &documents(&lab, &virtual_time, &[0]);
+    assert!(printed.lines().count() > 70, "{printed}");
+    let complaints = complaints(&printed);
+    assert!(complaints.is_empty(), "{complaints}");
+}
+
+/// A judge that accepts everything would be none.
+#[test]
+fn a_wrong_document_is_found() {
+    let right = r#"{"schema":"profidrive/1","command":"blink","mac":"02:00:00:00:00:01"}"#;
+    assert_eq!(complaints(right), "");
+    for wrong in [
+        r#"{"schema":"profidrive/1","command":"blink"}"#,
+        r#"{"schema":"profidrive/1","command":"blink","mac":1}"#,
+        r#"{"schema":"profidrive/1","command":"blink","mac":"02:00:00:00:00:01","more":1}"#,
+        r#"{"schema":"profidrive/2","command":"blink","mac":"02:00:00:00:00:01"}"#,
+        r#"{"schema":"profidrive/1","command":"blink","error":{"kind":"usage"}}"#,
+        r#"{"schema":"profidrive/1","command":"error"}"#,
+    ] {
+        assert!(!complaints(wrong).is_empty(), "{wrong}");
+    }
+}
