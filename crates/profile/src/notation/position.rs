@@ -131,7 +131,7 @@ mod tests {
             position("5furlong")
                 .unwrap_err()
                 .to_string()
-                .contains("no unit known")
+                .contains("is not a known unit")
         );
     }
 }

@@ -180,7 +180,7 @@ mod tests {
             (1, "no write access"),
             (2, "exceeds the limits"),
             (3, "subindex does not exist"),
-            (4, "no array"),
+            (4, "not an array"),
             (5, "data type does not match"),
             (17, "present mode"),
             (130, "no bus access"),
