@@ -7,7 +7,7 @@ use profile::parameter::{
     Attribute, CodeSpace, Dialect, ErrorNames, Format, Objection, ParameterAddress, ValueBlock, objections,
     pnu,
 };
-use profile::pkw::PkwDialect;
+use profile::pkw::{MAX_BLOCK, Pkw, PkwDialect, PkwErrorNumber, ReplyCode, Server, TEXT_AT};
 use profile::state::{Mode, Profile};
 use profile::telegram::{Telegram, signal};
 use profile::value::{Interpretation, Parameters, Reading, Selection, take_scale};
@@ -86,6 +86,29 @@ impl JobDrive {
         }
     }
 
+    /// The error number with which its tables refuse a request of the parameter channel; `text` is what stands in the place
+    /// of PWE in a text block. A parameter that is not in the tables is not refused: a drive can have more.
+    pub fn pkw_refusal(
+        &self,
+        dialect: &PkwDialect,
+        request: Pkw,
+        text: Option<&[u8]>,
+    ) -> Option<PkwErrorNumber> {
+        let mut tables = Tables(self.tables().filter(|_| !self.assumed)?);
+        let octets = request.to_octets();
+        let block = match text {
+            Some(text) => [octets.get(..TEXT_AT)?, text].concat(),
+            None => octets.to_vec(),
+        };
+        let mut out = [0; MAX_BLOCK];
+        let mut server = Server::new(*dialect);
+        server.handle_block(&block, &mut tables, &mut out).ok()?;
+        let reply = Pkw::from_octets(*out.first_chunk()?);
+        let number = PkwErrorNumber(reply.pwe_low());
+        let refused = reply.reply_code() == ReplyCode::REFUSED && number != PkwErrorNumber::UNKNOWN_PARAMETER;
+        refused.then_some(number)
+    }
+
     /// Returns the drive that the object of a remote procedure call names; `None` where it names no vendor.
     pub fn of_object(object: &Uuid) -> Option<Self> {
         let (_, device_id, vendor_id) = object.object_parts()?;
@@ -135,6 +158,13 @@ impl JobDrive {
             }
             (mode, telegram) => Mode::of(mode, telegram),
         }
+    }
+
+    /// True when nothing shows the mode of the words in this telegram: its mapping is free, none is as delivered, and none
+    /// was seen.
+    pub fn is_mode_open(&self, telegram: &Telegram) -> bool {
+        let unmapped = telegram.free && telegram.setpoint.octets == 0 && self.mapped.is_empty();
+        unmapped && self.operating_mode.is_none()
     }
 
     /// Returns true when a free telegram carries this setpoint: by the words that were seen, and where none was, as

@@ -110,7 +110,16 @@ pub fn request(drive: &JobDrive, dialect: &PkwDialect, pkw: Pkw, text: Option<&[
         _ => {}
     }
     if pkw.is_request_of(dialect) {
-        return (Weight::Normal, line);
+        return match drive.pkw_refusal(dialect, pkw, text) {
+            None => (Weight::Normal, line),
+            Some(number) => {
+                let words = number.words(dialect.error_names);
+                (
+                    Weight::Error,
+                    format!("{line} (not allowed: refused with {words})"),
+                )
+            }
+        };
     }
     let ind = if dialect.knows(code) {
         format!(" with IND 0x{:04X}", pkw.ind)
@@ -369,6 +378,32 @@ mod tests {
             text,
             "description element 1 (identifier) of Language (0-01) = 0x405 (Unsigned8, has texts)"
         );
+    }
+
+    /// What the drive refuses by its tables, as of a request in a record.
+    #[test]
+    fn a_request_of_another_size_is_not_allowed() {
+        for (octets, refused) in [
+            // a word for the double word 3-41, a double word for the octet 0-01
+            ([0x21, 0x55, 0, 0, 0, 0, 0x01, 0xF4], Some("5 ")),
+            ([0x30, 0x01, 0, 0, 0, 1, 0, 1], Some("5 ")),
+            ([0x31, 0x55, 0, 0, 0, 0, 0x01, 0xF4], None),
+            ([0x20, 0x01, 0, 0, 0, 0, 0, 1], None),
+            ([0x11, 0x55, 0, 0, 0, 0, 0, 0], None),
+            // a reading, and the second element of what is no array
+            ([0x26, 0x51, 0, 0, 0, 0, 0, 1], Some("1 ")),
+            ([0x11, 0x55, 0, 2, 0, 0, 0, 0], Some("4 ")),
+            // a drive can have more than the tables
+            ([0x2F, 0xFE, 0, 0, 0, 0, 0, 1], None),
+        ] {
+            let (weight, text) = request(&vlt(), &PkwDialect::DANFOSS_FC, pkw(octets), None);
+            let marked = text.split_once("(not allowed: refused with ");
+            assert_eq!(marked.is_some(), refused.is_some(), "{text}");
+            assert_eq!(weight == Weight::Error, refused.is_some(), "{text}");
+            if let (Some((_, number)), Some(expected)) = (marked, refused) {
+                assert!(number.starts_with(expected), "{text}");
+            }
+        }
     }
 
     #[test]

@@ -1,8 +1,8 @@
 //! Cyclic data of a drive in words: parameter channel, control and status word, speed, further words.
 
 use profile::parameter::ParameterAddress;
-use profile::pkw::Pkw;
-use profile::state::{Profile, Zsw1};
+use profile::pkw::{PKW_LEN, Pkw};
+use profile::state::{Mode, Profile, Zsw1};
 use profile::telegram::{Field, Image, Telegram, signal};
 use serde_json::{Map, Value};
 
@@ -87,8 +87,11 @@ impl Half<'_> {
 
     /// Returns what the word says. `sent` is the control word on the way to the drive.
     pub fn word_text(&self, word: u16, sent: Option<u16>) -> (Weight, String) {
+        self.word_text_in(self.drive.mode_in(self.telegram), word, sent)
+    }
+
+    fn word_text_in(&self, mode: Mode, word: u16, sent: Option<u16>) -> (Weight, String) {
         let profile = self.profile();
-        let mode = self.drive.mode_in(self.telegram);
         if self.output {
             let set = words::set(profile.control_bits(mode), word);
             let means = words::control_meaning(profile, mode, word);
@@ -134,15 +137,15 @@ impl Half<'_> {
             lines.push((weight, row("PKW", &text)));
         }
         if let Some(word) = self.word(data) {
-            let (weight, text) = self.word_text(word, None);
             let condition = self
                 .drive
                 .assumed_words(self.telegram)
                 .map_or_else(String::new, |assumed| format!(" if {assumed}"));
-            lines.push((
-                weight,
-                row(self.word_name(), &format!("{} {text}{condition}", hex16(word))),
-            ));
+            for (mode, condition) in self.modes(&condition) {
+                let (weight, text) = self.word_text_in(mode, word, None);
+                let text = format!("{} {text}{condition}", hex16(word));
+                lines.push((weight, row(self.word_name(), &text)));
+            }
         }
         if let Some(raw) = self.speed(data) {
             let octets = self.image().and_then(|image| {
@@ -162,6 +165,20 @@ impl Half<'_> {
         }
         lines.extend(self.others(data));
         lines
+    }
+
+    /// The modes that the control or status word can be of, each with what that rests on.
+    fn modes(&self, condition: &str) -> Vec<(Mode, String)> {
+        let open = self
+            .telegram
+            .is_some_and(|telegram| self.drive.is_mode_open(telegram));
+        if open && self.profile() == Profile::Profidrive {
+            let modes = [(Mode::Velocity, "velocity"), (Mode::Position, "position")];
+            return modes
+                .map(|(mode, name)| (mode, format!(" if {name} mode")))
+                .to_vec();
+        }
+        vec![(self.drive.mode_in(self.telegram), condition.to_owned())]
     }
 
     /// Returns the speed and the signals that are parameters, in units, each with the assumption that it is based on.
@@ -203,8 +220,11 @@ impl Half<'_> {
 
     /// Signals and words beside control word and speed.
     fn others(&self, data: &[u8]) -> Vec<(Weight, String)> {
-        let (Some(telegram), Some(image)) = (self.telegram, self.image()) else {
+        let Some(telegram) = self.telegram else {
             return Vec::new();
+        };
+        let Some(image) = self.image() else {
+            return unmapped(data, |octet| octet < 2);
         };
         let shown = [signal::STW1, signal::ZSW1, signal::NSOLL_A, signal::NIST_A];
         let others = image
@@ -226,7 +246,19 @@ impl Half<'_> {
             let name = format!("PCD {}", index + 1);
             Some((Weight::Normal, row(&name, &format!("0x{}", joined(octets)))))
         });
-        signals.chain(words).collect()
+        let is_known = |octet: usize| {
+            let within = |offset: u16, octets: u16| {
+                let start = usize::from(offset);
+                (start..start + usize::from(octets)).contains(&octet)
+            };
+            let fields = image.fields.iter();
+            let mut fields = fields.map(|field| within(field.offset, field.signal.octets()));
+            let mut words = telegram
+                .parameter_words(image)
+                .map(|(_, offset)| within(offset, 2));
+            telegram.pkw && octet < PKW_LEN || fields.any(|known| known) || words.any(|known| known)
+        };
+        signals.chain(words).chain(unmapped(data, is_known)).collect()
     }
 
     fn signal_text(&self, field: &Field, octets: &[u8]) -> String {
@@ -240,6 +272,17 @@ impl Half<'_> {
             .decode(octets)
             .map_or_else(String::new, |raw| raw.to_string())
     }
+}
+
+/// Words that nothing is known of, as they travel.
+fn unmapped(data: &[u8], is_known: impl Fn(usize) -> bool) -> Vec<(Weight, String)> {
+    let words = data.chunks(2).enumerate().filter(|(at, _)| !is_known(2 * at));
+    words
+        .map(|(at, octets)| {
+            let name = format!("word {}", at + 1);
+            (Weight::Normal, row(&name, &format!("0x{}", joined(octets))))
+        })
+        .collect()
 }
 
 fn part<'d>(data: &'d [u8], field: &Field) -> Option<&'d [u8]> {
@@ -370,6 +413,34 @@ mod tests {
             text.contains("CTW      0x047C run: follows the setpoint ["),
             "{text}"
         );
+    }
+
+    /// Without a mapping nothing but the place of STW1 is known: the rest is shown as it is.
+    #[test]
+    fn words_that_nothing_is_mapped_to_are_shown() {
+        let device = &profile::catalogue::AKD.device;
+        let akd =
+            |telegram, data: &[u8], output| lines(device.vendor_id, device.device_id, telegram, data, output);
+        let text = akd(0, &[0x04, 0x7F, 0x80, 0x00, 0x12], true);
+        for row in [
+            "STW1     0x047F run: follows the setpoint [",
+            "] if velocity mode",
+            "STW1     0x047F starts the traversing task [",
+            "] if position mode",
+            "word 2   0x8000",
+            "word 3   0x12",
+        ] {
+            assert!(text.contains(row), "{row}: {text}");
+        }
+        let mut data = [0; 24];
+        data[..2].copy_from_slice(&[0x04, 0x3F]);
+        data[20..].copy_from_slice(&[0xAB, 0xCD, 0, 7]);
+        let text = akd(400, &data, true);
+        assert!(text.contains("word 11  0xABCD\n  word 12  0x0007"), "{text}");
+        assert!(!text.contains("mode") && !text.contains("word 10"), "{text}");
+        // a telegram whose words are all known
+        let text = akd(9, &data[..20], true);
+        assert!(!text.contains("word"), "{text}");
     }
 
     #[test]

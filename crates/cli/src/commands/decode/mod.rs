@@ -62,7 +62,9 @@ fn octets(data: &[u8], args: &Decode) -> Result<Decoded, Failure> {
     octets::decode(kind, data, args.model.model, from_controller, request.as_deref()).map_err(|error| {
         let failure = Failure::new(Exit::Failed, error.to_string());
         match error {
-            NotDecoded::Job(_) => failure.hint("--as request or --as response says which side it is from"),
+            NotDecoded::Job(_) if args.octets.is_none() => {
+                failure.hint("--as request or --as response says which side it is from")
+            }
             _ => failure,
         }
     })

@@ -69,8 +69,11 @@ fn addresses_of_another_request_are_not_repeated_ones() {
     assert!(found[1].starts_with("  Operating mode (p0930) = 2"), "{found:?}");
     assert_eq!(found.len(), 2);
     let other = "55 01 00 01 10 01 03 B3 00 00 42 01 00 02";
-    let error = failure("akd", Some(mode), other);
-    assert_eq!(error, "the values at offset 6 need 12 octets, there are 8");
+    let found = lines("akd", Some(mode), other);
+    assert_eq!(
+        found.last().expect("a line"),
+        "  ! answers Fault number (r0947[0]), requested was Operating mode (p0930)"
+    );
     // without the request the addresses are all there is, of a drive that repeats them
     for model in ["akd", "standard"] {
         let found = lines(model, None, other);
@@ -146,4 +149,93 @@ fn elements_of_a_description_have_no_unit() {
     assert_eq!((&value["value"], &value["unit"]), (&7.0.into(), &"".into()));
     let (line, _) = line_and_value("akd", "01 01 00 01 20 01 00 01 00 02", "01 01 00 01 42 01 00 07");
     assert!(line.contains("= 7   ["), "{line}");
+}
+
+const MODE: &str = "01 01 00 01 10 01 03 A2 00 00";
+const TWO: &str = "01 01 00 02 10 01 03 A2 00 00 10 01 03 B0 00 00";
+
+/// What no drive answers to this request is marked.
+#[test]
+fn each_difference_from_the_request_is_named() {
+    for (request, response, warning) in [
+        (
+            "01 01 01 01 10 01 03 A2 00 00",
+            "01 01 00 01 42 01 00 02",
+            "answers axis 0, requested was axis 1",
+        ),
+        (
+            TWO,
+            "01 01 00 01 42 01 00 02",
+            "answers 1 parameter, requested were 2",
+        ),
+        (
+            MODE,
+            "01 01 00 02 42 01 00 02 42 01 00 01",
+            "answers 2 parameters, requested were 1",
+        ),
+        (
+            MODE,
+            "01 01 00 01 41 01 02 00",
+            "Operating mode (p0930): Byte, the parameter has 2 octets",
+        ),
+        (
+            MODE,
+            "01 01 00 01 06 01 00 02",
+            "Operating mode (p0930): Unsigned16, this drive answers Byte, Word and Double word only",
+        ),
+        (
+            MODE,
+            "01 01 00 01 42 02 00 02 00 01",
+            "Operating mode (p0930): 2 values answered, requested were 1",
+        ),
+        (
+            MODE,
+            "01 01 00 01 10 01 03 A3 00 00 42 01 00 02",
+            "answers 0931, requested was Operating mode (p0930)",
+        ),
+    ] {
+        let found = lines("akd", Some(request), response);
+        let warnings: Vec<&String> = found.iter().filter(|line| line.starts_with("  ! ")).collect();
+        assert_eq!(warnings, [&format!("  ! {warning}")], "{response}: {found:?}");
+    }
+    for (request, response) in [
+        (MODE, "01 01 00 01 42 01 00 02"),
+        (MODE, "01 01 00 01 10 01 03 A2 00 00 42 01 00 02"),
+        (TWO, "01 81 00 02 42 01 00 02 44 01 00 00"),
+        ("01 01 00 01 10 02 03 B3 00 00", "01 01 00 01 42 02 02 BE 00 00"),
+    ] {
+        let found = lines("akd", Some(request), response);
+        assert!(found.iter().all(|line| !line.contains('!')), "{found:?}");
+    }
+}
+
+/// Without a request, what this drive never sends.
+#[test]
+fn a_header_that_the_drive_never_sends_is_named() {
+    for (response, warning) in [
+        ("00 01 00 01 42 01 00 02", "reference 0 is reserved"),
+        ("01 01 07 01 42 01 00 02", "axis 7 does not exist, only 0"),
+        ("01 01 00 00", "0 parameters, 1 to 39 are allowed"),
+    ] {
+        let found = lines("akd", None, response);
+        assert_eq!(
+            found.last().expect("a line"),
+            &format!("  ! {warning}"),
+            "{found:?}"
+        );
+    }
+    // of another drive the axis is not known
+    let found = lines("standard", None, "01 01 07 01 42 01 00 02");
+    assert!(found.iter().all(|line| !line.contains('!')), "{found:?}");
+}
+
+/// The layout of the note "AKD PROFINET Parameter Access Byte Descriptions": the address, then "no data".
+#[test]
+fn a_change_response_that_repeats_the_address_says_written() {
+    let request = "05 02 00 01 10 01 03 A2 00 00 42 01 00 02";
+    for request in [Some(request), None] {
+        let found = lines("akd", request, "05 02 00 01 10 01 03 A2 00 00 00 00");
+        assert_eq!(found[1], "  Operating mode (p0930): written", "{found:?}");
+        assert_eq!(found.len(), 2, "{found:?}");
+    }
 }
