@@ -1,7 +1,10 @@
 //! Control and status words, states: what the bits say to a person.
 
 use profile::state::bits::{self, Bit};
-use profile::state::{Correction, Mode, Profile, Setpoint, SpeedCommand, State, Stw1, Zsw1};
+use profile::state::{
+    Correction, Mode, PositionMachine, PositionState, Profile, Setpoint, SetpointChannel, SpeedCommand,
+    State, Stw1, Zsw1,
+};
 use serde_json::{Value, json};
 
 use crate::{hex16, nibbles};
@@ -93,31 +96,40 @@ pub fn stw1_meaning_in(mode: Mode, word: u16) -> &'static str {
     } else if !stw1.has(Stw1::ENABLE_OPERATION) {
         "switched on, operation not enabled"
     } else {
-        let channel = Stw1::ENABLE_RAMP | Stw1::UNFREEZE_RAMP | Stw1::ENABLE_SETPOINT;
-        match stw1 & channel {
-            Stw1(0) if (stw1 & (Stw1::JOG_1 | Stw1::JOG_2)).0 != 0 => "jog",
-            _ if mode == Mode::Position => task_meaning(stw1),
-            all if all == channel => "run: follows the setpoint",
-            Stw1(0) => "operation with the setpoint channel closed (jog permitted)",
-            _ => "operation with the setpoint held or at 0",
+        match mode {
+            Mode::Velocity => velocity_meaning(stw1),
+            Mode::Position => position_meaning(stw1),
         }
     }
 }
 
-/// Bits 4, 5, 6 and 11 to 13 in operation, position mode.
-fn task_meaning(stw1: Stw1) -> &'static str {
-    if stw1.has(Stw1::START_HOMING) {
-        "homing"
-    } else if !stw1.has(Stw1::NO_REJECT) {
-        "rejects the traversing task (jog permitted)"
-    } else if !stw1.has(Stw1::NO_INTERMEDIATE_STOP) {
-        "intermediate stop"
-    } else if stw1.has(Stw1::REAL_TIME_JOG) {
-        "real-time jog"
-    } else if stw1.has(Stw1::ACTIVATE_TASK) {
-        "starts the traversing task"
-    } else {
-        "operation, a traversing task may run"
+const TWO_JOGS: &str = "two jog commands at once: no jog";
+
+/// Bits 4 to 6, 8 and 9 in operation, velocity mode.
+fn velocity_meaning(stw1: Stw1) -> &'static str {
+    let channel = Stw1::ENABLE_RAMP | Stw1::UNFREEZE_RAMP | Stw1::ENABLE_SETPOINT;
+    match SetpointChannel::default().step(State::S4, stw1, true) {
+        command @ (SpeedCommand::Jog1 | SpeedCommand::Jog2) => speed_meaning(command),
+        _ if stw1 & channel == channel => "run: follows the setpoint",
+        _ if stw1 & channel != Stw1(0) => "operation with the setpoint held or at 0",
+        _ if stw1.jogs_at_once(Mode::Velocity) => TWO_JOGS,
+        _ => "operation with the setpoint channel closed (jog permitted)",
+    }
+}
+
+/// Bits 4 to 6, 8, 9 and 11 to 13 in operation, position mode: what they command an axis at rest, else what they do to a
+/// task that runs.
+fn position_meaning(stw1: Stw1) -> &'static str {
+    match PositionMachine::commanded(stw1) {
+        PositionState::Homing => "homing",
+        PositionState::Task => "starts the traversing task",
+        PositionState::Jog1 => speed_meaning(SpeedCommand::Jog1),
+        PositionState::Jog2 => speed_meaning(SpeedCommand::Jog2),
+        PositionState::RealTimeJog => "real-time jog",
+        _ if stw1.jogs_at_once(Mode::Position) => TWO_JOGS,
+        _ if !stw1.has(Stw1::NO_REJECT) => "rejects the traversing task (jog permitted)",
+        _ if !stw1.has(Stw1::NO_INTERMEDIATE_STOP) => "intermediate stop",
+        _ => "operation, a traversing task may run",
     }
 }
 
@@ -309,6 +321,14 @@ mod tests {
             (0x047F, "run: follows the setpoint"),
             (0x04FE, "acknowledge fault"),
             (0x050F, "jog"),
+            (0x060F, "jog 2"),
+            (0x070F, "two jog commands at once: no jog"),
+            (0x150F, "jog"),
+            (
+                0x040F,
+                "operation with the setpoint channel closed (jog permitted)",
+            ),
+            (0x041F, "operation with the setpoint held or at 0"),
             (0x047D, "coast stop (OFF2)"),
             (0x047B, "quick stop (OFF3)"),
             (0x0000, "no control by the PLC: the drive ignores the word"),
@@ -324,6 +344,20 @@ mod tests {
             (0x0C3F, "homing"),
             (0x143F, "real-time jog"),
             (0x050F, "jog"),
+            (0x060F, "jog 2"),
+            // bits 12 and 13 jog without bits 4 to 6
+            (0x140F, "real-time jog"),
+            (0x340F, "real-time jog"),
+            // the edge of bit 6 goes before the level of bit 12
+            (0x147F, "starts the traversing task"),
+            (0x070F, "two jog commands at once: no jog"),
+            (0x150F, "two jog commands at once: no jog"),
+            (0x160F, "two jog commands at once: no jog"),
+            // homing goes before everything
+            (0x0D0F, "homing"),
+            (0x0C7F, "homing"),
+            (0x044F, "rejects the traversing task (jog permitted)"),
+            (0x051F, "intermediate stop"),
         ] {
             assert_eq!(stw1_meaning_in(Mode::Position, word), means, "{word:#06x}");
         }

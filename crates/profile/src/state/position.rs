@@ -392,6 +392,30 @@ impl PositionMachine {
         };
     }
 
+    /// Returns the state that a control word leads to from the basic state at standstill, with bits 6 and 11 as edges and
+    /// everything permitted. [`PositionState::Basic`] where the word moves nothing.
+    ///
+    /// ```
+    /// use profidrive_profile::state::{PositionMachine, PositionState, Stw1};
+    /// assert_eq!(PositionMachine::commanded(Stw1(0x147F)), PositionState::Task);
+    /// assert_eq!(PositionMachine::commanded(Stw1(0x140F)), PositionState::RealTimeJog);
+    /// assert_eq!(PositionMachine::commanded(Stw1(0x150F)), PositionState::Basic); // two jogs at once
+    /// ```
+    #[must_use]
+    pub fn commanded(word: Stw1) -> PositionState {
+        let mut axis = Self::new();
+        axis.reset(word.without(Stw1::ACTIVATE_TASK | Stw1::START_HOMING));
+        let inputs = PositionInputs {
+            stw1: word,
+            standstill: true,
+            task_permitted: true,
+            homing_permitted: true,
+            jog_permitted: true,
+            ..PositionInputs::default()
+        };
+        axis.step(&inputs).state
+    }
+
     /// Returns the state after the last step.
     #[must_use]
     pub const fn state(&self) -> PositionState {

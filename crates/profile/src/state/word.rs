@@ -77,6 +77,16 @@ impl Stw1 {
     pub const QUICK_STOP: Self = Self(0x047B);
     /// `0x047D`: coast stop (OFF2).
     pub const COAST_STOP: Self = Self(0x047D);
+
+    /// True when more than one bit commands a jog: then none of them moves the axis.
+    #[must_use]
+    pub const fn jogs_at_once(self, mode: Mode) -> bool {
+        let bits = match mode {
+            Mode::Velocity => Self::JOG_1.0 | Self::JOG_2.0,
+            Mode::Position => Self::JOG_1.0 | Self::JOG_2.0 | Self::REAL_TIME_JOG.0,
+        };
+        (self.0 & bits).count_ones() > 1
+    }
 }
 
 impl Zsw1 {
