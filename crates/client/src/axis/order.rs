@@ -237,6 +237,9 @@ fn position_objections(
     if facts.homed == Some(false) {
         objections.push(Objection::NotHomed);
     }
+    if facts.feedrate == Some(0.0) {
+        objections.push(Objection::Feedrate);
+    }
     if let Some(target) = target.filter(|_| !facts.modulo) {
         // limits count once the axis is homed
         if let Some(limit) = facts.highest.filter(|&limit| target > limit) {

@@ -73,7 +73,9 @@ pub(super) fn once(what: &str, error: &ServiceError) -> String {
 pub(super) fn reaction_text(reaction: &Option<Box<LossReaction>>) -> String {
     let since = |reaction: &LossReaction| match reaction.action {
         LossAction::KeepsTurning => ", unless something else has stopped it meanwhile",
-        _ => "",
+        LossAction::Unknown => "",
+        // a drive that was restarted coasts
+        _ => ", unless it restarted: then it coasts",
     };
     reaction
         .as_ref()

@@ -4,6 +4,7 @@ use profile::catalogue::Parameter;
 use profile::parameter::{Description, Identifier, Kind};
 
 use super::Session;
+use super::parameters::needs_scaling;
 use crate::learn::Values;
 use crate::{Drive, Error};
 use profile::value::Selection;
@@ -50,10 +51,14 @@ impl Session {
     /// When the drive cannot be reached.
     pub async fn described(
         &mut self,
-        drive: &Drive,
+        drive: &mut Drive,
         selection: &Selection,
     ) -> Result<Option<Described>, Error> {
         let row = selection.parameter;
+        if needs_scaling(selection) {
+            // the limits are shown in the unit of the tables
+            self.read_scaling(drive).await?;
+        }
         if row.is_some_and(|row| row.base.is_some() || row.wide) {
             return Ok(None);
         }

@@ -20,7 +20,8 @@ use crate::{Action, Drive, Error};
 use profile::value::{Reading, Selection};
 
 /// What matters for a move, and what a converter's ramps follow from.
-const MOTION: [Part; 30] = [
+const MOTION: [Part; 31] = [
+    Part::Feedrate,
     Part::Reference,
     Part::ReferenceUnit,
     Part::ReferenceRange,
@@ -160,6 +161,7 @@ impl Session {
             backward_limit: backward.map(|(limit, _)| limit),
             forward_by: forward.map(|(_, part)| part),
             backward_by: backward.map(|(_, part)| part),
+            feedrate: number(Part::Feedrate),
             negative_switch: readings.flag(Part::NegativeSwitch),
             positive_switch: readings.flag(Part::PositiveSwitch),
             acceleration: readings.ramp(Part::Acceleration, Part::RampUpTime),

@@ -19,7 +19,7 @@ const PROFILE: [u16; 4] = [
     pnu::OPERATING_MODE,
 ];
 /// What it is asked by what it is.
-const PARTS: [Part; 21] = [
+const PARTS: [Part; 22] = [
     Part::ControlWord,
     Part::StatusWord,
     Part::SpeedSetpoint,
@@ -29,6 +29,7 @@ const PARTS: [Part; 21] = [
     Part::CommandSource,
     Part::DisableSources,
     Part::MotionStatus,
+    Part::Feedrate,
     Part::NegativeSwitch,
     Part::PositiveSwitch,
     Part::FollowingError,
@@ -109,6 +110,7 @@ impl Session {
             command_source_text: parts.find(Part::CommandSource).and_then(|reading| reading.choice),
             disable_sources: parts.word(Part::DisableSources),
             motion_disable_sources: parts.word(Part::MotionDisableSources),
+            feedrate: parts.number(Part::Feedrate),
             motion: parts.double_word(Part::MotionStatus),
             torque_allowed: parts.flag(Part::TorqueAllowed),
             negative_switch: parts.flag(Part::NegativeSwitch),

@@ -54,8 +54,8 @@ impl Session {
         Ok(())
     }
 
-    /// Checks what a drive can say in advance against a task of its table: that the axis is homed and
-    /// that there is such a task. The table is read as for a backup and not changed; where that is not
+    /// Checks what a drive can say in advance against a task of its table: that the axis is homed,
+    /// that the feedrate is not 0 and that there is such a task. The table is read as for a backup and not changed; where that is not
     /// possible, because a controller is connected for example, the task is taken at the caller's word.
     ///
     /// # Errors
@@ -65,6 +65,9 @@ impl Session {
         let mut objections = Vec::new();
         if facts.homed == Some(false) {
             objections.push(Objection::NotHomed);
+        }
+        if facts.feedrate == Some(0.0) {
+            objections.push(Objection::Feedrate);
         }
         let window = drive.model.catalogue.and_then(Window::of);
         let row = match window {

@@ -58,6 +58,8 @@ pub struct DriveStatus {
     pub disable_sources: Option<u16>,
     /// DRV.MOTIONDISSOURCES.
     pub motion_disable_sources: Option<u16>,
+    /// Share of its speed with which a motion task runs, in percent.
+    pub feedrate: Option<f64>,
     /// DRV.MOTIONSTAT.
     pub motion: Option<u32>,
     /// Torque is allowed (STO.STATE is 1).

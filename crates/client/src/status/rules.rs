@@ -2,7 +2,9 @@
 //! cause are in `data/profile/causes.csv`.
 
 use profile::catalogue::Cleared;
-use profile::state::{Start, State, Stw1, Zsw1};
+use profile::state::{
+    Mode, PositionMachine, Profile, SetpointChannel, SpeedCommand, Start, State, Stw1, Zsw1,
+};
 
 use super::{Cause, Diagnosis, DriveStatus, Verdict, notes, vendors};
 use crate::{Action, Advice, FaultEntry, LossReaction};
@@ -293,6 +295,11 @@ pub(super) const RULES: &[Rule] = &[
             )
         },
     ),
+    rule(
+        Cause::FeedrateZero,
+        |s| positioning(s) && s.feedrate == Some(0.0) && s.has(Zsw1::TASK_ACTIVE) && !turns(s),
+        |_| "enabled (S4), but the feedrate is 0 (MT_FEEDRATE, PNU 101): its task does not move".into(),
+    ),
     rule(Cause::Moves, moves, |s| match turns(s) {
         true => format!("it runs: operation (S4), {}", speed(s)),
         false => "it runs: operation (S4), the axis moves (ZSW1 bit 13 is 0)".into(),
@@ -325,6 +332,20 @@ pub(super) const RULES: &[Rule] = &[
         |s| positioning(s) && motion(s) & HOMING != 0,
         |_| "it is homing (DRV.MOTIONSTAT bit 3)".into(),
     ),
+    rule(Cause::TwoJogs, jogs_at_once, |s| {
+        format!(
+            "enabled (S4), but {} commands two jogs at once {}: they move nothing",
+            s.owner(),
+            jog_bits(s)
+        )
+    }),
+    rule(Cause::JogHeld, jogs, |s| {
+        format!(
+            "enabled (S4), but the jog that {} commands {} does not move the axis",
+            s.owner(),
+            jog_bits(s)
+        )
+    }),
     rule(
         Cause::HomingFailed,
         |s| positioning(s) && !s.has(Zsw1::HOMED) && motion(s) & HOMING_ERROR != 0,
@@ -490,7 +511,8 @@ pub(super) fn advice(rule: &Rule, status: &DriveStatus) -> Option<Advice> {
     }
     let own = vendors::advice(rule.cause, status.model);
     let general = || {
-        vendors::in_words_of(status, rule.cause.advice()).unwrap_or_else(|| rule.cause.advice().to_owned())
+        vendors::in_words_of(status, rule.cause.advice())
+            .unwrap_or_else(|| in_words_of_mode(status, rule.cause.advice()))
     };
     let next = own.map_or_else(general, str::to_owned);
     if rule.cause == Cause::Fault {
@@ -622,6 +644,60 @@ fn speed(status: &DriveStatus) -> String {
 /// In operation and turning; in position mode the drive says so itself.
 fn moves(status: &DriveStatus) -> bool {
     turns(status) || (positioning(status) && !status.has(Zsw1::STOPPED))
+}
+
+/// True when the control word alone commands a jog.
+fn jogs(status: &DriveStatus) -> bool {
+    let Some(word) = status.stw1 else {
+        return false;
+    };
+    if positioning(status) {
+        return PositionMachine::commanded(word).is_jogging();
+    }
+    let command = SetpointChannel::default().step(State::S4, word, true);
+    matches!(command, SpeedCommand::Jog1 | SpeedCommand::Jog2)
+}
+
+/// True when two bits command a jog and nothing else has the axis.
+fn jogs_at_once(status: &DriveStatus) -> bool {
+    status.stw1.is_some_and(|word| {
+        let closed = (word & (Stw1::ENABLE_RAMP | Stw1::UNFREEZE_RAMP | Stw1::ENABLE_SETPOINT)).0 == 0;
+        match positioning(status) {
+            true => word.jogs_at_once(Mode::Position),
+            false => closed && word.jogs_at_once(Mode::Velocity),
+        }
+    })
+}
+
+/// The jog bits that are set: `(STW1 bits 8 and 9)`; where the words have other bits, the word itself.
+fn jog_bits(status: &DriveStatus) -> String {
+    match status.control_word {
+        Some(word) if status.profile != Profile::Profidrive => {
+            return format!("(control word 0x{word:04X}, {})", status.profile.name());
+        }
+        _ => {}
+    }
+    let word = status.stw1.unwrap_or_default();
+    let jogs = [(8, Stw1::JOG_1), (9, Stw1::JOG_2), (12, Stw1::REAL_TIME_JOG)];
+    let numbers: Vec<String> = jogs
+        .iter()
+        .filter(|(number, bit)| word.has(*bit) && (*number != 12 || positioning(status)))
+        .map(|(number, _)| number.to_string())
+        .collect();
+    let plural = if numbers.len() > 1 { "s" } else { "" };
+    format!("(STW1 bit{plural} {})", numbers.join(" and "))
+}
+
+/// Advice with the control words of the mode: in position mode bit 6 starts a task, so that OFF and ON are without it.
+fn in_words_of_mode(status: &DriveStatus, advice: &str) -> String {
+    if !positioning(status) {
+        return advice.to_owned();
+    }
+    [Stw1::READY, Stw1::RUN]
+        .iter()
+        .fold(advice.to_owned(), |text, word| {
+            text.replace(&word.to_string(), &word.without(Stw1::ACTIVATE_TASK).to_string())
+        })
 }
 
 fn stands_in(status: &DriveStatus) -> String {

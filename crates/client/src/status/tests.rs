@@ -262,6 +262,24 @@ const VELOCITY: &[(Cause, Verdict, Change, &str)] = &[
         "SWLS.STATE is 2",
     ),
     (
+        Cause::TwoJogs,
+        Verdict::Waits,
+        |s| {
+            words(s, 0x070F, 0x0337);
+            s.speed_actual = Some(0.0);
+        },
+        "(STW1 bits 8 and 9)",
+    ),
+    (
+        Cause::JogHeld,
+        Verdict::Held,
+        |s| {
+            words(s, 0x060F, 0x0337);
+            s.speed_actual = Some(0.0);
+        },
+        "(STW1 bit 9) does not move the axis",
+    ),
+    (
         Cause::RampOff,
         Verdict::Waits,
         |s| {
@@ -321,6 +339,15 @@ const POSITION: &[(Cause, Verdict, Change, &str)] = &[
         |s| words(s, 0x043F, 0x4F37),
         "ZSW1 bit 13 is 0",
     ),
+    (
+        Cause::FeedrateZero,
+        Verdict::Held,
+        |s| {
+            words(s, 0x047F, 0x5B37);
+            s.feedrate = Some(0.0);
+        },
+        "(MT_FEEDRATE, PNU 101)",
+    ),
     (Cause::Homing, Verdict::Runs, |s| s.motion = Some(8), "bit 3"),
     (
         Cause::HomingFailed,
@@ -336,6 +363,24 @@ const POSITION: &[(Cause, Verdict, Change, &str)] = &[
         Verdict::Held,
         |s| words(s, 0x043F, 0x2337),
         "ZSW1 bit 11 is 0",
+    ),
+    (
+        Cause::TwoJogs,
+        Verdict::Waits,
+        |s| words(s, 0x070F, 0x2337),
+        "two jogs at once (STW1 bits 8 and 9)",
+    ),
+    (
+        Cause::TwoJogs,
+        Verdict::Waits,
+        |s| words(s, 0x150F, 0x2F37),
+        "two jogs at once (STW1 bits 8 and 12)",
+    ),
+    (
+        Cause::JogHeld,
+        Verdict::Held,
+        |s| words(s, 0x140F, 0x2337),
+        "the jog that controller \"plc\" commands (STW1 bit 12)",
     ),
     (
         Cause::Rejected,
@@ -656,4 +701,27 @@ fn other_vendors_are_described_with_their_own_bit_names() {
     let found = diagnose(&unpowered);
     assert_eq!(found.cause, Cause::NoPower);
     assert!(found.next.unwrap().to_string().contains("ID7"));
+}
+
+/// In position mode bit 6 is the edge that starts a task: OFF and ON are words without it.
+#[test]
+fn the_words_for_off_and_on_start_no_task_in_position_mode() {
+    let next = |base: DriveStatus, stw1: u16, zsw1: u16| {
+        let mut status = base;
+        words(&mut status, stw1, zsw1);
+        diagnose(&status).next.expect("advice").to_string()
+    };
+    for (base, off, on) in [
+        (running(), "0x047E", "0x047F"),
+        (positioned(), "0x043E", "0x043F"),
+    ] {
+        assert_eq!(
+            next(base.clone(), 0x043E, 0x2231),
+            format!("in the controller: ON (STW1 {on})")
+        );
+        assert_eq!(
+            next(base, 0x043F, 0x2270),
+            format!("in the controller: OFF first (STW1 {off}), then ON ({on})")
+        );
+    }
 }

@@ -764,3 +764,31 @@ fn an_axis_without_a_home_position_is_recommended_to_home_and_not_to_move() {
         "{actions:?}"
     );
 }
+
+/// Signal 101 holds every task while it is 0, and no telegram of an AKD but a mapped one carries it.
+#[test]
+fn a_feedrate_of_0_is_named_before_a_move_and_a_task() {
+    let (mut session, _, mut drive) = homed();
+    write(&mut session, &mut drive, &["MT_FEEDRATE=0"]);
+    let error = session
+        .check_task(&mut drive, 0)
+        .wait()
+        .expect_err("a task that never ends");
+    let order = to(3.0);
+    let plan = session
+        .plan_move(&mut drive, &order, 3000.0)
+        .wait()
+        .expect("planned");
+    assert!(plan.objections.contains(&Objection::Feedrate), "{plan:?}");
+    let Error::Objections { objections, .. } = &error else {
+        panic!("{error}")
+    };
+    assert!(objections.contains(&Objection::Feedrate), "{error}");
+    assert!(error.to_string().contains("MT_FEEDRATE, PNU 101"), "{error}");
+    write(&mut session, &mut drive, &["MT_FEEDRATE=100"]);
+    let plan = session
+        .plan_move(&mut drive, &order, 3000.0)
+        .wait()
+        .expect("planned");
+    assert!(!plan.objections.contains(&Objection::Feedrate), "{plan:?}");
+}

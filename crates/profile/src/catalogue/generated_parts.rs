@@ -28,6 +28,8 @@ pub enum Part {
     DisableSources,
     /// What keeps an enabled axis from moving, bit by bit.
     MotionDisableSources,
+    /// Share of its speed with which a motion task runs, in percent; 0 holds it.
+    Feedrate,
     /// State of the motion, bit by bit.
     MotionStatus,
     /// 0 while safe torque off is active.
@@ -571,6 +573,7 @@ impl Part {
         Self::CommandSource,
         Self::DisableSources,
         Self::MotionDisableSources,
+        Self::Feedrate,
         Self::MotionStatus,
         Self::TorqueAllowed,
         Self::NegativeSwitch,

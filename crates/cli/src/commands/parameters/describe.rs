@@ -32,9 +32,9 @@ pub fn describe(args: &Describe, interface: &Interface, output: &Output) -> Resu
             let hint = format!("`profidrive describe {} {}`", drive.label(), whole.name);
             return Err(Failure::new(Exit::Failed, message).hint(hint));
         }
-        return in_no_table(&mut session, &drive, &selection, output);
+        return in_no_table(&mut session, &mut drive, &selection, output);
     };
-    let description = session.described(&drive, &selection).wait()?;
+    let description = session.described(&mut drive, &selection).wait()?;
     let mut readings = session.read(&mut drive, &[selection]).wait()?;
     name_bits(&mut session, &mut drive, &mut readings)?;
     session.close().wait()?;
@@ -70,7 +70,7 @@ pub fn describe(args: &Describe, interface: &Interface, output: &Output) -> Resu
 /// Describes a parameter without tables, from the description of the drive.
 fn in_no_table(
     session: &mut connect::Live,
-    drive: &Drive,
+    drive: &mut Drive,
     selection: &Selection,
     output: &Output,
 ) -> Result<(), Failure> {

@@ -29,6 +29,8 @@ pub struct MotionFacts {
     pub forward_by: Option<Part>,
     /// What sets the highest speed in negative direction.
     pub backward_by: Option<Part>,
+    /// Share of its speed with which a task runs, in percent; 0 holds it.
+    pub feedrate: Option<f64>,
     /// The limit switch at the negative end is hit.
     pub negative_switch: Option<bool>,
     /// The limit switch at the positive end is hit.

@@ -14,6 +14,8 @@ pub enum Objection {
     NotHomed,
     /// ZSW1 bit 3.
     Fault,
+    /// The feedrate is 0: a task does not move.
+    Feedrate,
     /// The table of the drive has no motion task of this number.
     NoTask {
         /// Its number.
@@ -101,6 +103,7 @@ impl fmt::Display for Objection {
         match self {
             Self::NotHomed => f.write_str("the axis is not homed (ZSW1 bit 11 is 0)"),
             Self::Fault => f.write_str("a fault is present (ZSW1 bit 3)"),
+            Self::Feedrate => f.write_str("the feedrate is 0 (MT_FEEDRATE, PNU 101): no task moves the axis"),
             Self::NoTask { number } => write!(f, "motion task {number} is empty"),
             Self::SoftwareLimit { target, limit, upper } => write!(
                 f,
@@ -176,6 +179,7 @@ impl Objection {
         match self {
             Self::NotHomed => "{home} sets the home position",
             Self::Fault => "{status} shows which, {acknowledge} acknowledges it",
+            Self::Feedrate => "{write MT_FEEDRATE=100} lets tasks run at their own speed",
             Self::NoTask { .. } => "the table of motion tasks shows which ones there are (MT.NUM, MT.LOAD)",
             Self::SoftwareLimit { .. } => {
                 "{read SWLS.EN SWLS.LIMIT0 SWLS.LIMIT1} shows the limits"

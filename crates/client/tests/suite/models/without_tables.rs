@@ -192,26 +192,24 @@ fn a_drive_without_a_built_in_catalogue_runs_at_a_percentage() {
 }
 
 /// What a drive says of one of its parameters, asked as `describe` does.
-fn described(session: &mut Bench, drive: &Drive, text: &str) -> Option<Described> {
-    session
-        .described(drive, &select(drive, text))
-        .wait()
-        .expect("asked")
+fn described(session: &mut Bench, drive: &mut Drive, text: &str) -> Option<Described> {
+    let selection = select(drive, text);
+    session.described(drive, &selection).wait().expect("asked")
 }
 
 /// Name, type, unit and limits come from the drive itself; what only fits the type is not taken for limits; texts follow.
 #[test]
 fn a_drive_describes_its_own_parameters() {
     let mut session = all_models();
-    let vlt = find(&mut session, "vlt-1").expect("there");
-    let ramp = described(&mut session, &vlt, "3-41").expect("answered");
+    let mut vlt = find(&mut session, "vlt-1").expect("there");
+    let ramp = described(&mut session, &mut vlt, "3-41").expect("answered");
     assert_eq!(
         (ramp.name.as_str(), ramp.data_type, ramp.unit, ramp.elements),
         ("Ramp 1 Ramp up T", Some("Unsigned32"), "s", 1)
     );
     assert_eq!(ramp.limits, ReportedLimits::Own(0.01, 3600.0));
     assert!(!ramp.read_only && !ramp.changed && ramp.texts.is_empty());
-    let profile = described(&mut session, &vlt, "8-10").expect("answered");
+    let profile = described(&mut session, &mut vlt, "8-10").expect("answered");
     let texts: Vec<_> = profile
         .texts
         .iter()
@@ -220,23 +218,23 @@ fn a_drive_describes_its_own_parameters() {
     assert_eq!(texts[..2], [(0, "FC profile"), (1, "PROFIdrive profi")]);
     // numbers without a text lie between them
     assert_eq!(texts[2..], [(5, "ODVA"), (7, "CANopen DSP 402")]);
-    let counter = described(&mut session, &vlt, "16-90").expect("answered");
+    let counter = described(&mut session, &mut vlt, "16-90").expect("answered");
     assert!(counter.read_only, "{counter:?}");
     assert!(
         matches!(counter.limits, ReportedLimits::OfType(low, high) if (low, high) == (0.0, 4_294_967_295.0)),
         "{counter:?}"
     );
-    let kind = described(&mut session, &vlt, "15-40").expect("answered");
+    let kind = described(&mut session, &mut vlt, "15-40").expect("answered");
     assert_eq!(kind.limits, ReportedLimits::None, "a text has none");
 
-    let vacon = find(&mut session, "vacon-1").expect("there");
-    let telegram = described(&mut session, &vacon, "922").expect("answered");
+    let mut vacon = find(&mut session, "vacon-1").expect("there");
+    let telegram = described(&mut session, &mut vacon, "922").expect("answered");
     assert_eq!(telegram.limits, ReportedLimits::OfType(0.0, 65_535.0));
     assert!(telegram.read_only && telegram.data_type == Some("Unsigned16"));
-    let signals = described(&mut session, &vacon, "915").expect("answered");
+    let signals = described(&mut session, &mut vacon, "915").expect("answered");
     assert_eq!(signals.elements, 16);
     // the description of the collecting number is not that of one of its ids
-    assert_eq!(described(&mut session, &vacon, "ID 103"), None);
+    assert_eq!(described(&mut session, &mut vacon, "ID 103"), None);
 
     // without tables: the same, by what the drive says alone; also of a number that nothing is known of
     for (model, id) in [("strange", 31), ("standard", 32)] {
@@ -253,14 +251,14 @@ fn a_drive_describes_its_own_parameters() {
             session.find_channel(&mut drive).wait().expect("reached");
             assert!(drive.model.catalogue.is_none());
         }
-        let ramp = described(&mut session, &drive, "341").expect("answered");
+        let ramp = described(&mut session, &mut drive, "341").expect("answered");
         assert_eq!(
             (ramp.unit, ramp.limits),
             ("s", ReportedLimits::Own(0.01, 3600.0)),
             "{model}"
         );
-        let profile = described(&mut session, &drive, "810").expect("answered");
+        let profile = described(&mut session, &mut drive, "810").expect("answered");
         assert_eq!(profile.texts.len(), 4, "{model}: {profile:?}");
-        assert_eq!(described(&mut session, &drive, "4711"), None, "{model}");
+        assert_eq!(described(&mut session, &mut drive, "4711"), None, "{model}");
     }
 }

@@ -14,6 +14,7 @@ pub static PARTS: &[PartRow] = &[
     PartRow { part: Part::CommandSource, pnu: 2113, base: None, values: &[] },
     PartRow { part: Part::DisableSources, pnu: 2120, base: None, values: &[] },
     PartRow { part: Part::MotionDisableSources, pnu: 2891, base: None, values: &[] },
+    PartRow { part: Part::Feedrate, pnu: 101, base: None, values: &[] },
     PartRow { part: Part::MotionStatus, pnu: 2134, base: None, values: &[] },
     PartRow { part: Part::TorqueAllowed, pnu: 2381, base: None, values: &[] },
     PartRow { part: Part::NegativeSwitch, pnu: 2211, base: None, values: &[] },
