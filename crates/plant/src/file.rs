@@ -406,9 +406,12 @@ fn read_drive(raw: &RawDrive) -> Result<DrivePlan, Located> {
         scaling: Scaling::default(),
     };
     for (span, assignment) in &parameters {
-        let checked = table
-            .select(&assignment.reference)
-            .and_then(|selection| table.check(&selection, &assignment.value));
+        let checked = table.select(&assignment.reference).and_then(|selection| {
+            match table.check_text(&selection, &assignment.value)? {
+                Some(_) => Ok(()),
+                None => table.check(&selection, &assignment.value).map(|_| ()),
+            }
+        });
         if let Err(problem) = checked {
             let hint = problem.hint().map_or(String::new(), |hint| format!(" ({hint})"));
             return Err(Located(span.clone(), format!("{problem}{hint}")));

@@ -105,15 +105,19 @@ pub(crate) fn set(
         problem,
     };
     let selection = table.select(&assignment.reference).map_err(problem)?;
-    let value = table.check(&selection, &assignment.value).map_err(problem)?;
-    let raw = value.raw.cast_unsigned();
-    drive
-        .write(selection.pnu, selection.first, raw, Keep::Volatile)
-        .map_err(|error| WorldError::Refused {
-            drive: name.to_owned(),
-            parameter: selection.label(),
-            error,
-        })
+    let (pnu, first) = (selection.pnu, selection.first);
+    let written = match table.check_text(&selection, &assignment.value).map_err(problem)? {
+        Some(text) => drive.write_text(pnu, first, text.as_bytes(), Keep::Volatile),
+        None => {
+            let value = table.check(&selection, &assignment.value).map_err(problem)?;
+            drive.write(pnu, first, value.raw.cast_unsigned(), Keep::Volatile)
+        }
+    };
+    written.map_err(|error| WorldError::Refused {
+        drive: name.to_owned(),
+        parameter: selection.label(),
+        error,
+    })
 }
 
 /// A scenario in virtual time: an in-memory segment with its drives and controllers.

@@ -235,3 +235,18 @@ proptest! {
         }
     }
 }
+
+/// A text is a first value like a number.
+#[test]
+fn a_text_is_given_to_a_drive() {
+    let file = |text: &str| {
+        format!("[[drive]]\nname = \"vlt-1\"\nmodel = \"vlt\"\nparameters = {{ \"0-37\" = \"{text}\" }}\n")
+    };
+    let scenario: Scenario = file("PRESS 1").parse().expect("a plant");
+    let drive = &scenario.drives[0];
+    let unit = drive.build(drive.config(), 1);
+    assert!(unit.is_ok());
+    let mistake = file("12345678901234567890123456").parse::<Scenario>();
+    let error = mistake.err().expect("too long");
+    assert!(error.message.contains("holds 25 characters"), "{}", error.message);
+}
