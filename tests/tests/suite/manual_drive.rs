@@ -286,3 +286,107 @@ fn a_change_may_have_an_integer_format() {
         }
     }
 }
+
+/// 3.6: what the table of a request does not allow, and what the drive answers.
+#[test]
+fn what_the_table_of_a_request_does_not_allow() {
+    let mut bus = Bus::new();
+    bus.connect(1);
+    for (request, error) in [
+        ([1, 1, 1, 1, 0x10, 1, 0x03, 0xA2, 0, 0], 0x19), // another axis
+        ([1, 1, 0, 1, 0x00, 1, 0x03, 0xA2, 0, 0], 0x16), // attribute 0x00
+        ([1, 1, 0, 1, 0x30, 1, 0x03, 0xA2, 0, 0], 0x0F), // texts
+        ([1, 1, 0, 1, 0x10, 1, 0x00, 0x00, 0, 0], 0x00), // PNU 0
+        ([1, 1, 0, 1, 0x10, 1, 0x03, 0xB3, 0xFF, 0xFF], 0x03), // subindex 0xFFFF of 947
+    ] {
+        let answer = bus.job(&request);
+        assert_eq!(
+            (answer[1], answer[4], answer[7]),
+            (0x81, 0x44, error),
+            "{request:02X?}"
+        );
+    }
+}
+
+/// 5.6: 930 shows the operating mode, whatever chose it. 0 and 3 are no modes of the profile.
+#[test]
+fn the_operating_mode_is_1_2_or_that_of_the_manufacturer() {
+    let mut bus = Bus::new();
+    bus.connect(1);
+    assert_eq!(write(&mut bus, 2135, 0x41, 0), None); // DRV.OPMODE, current
+    assert_eq!(bus.read(930, 0), 0x8000);
+    for (mode, answer) in [
+        (0, Some(0x14)),
+        (3, Some(0x14)),
+        (1, None),
+        (2, None),
+        (0x8000, None),
+    ] {
+        assert_eq!(write(&mut bus, 930, 0x42, mode), answer, "{mode}");
+    }
+    assert_eq!(bus.read(2135, 0), 0);
+}
+
+/// 5.7: the reserved bits of MDI_MOD are taken and do nothing, in a telegram as by a write.
+#[test]
+fn the_reserved_bits_of_mdi_mod_are_ignored() {
+    let mut bus = Bus::new();
+    bus.connect(1);
+    assert_eq!(write(&mut bus, 38, 0x42, 0x8001), None);
+    assert_eq!(bus.read(38, 0), 0x8001);
+    bus.release();
+    bus.connect(9);
+    let mut words = [0; 20];
+    words[..2].copy_from_slice(&[0x04, 0x3E]);
+    words[18..].copy_from_slice(&[0x80, 0x01]);
+    bus.send(&words, 5);
+    assert_eq!(bus.read(38, 0), 0x8001);
+}
+
+/// 5.8: the parameter behind a signal of the telegram is written, and the next cycle has the signal again.
+#[test]
+fn the_parameter_behind_a_signal_is_overwritten_by_the_telegram() {
+    let mut bus = Bus::new();
+    bus.connect(354);
+    let words = [0x04, 0x7E, 0, 0, 0, 4, 0, 4];
+    bus.send(&words, 5);
+    let scaled = bus.read(2108, 0);
+    assert_eq!(scaled, 4 * 763 * 1000, "DRV.ACC");
+    assert_eq!(write(&mut bus, 108, 0x42, 8), Some(0x11), "the signal");
+    assert_eq!(write(&mut bus, 2108, 0x43, 5_000_000), None, "its parameter");
+    bus.send(&words, 5);
+    assert_eq!((bus.read(2108, 0), bus.read(108, 0)), (scaled, 4));
+}
+
+/// 5.6: behind nine double words more than one number is left out; they have 32 bits.
+#[test]
+fn where_several_numbers_are_left_out_the_value_has_32_bits() {
+    let mut bus = Bus::new();
+    bus.connect(1);
+    let rows = virtual_drive::model::AKD.catalogue;
+    for pnu in [2163, 2626, 2793, 2802, 2839, 2851, 2868, 2896, 2963] {
+        assert_eq!(
+            rows.by_pnu(pnu).and_then(profile::catalogue::Parameter::high),
+            None,
+            "{pnu}"
+        );
+        bus.read(pnu, 0);
+        let [high, low] = (pnu + 1).to_be_bytes();
+        let answer = bus.job(&[1, 1, 0, 1, 0x10, 1, high, low, 0, 0]);
+        assert_eq!((answer[1], answer[7]), (0x81, 0), "{pnu}");
+    }
+    let high = rows.by_pnu(2646).and_then(profile::catalogue::Parameter::high);
+    assert_eq!(
+        high,
+        Some(2647),
+        "AOUT2.VSCALE, of which AIN2.VSCALE (2626) is the counterpart"
+    );
+}
+
+/// 6.4 prints a Modbus index of PN.TIMEOUTFTHRESH that is the PNU of another parameter.
+#[test]
+fn the_modbus_index_of_6_4_is_no_number_of_profinet() {
+    let rows = virtual_drive::model::AKD.catalogue;
+    assert_eq!(rows.by_pnu(3022).map(|row| row.name), Some("PN.TIMEOUTFTHRESH"));
+    assert_eq!(rows.by_pnu(2860).map(|row| row.name), Some("WS.TSTANDSTILL"));
+}

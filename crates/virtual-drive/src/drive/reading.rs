@@ -17,7 +17,7 @@ const LISTS: core::ops::RangeInclusive<u16> = 980..=989;
 pub(super) const PER_LIST: usize = 116;
 
 /// Value of PNU 930 in current mode: bit 15 marks modes of the vendor.
-const MODE_CURRENT: i64 = 0x8000;
+pub(super) const MODE_CURRENT: i64 = 0x8000;
 
 impl Drive {
     /// Returns the number of one element as on the wire (sign included); `position` is the place in the catalogue.

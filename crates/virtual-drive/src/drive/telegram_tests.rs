@@ -158,7 +158,7 @@ fn a_setpoint_is_written_as_parameter_while_no_telegram_carries_it() {
     line.cycle();
     assert_eq!(line.write(5, 100), Err(ErrorNumber::NOT_NOW));
     assert_eq!(line.write(102, 100), Err(ErrorNumber::NOT_NOW));
-    assert_eq!(line.write(38, 2), Err(ErrorNumber::LIMIT));
+    assert_eq!(line.write(38, 0x8001), Ok(()), "reserved bits do not count");
     assert_eq!(
         line.write(103, 16),
         Err(ErrorNumber::LIMIT),
@@ -269,6 +269,28 @@ fn the_words_before_a_controller_has_sent_one() {
     line.drive.tick(line.now, None, &mut []);
     let after = [1, 2].map(|pnu| line.drive.parameter(pnu));
     assert_eq!(after, [Some(0x0406), Some(0x0240)]);
+}
+
+/// The drive is ticked only when it says so, as without a controller on the network.
+fn idle(drive: &mut Drive) {
+    while let Some(next) = drive.next_tick() {
+        drive.tick(next, None, &mut []);
+    }
+}
+
+/// 6.6: after a restart the word is that of the saved mode.
+#[test]
+fn the_status_word_after_a_restart_is_that_of_the_saved_mode() {
+    let mut drive = Drive::new(&AKD);
+    write(&mut drive, 930, 0, 2).unwrap();
+    write(&mut drive, 2469, 0, 1).unwrap(); // DRV.NVSAVE
+    idle(&mut drive);
+    drive.restart();
+    idle(&mut drive);
+    assert_eq!(
+        (drive.parameter(930), drive.parameter(2)),
+        (Some(2), Some(0x2340))
+    );
 }
 
 #[test]

@@ -640,3 +640,29 @@ fn a_new_connection_leaves_the_last_word_and_setpoint_in_force() {
         assert!(!bench.drive.is_enabled() && bench.drive.axis().is_at_rest());
     }
 }
+
+/// MG06G102 5.8: the octet that fills up an odd value may have any content, and may be missing behind the last value.
+#[test]
+fn the_octet_that_fills_up_an_odd_value_does_not_count() {
+    let mut drive = Drive::new(&VLT);
+    for (end, value) in [(&[0xFE][..], 0xFE), (&[5, 0x77], 5), (&[0x9C, 0], 0x9C)] {
+        let request = [&[7, 2, 0, 1, 0x10, 1, 0x07, 0x6C, 0, 0, 2, 1][..], end].concat();
+        assert_eq!(ask(&mut drive, &request), [7, 2, 0, 1], "{end:02X?}");
+        let answer = ask(&mut drive, &[7, 1, 0, 1, 0x10, 1, 0x07, 0x6C, 0, 0]);
+        assert_eq!(answer, [7, 1, 0, 1, 2, 1, value, 0]);
+    }
+}
+
+/// The parameter bytes: AK 2 and 14 write a word, which is PWE LOW.
+#[test]
+fn a_change_of_a_word_takes_pwe_low_alone() {
+    let mut drive = Drive::new(&VLT);
+    let mut server = pkw::Server::new(pkw::PkwDialect::DANFOSS_FC);
+    for ak in [0x20, 0xE0] {
+        let request = [ak, 0x01, 0, 0, 0, 1, 0, 1]; // 0-01 = 1, PWE HIGH is 1
+        let answer = server.handle(request, &mut drive);
+        assert!(answer[0] >> 4 <= 1, "{answer:02X?}");
+        assert_eq!(drive.parameter(1), Some(1));
+        drive.write(1, 0, 0, Keep::Volatile).unwrap();
+    }
+}

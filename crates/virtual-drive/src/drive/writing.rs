@@ -7,6 +7,7 @@ use profile::catalogue::{Access, Parameter, Part};
 use profile::parameter::ErrorNumber;
 use profile::telegram::{Direction, signal};
 
+use super::reading::MODE_CURRENT;
 use super::{Drive, Event, Service};
 use crate::model::{Action, Live, Table, numbered};
 
@@ -30,6 +31,7 @@ impl Drive {
             Live::OperatingMode => {
                 let mode = match raw {
                     1 | 2 => raw,
+                    MODE_CURRENT if self.model.number(Part::ControlMode).is_some() => 0,
                     _ => return Err(ErrorNumber::VALUE),
                 };
                 let position = self.model.number(Part::ControlMode);

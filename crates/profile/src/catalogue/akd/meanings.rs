@@ -3,6 +3,11 @@
 use crate::catalogue::Meaning;
 
 #[rustfmt::skip]
+pub static AKTSATZ_BITS: &[Meaning] = &[
+    Meaning { value: 15, text: "The MDI task runs" },
+];
+
+#[rustfmt::skip]
 pub static AOUT_MODE_CHOICES: &[Meaning] = &[
     Meaning { value: 0, text: "User value" },
     Meaning { value: 1, text: "Actual velocity" },
@@ -273,6 +278,26 @@ pub static IP_MODE_CHOICES: &[Meaning] = &[
 ];
 
 #[rustfmt::skip]
+pub static MDI_MOD_BITS: &[Meaning] = &[
+    Meaning { value: 0, text: "Absolute positioning, else relative" },
+    Meaning { value: 1, text: "Reserved" },
+    Meaning { value: 2, text: "Reserved" },
+    Meaning { value: 3, text: "Reserved" },
+    Meaning { value: 4, text: "Reserved" },
+    Meaning { value: 5, text: "Reserved" },
+    Meaning { value: 6, text: "Reserved" },
+    Meaning { value: 7, text: "Reserved" },
+    Meaning { value: 8, text: "Reserved" },
+    Meaning { value: 9, text: "Reserved" },
+    Meaning { value: 10, text: "Reserved" },
+    Meaning { value: 11, text: "Reserved" },
+    Meaning { value: 12, text: "Reserved" },
+    Meaning { value: 13, text: "Reserved" },
+    Meaning { value: 14, text: "Reserved" },
+    Meaning { value: 15, text: "Reserved" },
+];
+
+#[rustfmt::skip]
 pub static MOTOR_BRAKERLS_CHOICES: &[Meaning] = &[
     Meaning { value: 0, text: "Drive controls it" },
     Meaning { value: 1, text: "Released" },
@@ -339,6 +364,7 @@ pub static MT_CNTL_CHOICE_5_9: &[Meaning] = &[
 pub static OPERATING_MODE_CHOICES: &[Meaning] = &[
     Meaning { value: 1, text: "speed control" },
     Meaning { value: 2, text: "positioning" },
+    Meaning { value: 32768, text: "current control (a mode of the maker)" },
 ];
 
 #[rustfmt::skip]
@@ -384,6 +410,11 @@ pub static REC_TRIGTYPE_CHOICES: &[Meaning] = &[
 pub static REGEN_TYPE_CHOICES: &[Meaning] = &[
     Meaning { value: -1, text: "External user defined" },
     Meaning { value: 0, text: "Internal" },
+];
+
+#[rustfmt::skip]
+pub static SATZANW_BITS: &[Meaning] = &[
+    Meaning { value: 15, text: "MDI: the task is that of the MDI signals, bits 0 to 14 do not count" },
 ];
 
 #[rustfmt::skip]

@@ -7,6 +7,9 @@ use crate::catalogue::{Field, Word, WordKind};
 pub static WORDS: &[Word] = &[
     Word { pnu: 1, base: None, kind: WordKind::Control, bits: &[], fields: &[] },
     Word { pnu: 2, base: None, kind: WordKind::Status, bits: &[], fields: &[] },
+    Word { pnu: 32, base: None, kind: WordKind::Own, bits: SATZANW_BITS, fields: &[Field { first: 0, last: 14, name: "Motion task", choices: &[] }, ] },
+    Word { pnu: 33, base: None, kind: WordKind::Own, bits: AKTSATZ_BITS, fields: &[Field { first: 0, last: 14, name: "Motion task that runs", choices: &[] }, ] },
+    Word { pnu: 38, base: None, kind: WordKind::Own, bits: MDI_MOD_BITS, fields: &[] },
     Word { pnu: 105, base: None, kind: WordKind::Own, bits: DRV_MOTIONSTAT_BITS, fields: &[] },
     Word { pnu: 106, base: None, kind: WordKind::Own, bits: DRIVE_INPUTS_BITS, fields: &[] },
     Word { pnu: 2120, base: None, kind: WordKind::Own, bits: DRV_DISSOURCES_BITS, fields: &[] },
@@ -49,6 +52,7 @@ pub static NOT_NOW: &[(u16, &str)] = &[
     (2376, "a virtual drive has no service motion: {jog} and {move} turn the motor"),
     (2445, "a virtual drive does not simulate this command"),
     (2629, "a virtual drive does not simulate this command"),
+    (2836, "a controller is connected, and another address would end its connection: stop it first ({status} shows which it is)"),
     (2842, "a virtual drive does not simulate this command"),
     (2843, "a virtual drive does not simulate this command"),
     (2879, "a virtual drive does not simulate this command"),

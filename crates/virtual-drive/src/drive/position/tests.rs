@@ -498,3 +498,18 @@ fn satzanw_selects_and_mt_move_reads_0() {
     bench.write("MT.MOVE", 5);
     assert_eq!(bench.read("MT.MOVE"), 0);
 }
+
+/// 5.10.2: bit 15 of SATZANW is MDI whatever the bits below it; AKTSATZ shows bit 15 alone, and 0 when nothing runs.
+#[test]
+fn bit_15_of_satzanw_is_mdi_whatever_the_number() {
+    let mut bench = Bench::homed(9);
+    assert_eq!(bench.get(signal::AKTSATZ), 0);
+    bench.mdi(1.0, 300.0, 8, true);
+    bench.set(signal::SATZANW, 0x8000 | 0x7005);
+    assert_eq!(bench.send(START, 1) & 0x5000, 0x5000);
+    assert_eq!(bench.get(signal::AKTSATZ), 0x8000);
+    bench.until(READY, 0x0400, 0x0400);
+    bench.send(READY, 20);
+    assert!((bench.turns() - 1.0).abs() < 0.01, "{}", bench.turns());
+    assert_eq!(bench.get(signal::AKTSATZ), 0);
+}
