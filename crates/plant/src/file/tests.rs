@@ -247,6 +247,6 @@ fn a_text_is_given_to_a_drive() {
     let unit = drive.build(drive.config(), 1);
     assert!(unit.is_ok());
     let mistake = file("12345678901234567890123456").parse::<Scenario>();
-    let error = mistake.err().expect("too long");
+    let Err(error) = mistake else { panic!("too long") };
     assert!(error.message.contains("holds 25 characters"), "{}", error.message);
 }
