@@ -3,7 +3,7 @@
 //! | a test needs | module |
 //! |---|---|
 //! | a client and drives on a segment | this one |
-//! | drives at a serial line that loses and spoils octets | [`line`] |
+//! | drives at a serial line that loses and spoils octets | [`mod@line`] |
 //! | a controller with raw requests and frames | [`plc`] |
 //! | a client that is killed or frozen, a cable that is pulled | [`world`] |
 //! | to look at the drive after each step of a session | [`watched`] |
