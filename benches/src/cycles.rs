@@ -76,7 +76,7 @@ pub fn cpu() -> Vec<Row> {
     rows
 }
 
-/// Returns how long one measurement runs, in seconds: 1,000 cycles at least.
+/// Returns the duration of one measurement in seconds: at least 1,000 cycles.
 const fn seconds(cycle_ms: u64) -> u64 {
     2 + if cycle_ms == 16 { 18 } else { 5 }
 }

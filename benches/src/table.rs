@@ -20,13 +20,13 @@ impl Row {
         }
     }
 
-    /// Returns what others need, measured in the same run.
+    /// Adds the figure of the peer, measured in the same run.
     pub fn beside(mut self, beside: String) -> Self {
         self.beside = beside;
         self
     }
 
-    /// Returns what we may need at most, and whether that held.
+    /// Adds the limit, and whether it was kept.
     pub fn limit(mut self, limit: String, held: bool) -> Self {
         self.limit = limit;
         self.held = Some(held);

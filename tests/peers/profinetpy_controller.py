@@ -232,7 +232,7 @@ class Script:
     def exchange(self):
         """Cyclic data for a while with no change, counting what is lost."""
         time.sleep(0.5)
-        # a pause of the machine longer than a cycle is nobody's fault: a disturbed measurement is repeated, twice at most
+        # a pause of the machine longer than a cycle is not a fault: a disturbed measurement is repeated, twice at most
         for attempt in range(1, 4):
             self.timeouts = 0
             before = self.statistics()

@@ -105,13 +105,13 @@ impl Running {
         self.inner.unwrap_or_else(|| self.child.id())
     }
 
-    /// Returns what it printed so far.
+    /// Returns its standard output so far.
     #[must_use]
     pub fn out(&self) -> String {
         std::fs::read_to_string(&self.out).unwrap_or_default()
     }
 
-    /// Returns what it complained about so far.
+    /// Returns its standard error so far.
     #[must_use]
     pub fn err(&self) -> String {
         std::fs::read_to_string(&self.err).unwrap_or_default()

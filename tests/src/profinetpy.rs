@@ -22,7 +22,7 @@ pub fn controller<S: AsRef<str>>(lab: &Lab, arguments: &[S], limit: u64) -> Fini
     lab.run(Side::Controller, python(), line, Duration::from_secs(limit))
 }
 
-/// Returns what the script's `--slots` takes for a drive with this telegram.
+/// Returns the value of the script's `--slots` for a drive with this telegram.
 #[must_use]
 pub fn slots(device: &Device, telegram: u16) -> String {
     let module = device.telegram(telegram).unwrap();

@@ -342,7 +342,7 @@ impl Client {
         self.records.remove(&call)
     }
 
-    /// Returns what became of a connection.
+    /// Returns the state of a connection.
     #[must_use]
     pub fn connection(&self, link: impl Into<Link>) -> Connection {
         match link.into() {

@@ -86,8 +86,8 @@ impl Drive {
         self.slave.is_some()
     }
 
-    /// Returns when the drive keeps a changed value of this parameter over a power cycle. At a serial line text is saved
-    /// with every write: the channel has no request that changes text in RAM only.
+    /// Returns the condition under which the drive saves a changed value of this parameter. At a serial line text is
+    /// saved with every write: the channel has no request that changes text in RAM only.
     #[must_use]
     pub const fn saving(&self, parameter: &Parameter) -> Saving {
         if self.is_on_line() && parameter.is_text() {
@@ -97,8 +97,8 @@ impl Drive {
         }
     }
 
-    /// Returns what this drive calls the parameters that have these parts, as a person writes them; what its model has
-    /// not is left out.
+    /// Returns this drive's names of the parameters that have these parts, as a person writes them; a part that its
+    /// model does not have is left out.
     #[must_use]
     pub fn named(&self, parts: &[Part]) -> Vec<String> {
         let tables = self.model.catalogue;

@@ -64,8 +64,8 @@ fn whole(parameters: &Parameters, selection: &Selection, low: Reading, upper: &R
     parameters.reading(selection, 0, low.format, Interpretation::Plain, &octets)
 }
 
-/// Returns where the octets of a new value go: to the parameter, or, when a 64-bit value does not fit its low half, to
-/// both numbers, the high half first.
+/// Returns the destination of the octets of a new value: the parameter, or both numbers, the high half first, when a
+/// 64-bit value does not fit the low half.
 pub(crate) fn halves(selection: &Selection, octets: Vec<u8>) -> Vec<(ParameterAddress, Vec<u8>)> {
     let own = ParameterAddress::value(selection.pnu, selection.first);
     let signed = selection.parameter.is_some_and(|parameter| parameter.signed);

@@ -60,7 +60,7 @@ struct Way {
     why: String,
 }
 
-/// Returns how a state is left or reached, in the order of the table.
+/// Returns the transitions from or to a state, in the order of the table.
 fn ways(state: State, leaving: bool) -> Vec<Way> {
     let rows = TRANSITIONS.iter();
     let ends = rows.map(|row| {

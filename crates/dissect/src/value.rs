@@ -64,7 +64,7 @@ pub fn full(reading: &Reading) -> String {
     }
 }
 
-/// Returns what an enumeration or a word says, or what the number is a part of.
+/// Returns the text of an enumeration or a word, or the whole that the number is a part of.
 pub fn meaning(reading: &Reading) -> String {
     match (reading.choice, &reading.word, reading.high_half_of) {
         (Some(choice), ..) => choice.to_owned(),

@@ -17,7 +17,7 @@ pub fn hex(octets: &[u8]) -> String {
     format!("0x{word:04X}")
 }
 
-/// Returns what the bits of a word say, behind its digits: `[ON, EN_OP, CTRL_PLC]`.
+/// Returns the names of the bits that are set, to stand behind the digits: `[ON, EN_OP, CTRL_PLC]`.
 pub fn bracketed(texts: &[String]) -> String {
     match texts {
         [] => "[no bit set]".into(),

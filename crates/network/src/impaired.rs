@@ -133,7 +133,7 @@ impl<S: Station> Impaired<S> {
         self.conditions = conditions;
     }
 
-    /// Returns what happens to frames.
+    /// Returns the impairments of frames.
     #[must_use]
     pub const fn conditions(&self) -> Conditions {
         self.conditions

@@ -76,7 +76,7 @@ impl<S: Station> Probe<S> {
         &mut self.inner
     }
 
-    /// Returns who has one of the addresses, or is about to take it, each once.
+    /// Returns each station that has one of the addresses, or is about to take it, once.
     #[must_use]
     pub fn found(&self) -> &[(Ipv4Addr, MacAddress)] {
         &self.found

@@ -222,7 +222,7 @@ impl ScenarioEvent {
         })
     }
 
-    /// Returns what ends it; `None` for what cannot be ended, such as a fault that only comes.
+    /// Returns the event that ends it; `None` for an event without an end, such as a fault.
     #[must_use]
     pub fn undo(&self) -> Option<Self> {
         Some(match *self {
@@ -260,7 +260,7 @@ impl ScenarioEvent {
     }
 }
 
-/// Returns what ends a happening inside the drive.
+/// Returns the event that ends one inside the drive.
 fn undo(injection: Injection) -> Option<Injection> {
     use Injection as I;
     Some(match injection {

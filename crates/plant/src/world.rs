@@ -60,7 +60,7 @@ pub enum WorldError {
 }
 
 impl DrivePlan {
-    /// Returns what the station is made with; the carrier adds what it knows, such as what was saved in an earlier run.
+    /// Returns the settings of the station; the carrier adds its own, such as values saved in an earlier run.
     #[must_use]
     pub fn config(&self) -> StationConfig {
         let mut config = StationConfig::new(self.model, self.mac);
@@ -425,7 +425,7 @@ fn free_address(scenario: &Scenario, beside: IpSuite, number: usize) -> Option<I
     })
 }
 
-/// Returns what a controller expects to be plugged in a drive of this model with this telegram.
+/// Returns the modules that a controller expects in a drive of this model with this telegram.
 fn expected_modules(model: &'static Model, telegram: u16) -> Vec<ModuleConfig> {
     let description = Description::of(model);
     let access_point = description.access_points.first().map(|module| (0, module));

@@ -41,7 +41,7 @@ impl fmt::Display for CarrierError {
 impl Error for CarrierError {}
 
 impl CarrierError {
-    /// Returns what one can do about it, where that is known.
+    /// Returns the remedy, where one is known.
     #[must_use]
     pub fn hint(&self) -> Option<String> {
         match self {

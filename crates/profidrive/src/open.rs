@@ -33,7 +33,7 @@ pub enum Way {
 }
 
 impl Network {
-    /// Returns what carries it.
+    /// Returns the medium that carries it.
     #[must_use]
     pub const fn way(&self) -> &Way {
         &self.way

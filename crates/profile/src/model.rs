@@ -212,7 +212,7 @@ impl Model {
         }
     }
 
-    /// Returns what scales values as long as the drive was not asked: as delivered.
+    /// Returns the scaling as delivered, which holds until the one of the drive was read.
     #[must_use]
     pub fn scaling(&self) -> Scaling {
         self.catalogue.map_or(Scaling::DELIVERED, |tables| tables.scaling)

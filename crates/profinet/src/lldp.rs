@@ -182,7 +182,7 @@ impl Neighbours {
         self.list.iter()
     }
 
-    /// Returns what was counted.
+    /// Returns the counters.
     #[must_use]
     pub const fn counts(&self) -> &Counts {
         &self.counts

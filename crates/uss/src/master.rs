@@ -231,7 +231,7 @@ impl Master {
         Ok(())
     }
 
-    /// Returns what a slave answered last; empty before its first reply.
+    /// Returns the last answer of a slave; empty before its first reply.
     #[must_use]
     pub fn reply(&self, slave: SlaveId) -> &[u8] {
         self.slaves
@@ -240,7 +240,7 @@ impl Master {
             .unwrap_or_default()
     }
 
-    /// Returns how a slave behaves.
+    /// Returns the counters of a slave.
     #[must_use]
     pub fn statistics(&self, slave: SlaveId) -> SlaveStatistics {
         self.slaves
@@ -249,7 +249,7 @@ impl Master {
             .unwrap_or_default()
     }
 
-    /// Returns what the receiver has seen so far.
+    /// Returns the counters of the receiver.
     #[must_use]
     pub const fn line(&self) -> &ReceiverStatistics {
         self.receiver.statistics()
@@ -293,7 +293,7 @@ impl Master {
         }
     }
 
-    /// Returns what happened, in order.
+    /// Returns the events, in order.
     pub fn poll_event(&mut self) -> Option<Event> {
         self.events.pop_front()
     }

@@ -199,7 +199,7 @@ impl Receiver {
         self.last.map(|last| last + self.timing.start_delay)
     }
 
-    /// Returns what it has seen so far.
+    /// Returns its counters.
     #[must_use]
     pub const fn statistics(&self) -> &ReceiverStatistics {
         &self.statistics

@@ -136,7 +136,7 @@ impl Slave {
         }
     }
 
-    /// Returns what it was made of.
+    /// Returns its configuration.
     #[must_use]
     pub const fn config(&self) -> &SlaveConfig {
         &self.config
@@ -221,13 +221,13 @@ impl Slave {
         [reply, self.receiver.poll_timeout()].into_iter().flatten().min()
     }
 
-    /// Returns what it has done so far.
+    /// Returns its counters.
     #[must_use]
     pub const fn counters(&self) -> &SlaveCounters {
         &self.counters
     }
 
-    /// Returns what its receiver has seen so far.
+    /// Returns the counters of its receiver.
     #[must_use]
     pub const fn line(&self) -> &ReceiverStatistics {
         self.receiver.statistics()

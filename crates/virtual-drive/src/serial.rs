@@ -167,7 +167,7 @@ impl SerialStation {
         let _ = self.drive.connect(self.telegram, self.control_timeout());
     }
 
-    /// Returns a master that has control and is silent for so long is lost.
+    /// Returns the time after which a silent master that has control is lost.
     fn control_timeout(&self) -> Duration {
         self.drive.control_timeout().unwrap_or(self.timeout)
     }
@@ -218,13 +218,13 @@ impl SerialStation {
         self.slave.config().number
     }
 
-    /// Returns what it has done at the line.
+    /// Returns its counters at the line.
     #[must_use]
     pub const fn counters(&self) -> &SlaveCounters {
         self.slave.counters()
     }
 
-    /// Returns what it has heard.
+    /// Returns the counters of its receiver.
     #[must_use]
     pub const fn line(&self) -> &ReceiverStatistics {
         self.slave.line()

@@ -193,7 +193,7 @@ fn caller(
     Ok(())
 }
 
-/// Returns what every cyclic sample says about an axis that kept its speed.
+/// Returns the verdict of the cyclic samples on an axis that kept its speed.
 fn judged(samples: &mut Samples) -> Value {
     let (mut count, mut off, mut farthest) = (0, 0, 0.0_f64);
     let mut span = None;

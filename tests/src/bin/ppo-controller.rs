@@ -45,7 +45,7 @@ struct Program {
     ar: ArId,
 }
 
-/// Returns what is asked in each slot, by a name for the test.
+/// Returns the requests of each slot, with a name for the test.
 fn jobs() -> Vec<(&'static str, Job<'static>)> {
     let read = |pnu, element| Job::Read { pnu, element };
     let change = |pnu, value| Job::Change {

@@ -76,7 +76,7 @@ fn documents(lab: &Lab, line: &str, codes: &[i32]) -> String {
     finished.out
 }
 
-/// Returns what is wrong with documents, by their schemas.
+/// Returns the violations of their schemas by documents.
 fn complaints(documents: &str) -> String {
     let mut judge = Command::new(python())
         .arg(peer("json_schema.py"))

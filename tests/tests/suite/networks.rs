@@ -27,7 +27,7 @@ fn the_first_program_on_a_real_network() {
         lab.run(Side::Controller, program, [interface, "akd-1"], SHORT)
     };
     let finished = run(Side::Controller.interface()).ok();
-    for line in ["waits: nobody commands it", "DRV.ACC = 3000 rpm/s"] {
+    for line in ["waits: not commanded", "DRV.ACC = 3000 rpm/s"] {
         assert!(finished.out.contains(line), "{line}: {finished:?}");
     }
     let finished = run("eth99");

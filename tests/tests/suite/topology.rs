@@ -41,7 +41,7 @@ fn column<'a>(table: &'a BTreeMap<String, String>, column: &str) -> Vec<&'a str>
     rows.map(|(_, value)| value.as_str()).collect()
 }
 
-/// Returns what a drive says in the end about its neighbours: the column of names has so many rows.
+/// Returns the report of a drive on its neighbours in the end: the column of names has so many rows.
 #[track_caller]
 fn neighbours(lab: &Lab, side: Side, address: &str, count: usize) -> BTreeMap<String, String> {
     let mut table = BTreeMap::new();

@@ -4,7 +4,7 @@
 //! A row of `advice.csv` is one of these `kind`s:
 //! - `cause`: what to do about the cause `about` with the parameters of this model, in place of the general advice;
 //! - `warning`: the causes that the warning with the number `about` reports;
-//! - `disable`: what to do when somebody has written the parameter `about`, which switches the drive off.
+//! - `disable`: the remedy after a write of the parameter `about`, which switches the drive off.
 
 use std::fmt::Write as _;
 use std::path::Path;

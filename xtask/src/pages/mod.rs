@@ -38,7 +38,7 @@ pub fn run(root: &Path, program: &str, mode: Mode) -> Outcome<()> {
     schema::run(root, &output(program, &["schema"])?, mode)
 }
 
-/// Returns what the program prints on standard output.
+/// Returns the standard output of the program.
 fn output(program: &str, arguments: &[&str]) -> Outcome<String> {
     // the help is wrapped to the width of a terminal, where one is given
     let output = Command::new(program)

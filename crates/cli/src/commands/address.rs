@@ -249,7 +249,7 @@ pub fn reset(args: &Reset, interface: &Interface, output: &Output) -> Result<(),
     Ok(())
 }
 
-/// Returns why a reset was not done. A refusal that names its reason has its own advice.
+/// Returns the failure of a reset. A refusal that names its reason has its own advice.
 fn not_reset(error: Error) -> Failure {
     let refused = matches!(error, Error::Dcp { .. });
     let failure = at_work(error);

@@ -59,7 +59,7 @@ pub fn run(args: &args::Backup, interface: &Interface, output: &Output) -> Resul
     incomplete.map_or(Ok(()), Err)
 }
 
-/// Returns what is missing in a backup, and why; `None` when it is complete.
+/// Returns the missing settings of a backup, with reasons; `None` when it is complete.
 fn incomplete(backup: &Backup, drive: &str) -> Option<Failure> {
     let refused = backup.refused();
     let mut missing = Vec::new();
@@ -108,7 +108,7 @@ fn settings(count: usize) -> String {
     }
 }
 
-/// Returns why settings are missing, each reason with who it was of, the first few by name.
+/// Returns the reasons for missing settings, each with its parameters, the first few by name.
 fn reasons(refused: &[Refusal]) -> String {
     let mut reasons: Vec<(String, Vec<String>)> = Vec::new();
     for refusal in refused {

@@ -46,7 +46,7 @@ pub fn run(args: &Inject, output: &Output) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Returns why nothing happened; the words of another process are cleaned.
+/// Returns the reason why nothing happened; the text of another process is cleaned.
 fn failure(error: InjectError) -> Failure {
     let text = clean(&error.to_string());
     match error {

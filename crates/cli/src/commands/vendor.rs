@@ -45,7 +45,7 @@ pub fn describe(path: &Path, drive: &mut Drive) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Returns what every access point of a description declares: which one is plugged is the project's choice.
+/// Returns the value that all access points of a description declare: which one is plugged is the project's choice.
 fn device_access(points: &[AccessPoint]) -> Option<bool> {
     let mut declared = points.iter().map(|point| point.features.device_access);
     let first = declared.next().flatten()?;

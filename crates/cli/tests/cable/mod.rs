@@ -66,7 +66,7 @@ impl Cable {
         self.state.every.store(lumps, Ordering::SeqCst);
     }
 
-    /// Returns how many were spoiled.
+    /// Returns the number of spoiled frames.
     pub fn spoiled(&self) -> u64 {
         self.state.spoiled.load(Ordering::SeqCst)
     }

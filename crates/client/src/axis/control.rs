@@ -202,7 +202,7 @@ impl AxisControl {
         ) && self.progress == Progress::Reached
     }
 
-    /// Returns what the drive is for.
+    /// Returns the operating mode of the drive.
     #[must_use]
     pub const fn mode(&self) -> Mode {
         self.mode
@@ -223,7 +223,7 @@ impl AxisControl {
         }
     }
 
-    /// Returns what is being sent.
+    /// Returns the command that is being sent.
     #[must_use]
     pub const fn command(&self) -> Command {
         self.command

@@ -71,13 +71,13 @@ impl Cycle {
         self.timing.interval()
     }
 
-    /// Returns how long either side waits for a frame before the connection is lost.
+    /// Returns the data hold time of either side: without a frame for this long the connection is lost.
     #[must_use]
     pub const fn hold_time(&self) -> Duration {
         self.timing.hold_time(self.watchdog)
     }
 
-    /// Returns what is wrong with this cycle on a computer that wakes up as late as `delay`: `None` if it sends each
+    /// Returns the problem of this cycle on a computer that wakes up as late as `delay`: `None` if it sends each
     /// frame within its update time and two such delays in a row leave the connection alive.
     #[must_use]
     pub fn judge(self, delay: Duration) -> Option<Strained> {

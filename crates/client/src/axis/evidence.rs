@@ -25,7 +25,7 @@ pub struct Evidence {
 }
 
 impl Evidence {
-    /// Returns what it points to.
+    /// Returns the cause that it points to.
     #[must_use]
     pub fn cause(&self) -> Option<&'static str> {
         let behind = self.following_error.is_some_and(|error| error.abs() > BEHIND);

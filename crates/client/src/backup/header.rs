@@ -48,7 +48,7 @@ impl Header {
         }
     }
 
-    /// Returns what is known about the kind of drive: by its numbers, else by the name of the model, as a drive may be
+    /// Returns the model of the drive: by its numbers, else by the name of the model, as a drive may be
     /// taken for one whatever its numbers are.
     #[must_use]
     pub fn known(&self) -> Model {
@@ -59,7 +59,7 @@ impl Header {
         }
     }
 
-    /// Returns why the settings are of another kind of drive; `None` when they fit.
+    /// Returns the difference when the settings are of another kind of drive; `None` when they fit.
     #[must_use]
     pub fn misfit(&self, drive: &Drive) -> Option<String> {
         let station = &drive.station;

@@ -145,7 +145,7 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// Returns what has to be written to bring a drive from `present` to `wanted`. `present` holds the drive's answer
+    /// Returns the writes that bring a drive from `present` to `wanted`. `present` holds the drive's answer
     /// for each value of `wanted`.
     #[must_use]
     pub fn new(wanted: &Backup, present: &Backup, choice: &Choice) -> Self {
@@ -236,19 +236,19 @@ impl Plan {
             && self.tasks_left_out.is_none()
     }
 
-    /// Returns how many values and motion tasks the drive has as the file has them.
+    /// Returns the number of values and motion tasks that are the same in drive and file.
     #[must_use]
     pub fn same(&self) -> usize {
         self.skipped.len() + self.tasks_skipped.len() - self.left_out()
     }
 
-    /// Returns how many values and motion tasks are left out for a reason other than that they are the same.
+    /// Returns the number of values and motion tasks that are left out although they differ.
     #[must_use]
     pub fn left_out(&self) -> usize {
         self.reasons().filter(|why| **why != Skip::Same).count()
     }
 
-    /// Returns how many values and motion tasks of the file the drive cannot have.
+    /// Returns the number of values and motion tasks of the file that the drive cannot have.
     #[must_use]
     pub fn refused(&self) -> usize {
         self.reasons().filter(|why| why.is_refusal()).count()

@@ -144,7 +144,7 @@ impl Engine {
         locked(&self.shared.client)
     }
 
-    /// Returns what is known of connections for records.
+    /// Returns the table of connections for records.
     pub(crate) fn records(&self) -> MutexGuard<'_, Records> {
         locked(&self.shared.records)
     }

@@ -4,7 +4,7 @@ use profile::value::ParameterProblem;
 
 use crate::{Action, Advice};
 
-/// Returns what to do, where that is not said already.
+/// Returns the remedy, where the message does not contain it.
 pub(super) fn advice(problem: &ParameterProblem) -> Option<Advice> {
     let describe = |parameter| {
         Advice::from(Action::Describe {

@@ -98,7 +98,7 @@ impl Refusal {
         self.channel.map(|channel| channel.cause)
     }
 
-    /// Returns why nothing was sent; `None` where the drive refused.
+    /// Returns the reason why nothing was sent; `None` where the drive refused.
     #[must_use]
     pub fn not_carried(&self) -> Option<NotCarried> {
         match self.cause()? {

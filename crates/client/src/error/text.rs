@@ -18,7 +18,7 @@ pub(super) fn in_place(telegrams: u64, noise: u64) -> String {
     }
 }
 
-/// Returns what scales NSOLL_A.
+/// Returns the parameter that scales NSOLL_A.
 pub(super) fn scaling_text(scaling: Option<&(String, u16)>) -> String {
     scaling.map_or_else(String::new, |(name, value)| {
         format!(" (NSOLL_A with {name} = {value})")

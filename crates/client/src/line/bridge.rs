@@ -109,7 +109,7 @@ impl Answered {
         }
     }
 
-    /// Returns what happened in the channel for this address of the request.
+    /// Returns the result in the channel for this address of the request.
     pub fn cause(&self, address: usize) -> Option<ChannelCause> {
         self.channel.get(address).copied().flatten()
     }
@@ -385,7 +385,7 @@ fn part(shape: Option<Shape>, steps: Vec<Step>, outcome: Result<Gathered, Refuse
     }
 }
 
-/// Returns what the channel cannot carry.
+/// Returns the part of a request that the channel cannot carry.
 fn unsent(shape: Option<Shape>, why: NotCarried) -> Part {
     let refused = Refused {
         number: why.number(),

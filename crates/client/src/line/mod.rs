@@ -228,7 +228,7 @@ impl Line {
         Ok(())
     }
 
-    /// Returns how many exchanges of its job a drive has answered; `None` without a job.
+    /// Returns the number of exchanges of its job that a drive has answered; `None` without a job.
     pub fn progress(&self, id: SlaveId) -> Option<usize> {
         self.get(id)?.job.as_ref().map(Bridge::progress)
     }

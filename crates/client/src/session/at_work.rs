@@ -77,7 +77,7 @@ fn idle(drive: &Drive, undone: &'static str, works: Option<AtWork>) -> Result<()
     })
 }
 
-/// Returns what a drive answered, if it did.
+/// Returns the answer of a drive, if there was one.
 fn answered<T>(result: Result<T, Error>) -> Result<Option<T>, Error> {
     match result {
         Err(error @ Error::Interrupted) => Err(error),

@@ -47,7 +47,7 @@ pub enum LocalControl {
 }
 
 impl LocalControl {
-    /// Returns what to do at the drive to hand control over to the field bus.
+    /// Returns the remedy at the drive that gives control to the field bus.
     #[must_use]
     pub fn remedy(&self) -> String {
         match self {

@@ -192,7 +192,7 @@ impl<'a> Enabled<'a> {
         })
     }
 
-    /// Returns how long the ramp of the drive needs up to this speed, if the drive reports its ramp.
+    /// Returns the duration of the drive's ramp up to this speed, if the drive reports its ramp.
     #[must_use]
     pub fn speed_time(&self, rpm: f64) -> Duration {
         self.axis
@@ -260,7 +260,7 @@ impl<'a> Enabled<'a> {
         }))
     }
 
-    /// Returns what holds an axis that stands though it was commanded to jog, as far as the drive says.
+    /// Returns the reason why an axis stands though it was commanded to jog, as far as the drive reports it.
     pub async fn held_back(&mut self) -> Option<Evidence> {
         let status = self.axis.status()?;
         let reports_rest = status.view.mode == Mode::Position || status.speed_actual.is_some();

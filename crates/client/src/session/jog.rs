@@ -33,7 +33,7 @@ impl JogSpeed {
         Some(self.pole_pairs.map_or(number, |pairs| number * MINUTE / pairs))
     }
 
-    /// Returns what is written for a speed.
+    /// Returns the parameter value for a speed.
     #[must_use]
     pub fn quantity(&self, speed: &Quantity) -> Quantity {
         match (self.pole_pairs, speed.in_unit("rpm")) {

@@ -454,7 +454,7 @@ pub(super) fn zsw1_of(drive: &Drive, readings: &Readings, telegram: Option<u16>)
     Some(readings.profile(drive, telegram).zsw1(status, sent))
 }
 
-/// Returns what the numbers of the speeds in a telegram mean, and the ramps up and down in that unit a second.
+/// Returns the unit of the speeds in a telegram, and the ramps up and down in that unit a second.
 fn scale_of(
     drive: &Drive,
     readings: &Readings,
@@ -519,7 +519,7 @@ fn speed_limits(readings: &Readings) -> [Option<(f64, Part)>; 2] {
     ]
 }
 
-/// Returns how many units of the position parameters one turn of a rotary motor has; `None` for a linear one. Source:
+/// Returns the units of the position parameters in one turn of a rotary motor; `None` for a linear one. Source:
 /// AKD UNIT.PROTARY, UNIT.PIN, UNIT.POUT; MOTOR.TYPE 1 is linear.
 fn units_per_turn(raw: impl Fn(Part) -> Option<i64>) -> Option<f64> {
     if raw(Part::MotorType) == Some(1) {

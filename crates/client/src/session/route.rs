@@ -134,7 +134,7 @@ impl Session {
         self.routes_to(drive, |routes| routes.closed.clone())
     }
 
-    /// Returns what is known about the ways to a drive, to read and to note.
+    /// Returns the known routes to a drive, for reading and writing.
     fn routes_to<T>(&self, drive: &Drive, with: impl FnOnce(&mut Routes) -> T) -> T {
         let mut records = self.engine.records();
         let routes = &mut records.routes;

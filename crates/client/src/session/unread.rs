@@ -56,8 +56,8 @@ impl Session {
         self.manner().unread.get_or_insert_default();
     }
 
-    /// Returns why parameters are not read any more, since [`tolerate_unread`](Self::tolerate_unread); `None` while
-    /// they are.
+    /// Returns the error since which parameters are not read any more, after
+    /// [`tolerate_unread`](Self::tolerate_unread); `None` while they are.
     #[must_use]
     pub fn unread(&self) -> Option<String> {
         self.manner().unread.as_ref()?.cause.clone()
@@ -94,7 +94,7 @@ impl Session {
         manner.bound.map_or(end, |bound| end.min(bound.max(now)))
     }
 
-    /// Returns how long one parameter of a serial line may remain without an answer.
+    /// Returns the longest time for the answer to one parameter at a serial line.
     pub(super) fn silence(&self, limit: Duration) -> Duration {
         if self.manner().unread.is_some() {
             limit.min(SILENCE)

@@ -26,13 +26,13 @@ pub enum Cause {
     LocalOperation,
     /// PNU 930 is neither 1 nor 2.
     OtherMode,
-    /// Nobody is connected, and it stands in operation.
+    /// No controller is connected, and it stands in operation.
     EnabledOwnerless,
-    /// Nobody is connected.
+    /// No controller is connected.
     NoController,
-    /// Nobody is connected, its power stage is off, and it turns.
+    /// No controller is connected, its power stage is off, and it turns.
     MovedExternally,
-    /// Nobody is connected, and it turns.
+    /// No controller is connected, and it turns.
     TurnsOwnerless,
     /// STW1 bit 10.
     NoControl,

@@ -174,11 +174,11 @@ impl DriveStatus {
         self.zsw1?.state(self.stw1.unwrap_or_default())
     }
 
-    /// `controller "plc"`, or `nobody`, or `the controller`.
+    /// `controller "plc"`, or `no controller`, or `the controller`.
     fn owner(&self) -> String {
         match &self.controller {
             Some(Some(name)) if !name.is_empty() => format!("controller \"{name}\""),
-            Some(None) => "nobody".into(),
+            Some(None) => "no controller".into(),
             _ => "the controller".into(),
         }
     }

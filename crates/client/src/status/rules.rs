@@ -131,7 +131,7 @@ pub(super) const RULES: &[Rule] = &[
         |s| s.mode.is_some_and(|mode| !matches!(mode, 1 | 2)),
         |s| {
             format!(
-                "the drive is in a mode of its maker (PNU 930 is 0x{:04X}): neither speed nor position control",
+                "the drive is in a vendor-specific mode (PNU 930 is 0x{:04X}): neither speed nor position control",
                 s.mode.unwrap_or_default()
             )
         },
@@ -149,7 +149,7 @@ pub(super) const RULES: &[Rule] = &[
     rule(
         Cause::NoController,
         |s| s.controller == Some(None) && !turns(s),
-        |s| format!("nobody commands it: no controller is connected{}", stands_in(s)),
+        |s| format!("not commanded: no controller is connected{}", stands_in(s)),
     ),
     rule(
         Cause::MovedExternally,

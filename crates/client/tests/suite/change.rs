@@ -160,7 +160,7 @@ fn what_was_saved_is_undone_for_good() {
     assert_eq!((back.saved(), steps(&back)), (Saved::Yes, vec![Step::ReadBack]));
 }
 
-/// Somebody else set another value meanwhile, or the old one: undo looks before it writes.
+/// Another client set another value meanwhile, or the old one: undo looks before it writes.
 #[test]
 fn undo_writes_only_what_is_not_as_before() {
     let mut bench = bench();

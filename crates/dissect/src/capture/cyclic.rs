@@ -359,12 +359,12 @@ impl CyclicArs {
         self.look(sink);
     }
 
-    /// Returns how regular the frames of each direction are.
+    /// Returns the timing of the frames of each direction.
     pub fn tracks(&self) -> impl Iterator<Item = (&TrackKey, &Track)> {
         self.tracks.iter().filter(|(_, track)| track.timing.frames > 0)
     }
 
-    /// Returns what is known of the connections of a device.
+    /// Returns the connections of a device.
     pub fn device(&self, mac: MacAddress) -> Device {
         self.devices.get(&mac).copied().unwrap_or_default()
     }

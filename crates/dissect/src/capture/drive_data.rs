@@ -69,7 +69,7 @@ impl DriveData {
         }
     }
 
-    /// Returns what is in it now.
+    /// Returns its present content.
     pub const fn sent(&self) -> Sent {
         Sent {
             word: self.word,
@@ -195,7 +195,7 @@ impl DriveData {
 }
 
 impl Speed {
-    /// Returns what this frame is to the speed, where it is worth a line.
+    /// Returns the change of speed in this frame, where it is worth a line.
     const fn look(&mut self, speed: i64) -> Option<SpeedStep> {
         let stayed = self.frames >= SETTLED;
         if speed != self.now {

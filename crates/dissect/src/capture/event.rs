@@ -514,7 +514,7 @@ impl Sink<'_> {
         }
     }
 
-    /// Returns where this frame came from, to be kept with what waits for an answer.
+    /// Returns the origin of this frame, to be kept with a request that waits for its answer.
     pub const fn origin(&self) -> Origin {
         Origin {
             frame: self.frame,

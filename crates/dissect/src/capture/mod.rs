@@ -107,7 +107,7 @@ impl Walker {
         walker
     }
 
-    /// Returns what was seen so far.
+    /// Returns the statistics so far.
     pub const fn counts(&self) -> Counts {
         self.counts
     }

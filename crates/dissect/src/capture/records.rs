@@ -41,7 +41,7 @@ impl ParameterRecord {
         format!("{text}   [{}]", hex_bytes(data))
     }
 
-    /// Returns what the 32-bit view has and the parameter's own type has not: steps between, or more than its range.
+    /// Returns the difference of the 32-bit view from the parameter's own type: finer steps, or a wider range.
     fn finer(&self, parameter: &Parameter, data: &[u8]) -> Option<String> {
         let octets: [u8; 4] = data.try_into().ok().filter(|_| self.view.octets == 4)?;
         let native = if parameter.signed {
@@ -106,7 +106,7 @@ pub fn name(index: u16) -> String {
     format!("{known} (0x{index:04X})")
 }
 
-/// Returns where a record lives: `slot 1/1`.
+/// Returns the place of a record: `slot 1/1`.
 pub fn place(api: u32, slot: u16, subslot: u16) -> String {
     format!("slot {slot}/{}{}", diff::subslot(subslot), api_text(api))
 }

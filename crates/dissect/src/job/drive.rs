@@ -77,7 +77,7 @@ impl JobDrive {
         }
     }
 
-    /// Returns what its dialect and its tables forbid in a request.
+    /// Returns the parts of a request that its dialect and its tables forbid.
     pub fn objections(&self, request: &[u8]) -> Vec<Objection> {
         let tables = self.tables().filter(|_| !self.assumed);
         match tables.map(Tables) {

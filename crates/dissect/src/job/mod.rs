@@ -206,7 +206,7 @@ fn block_text(drive: &JobDrive, address: Option<ParameterAddress>, block: &Value
     format!("{} {unit}", texts.join(", ")).trim_end().to_owned() + &condition
 }
 
-/// Returns what a control or status word comes to as a whole.
+/// Returns the meaning of a control or status word as a whole.
 fn state(drive: &JobDrive, reading: &Reading) -> String {
     let kind = drive
         .tables()

@@ -78,7 +78,7 @@ pub fn decode(
     Ok(Decoded { lines, fields })
 }
 
-/// Returns what a request wants. `text` is what stands in the place of PWE in a text block.
+/// Returns a description of a request. `text` is what stands in the place of PWE in a text block.
 pub fn request(drive: &JobDrive, dialect: &PkwDialect, pkw: Pkw, text: Option<&[u8]>) -> (Weight, String) {
     let code = pkw.request_code();
     let info = code.info();
@@ -135,7 +135,7 @@ pub fn request(drive: &JobDrive, dialect: &PkwDialect, pkw: Pkw, text: Option<&[
     )
 }
 
-/// Returns what a reply says.
+/// Returns a description of a reply.
 pub fn reply(drive: &JobDrive, dialect: &PkwDialect, pkw: Pkw, text: Option<&[u8]>) -> (Weight, String) {
     let code = pkw.reply_code();
     let info = code.info();

@@ -168,8 +168,8 @@ fn header_problems(drive: &JobDrive, [reference, id, axis, count]: [u8; HEADER])
     problems.map(|(_, problem)| problem.to_string()).collect()
 }
 
-/// Returns where a response does not answer this request. A request that is cut off or has too many parameters is
-/// answered too.
+/// Returns the places where a response does not answer this request. A request that is cut off or has too many
+/// parameters is answered too.
 fn mismatches(request: &[u8], reference: u8, id: u8, axis: u8) -> Result<Vec<String>, String> {
     let &[asked, asked_id, asked_axis, _] = request
         .first_chunk::<HEADER>()

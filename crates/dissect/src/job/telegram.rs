@@ -85,7 +85,7 @@ impl Half<'_> {
         }
     }
 
-    /// Returns what the word says. `sent` is the control word on the way to the drive.
+    /// Returns the meaning of the word. `sent` is the control word on the way to the drive.
     pub fn word_text(&self, word: u16, sent: Option<u16>) -> (Weight, String) {
         self.word_text_in(self.drive.mode_in(self.telegram), word, sent)
     }

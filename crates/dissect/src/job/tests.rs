@@ -117,7 +117,7 @@ fn octets(hex: &str) -> Vec<u8> {
         .collect()
 }
 
-/// Returns what the drive answers to a request, in one line.
+/// Returns the answer of the drive to a request, in one line.
 fn answered(drive: &mut JobDrive, request: &str, response: &str) -> String {
     let lines = response_job(drive, &octets(response), Some(&octets(request))).lines;
     lines.into_iter().map(|(_, line)| line).collect()

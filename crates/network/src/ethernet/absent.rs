@@ -33,7 +33,7 @@ impl PacketMedium {
         match self.0 {}
     }
 
-    /// Returns what the raw socket has counted.
+    /// Returns the counters of the raw socket.
     #[must_use]
     pub fn statistics(&mut self) -> PacketStatistics {
         match self.0 {}
@@ -114,7 +114,7 @@ impl Runner {
         match self.0 {}
     }
 
-    /// Returns what the socket has counted.
+    /// Returns the counters of the socket.
     #[must_use]
     pub fn statistics(&mut self) -> PacketStatistics {
         match self.0 {}

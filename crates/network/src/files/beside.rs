@@ -37,7 +37,7 @@ impl Beside {
         self.path.is_some()
     }
 
-    /// Returns when the new content is on the disk.
+    /// Returns once the new content is on the disk.
     ///
     /// # Errors
     /// When the disk refuses.

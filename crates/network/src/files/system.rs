@@ -79,7 +79,7 @@ mod os {
 pub(super) use os::{is_own, is_shared, was_link};
 pub(crate) use os::{is_same, refuse_links, set_folder_mode, set_mode};
 
-/// Returns when the names in a folder are on the disk, where folders can be opened.
+/// Returns once the names in a folder are on the disk, where folders can be opened.
 pub(super) fn flush_folder(folder: &Path) -> io::Result<()> {
     if cfg!(unix) {
         File::open(folder)?.sync_all()

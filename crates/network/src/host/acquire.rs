@@ -72,7 +72,7 @@ impl Acquire {
         }
     }
 
-    /// Returns what is to be done now.
+    /// Returns the actions that are due now.
     pub fn poll(&mut self, now: Instant) -> Option<Action> {
         if let Some(frame) = self.dhcp.poll_transmit() {
             return Some(Action::Send(frame));

@@ -103,7 +103,7 @@ impl LinkLocal {
         }
     }
 
-    /// Returns what is to be done now.
+    /// Returns the actions that are due now.
     pub fn poll(&mut self, now: Instant) -> Option<Step> {
         if let Some(step) = self.pending.take() {
             return Some(step);

@@ -125,7 +125,7 @@ impl<E: Endpoint> Host<E> {
         self.endpoint
     }
 
-    /// Returns what the IP part has counted.
+    /// Returns the counters of the IP stack.
     #[must_use]
     pub fn statistics(&self) -> StackStatistics {
         self.stack.statistics()
@@ -174,7 +174,7 @@ pub fn addresses(frame: &[u8]) -> Option<(MacAddress, MacAddress)> {
     Some((MacAddress(destination), MacAddress(source)))
 }
 
-/// Returns how one endpoint output leaves: used by the stack, kept here beside the trait it serves.
+/// Returns an output of an endpoint if it fits `capacity`. Used by the stack, kept here beside the trait it serves.
 fn within(transmit: Transmit, capacity: usize) -> Option<Transmit> {
     let length = match transmit {
         Transmit::Frame { length } | Transmit::Datagram { length, .. } => length,

@@ -91,7 +91,7 @@ impl Stack {
         self.mac
     }
 
-    /// Returns what was counted.
+    /// Returns the counters.
     #[must_use]
     pub fn statistics(&self) -> StackStatistics {
         self.statistics

@@ -77,7 +77,7 @@ impl SegmentMedium {
         self.segment
     }
 
-    /// Returns where the endpoint with address `mac` is attached, to set its conditions or cut its cable.
+    /// Returns the port of the endpoint with address `mac`, to set its conditions or cut its cable.
     pub fn place(&mut self, mac: MacAddress) -> super::StationId {
         let index = self.find_or_add(mac);
         super::StationId(self.guests.get(index).map_or(0, |place| place.port))

@@ -177,7 +177,7 @@ impl Segment {
         self.fabric.finish_taps()
     }
 
-    /// Returns what was counted.
+    /// Returns the counters.
     #[must_use]
     pub fn statistics(&self) -> SegmentStatistics {
         self.fabric.statistics()

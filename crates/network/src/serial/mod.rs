@@ -29,7 +29,7 @@ const TELEGRAM: usize = 512;
 /// Most telegrams sent in one step.
 const MOST_TELEGRAMS: usize = 16;
 
-/// Returns why a port cannot be opened, in the words of the system.
+/// Returns the system's reason why a port cannot be opened.
 #[cfg(not(target_os = "linux"))]
 fn opening(name: &str, error: serialport::Error) -> Error {
     Error::System {

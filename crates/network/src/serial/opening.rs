@@ -6,7 +6,7 @@ use std::path::Path;
 
 use super::{Error, Holder};
 
-/// Returns why a port cannot be opened, found out by looking at it once more.
+/// Returns the reason why a port cannot be opened, found by a second look at it.
 pub fn opening(name: &str, error: serialport::Error) -> Error {
     let port = name.to_owned();
     let look = fs::OpenOptions::new().read(true).write(true).custom_open(name);

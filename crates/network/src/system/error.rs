@@ -73,7 +73,7 @@ pub enum Error {
 }
 
 impl Error {
-    /// Returns what one can do about it, where that is known.
+    /// Returns the remedy, where one is known.
     #[must_use]
     pub fn hint(&self) -> Option<String> {
         match self {

@@ -88,7 +88,7 @@ impl InterfaceInfo {
     }
 }
 
-/// Returns which of several own addresses has `other` in its subnet; the longest mask wins, as in a routing table.
+/// Returns the own address that has `other` in its subnet; the longest mask wins, as in a routing table.
 pub(super) fn towards(own: &[IpSuite], other: Ipv4Addr) -> Option<IpSuite> {
     let near = own.iter().copied().filter(|own| own.is_local(other));
     // of equals the first: the kernel lists the main address before the others

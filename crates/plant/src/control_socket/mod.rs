@@ -108,7 +108,7 @@ impl InjectRequest {
         text + "end\n"
     }
 
-    /// Returns what follows the first line.
+    /// Returns the lines after the first one.
     fn read(mut lines: impl Iterator<Item = std::io::Result<String>>) -> Option<Self> {
         let mut request = Self {
             drive: lines.next()?.ok()?.strip_prefix("drive ")?.to_owned(),

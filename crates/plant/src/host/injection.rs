@@ -102,7 +102,7 @@ fn is_meant(station: &Station, drive: &str) -> bool {
         || station.ip().is_set() && station.ip().address.to_string() == drive
 }
 
-/// Returns what a request requests, if it can happen to a drive of this model.
+/// Returns the event that a request describes, if it is possible on a drive of this model.
 pub(super) fn events(
     request: &InjectRequest,
     model: &Model,

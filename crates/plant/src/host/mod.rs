@@ -417,7 +417,7 @@ impl Host {
     }
 }
 
-/// Returns what the station of a drive is made with.
+/// Returns the settings of a drive's station.
 fn station(
     config: &HostConfig,
     plan: &Plan,

@@ -39,7 +39,7 @@ pub(super) fn report_rounded(asked: f64, sent: f64, unit: &'static str, observer
     }
 }
 
-/// Reports a limit switch that the drive is told to turn into.
+/// Reports a limit switch in the direction of the commanded motion.
 pub(super) fn report_switch(speed: f64, facts: &MotionFacts, observer: &Observer) {
     if facts.is_at_switch(speed) {
         observer.report(&Event::AtSwitch);

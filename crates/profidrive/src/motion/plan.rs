@@ -29,7 +29,6 @@ pub struct RunPlan {
     /// Speed asked for, in `speed_unit`.
     pub speed: f64,
     /// Speed as it would travel, the nearest representable value; `None` where the telegram is not known yet.
-    #[serde(rename = "speed_told")]
     pub speed_sent: Option<f64>,
     /// `rpm` or `%`.
     pub speed_unit: &'static str,

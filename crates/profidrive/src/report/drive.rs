@@ -116,7 +116,7 @@ pub struct Submodule {
 }
 
 impl InfoReport {
-    /// Returns what was found out about a drive.
+    /// Returns the report on a drive.
     #[must_use]
     pub fn new(drive: &Drive, info: &Info, snapshot: Option<&Snapshot>, faults: &[FaultEntry]) -> Self {
         let identity = info.identity.as_ref().map(|identity| Identity {
@@ -225,7 +225,7 @@ impl From<&LoggedFault> for LogEntry {
 }
 
 impl FaultsReport {
-    /// Returns what a drive reports about its faults, those that were acknowledged only with `history`.
+    /// Returns the faults that a drive reports, acknowledged ones only with `history`.
     #[must_use]
     pub fn new(drive: impl Into<String>, report: &FaultReport, history: bool) -> Self {
         let flag = |bit: Zsw1| report.zsw1.map(|word| Zsw1(word).has(bit));
@@ -285,7 +285,7 @@ pub struct MonitorReading {
 }
 
 impl MonitorReading {
-    /// Returns what a drive reported `time` seconds after the first reading.
+    /// Returns the values that a drive reported `time` seconds after the first reading.
     #[must_use]
     pub fn new(time: f64, snapshot: &Snapshot, wording: &dyn Wording) -> Self {
         let quantity = |reading: &Option<Reading>| reading.as_ref().and_then(Quantity::of);

@@ -105,7 +105,7 @@ impl DriveWords {
         Self::of(Profile::Profidrive, Mode::Velocity, None, None)
     }
 
-    /// Returns what a drive reports by the words of its profile.
+    /// Returns state and words of a drive with the names of its profile.
     #[must_use]
     pub fn of(profile: Profile, mode: Mode, sent: Option<u16>, status: Option<u16>) -> Self {
         let general = status.map(|status| profile.zsw1(status, sent.unwrap_or_default()));
@@ -278,7 +278,7 @@ pub struct Controller {
 }
 
 impl Controller {
-    /// Returns what a drive reports about its controller: `Some(None)` where none is connected.
+    /// Returns the controller that a drive reports: `Some(None)` where none is connected.
     #[must_use]
     pub fn of(controller: Option<&Option<String>>) -> Option<Self> {
         controller.map(|name| Self {
@@ -376,7 +376,7 @@ pub fn parameter(reading: &Result<Reading, Refusal>, wording: &dyn Wording) -> P
     }
 }
 
-/// Returns why a parameter was not read or written.
+/// Returns the reason why a parameter was not read or written.
 #[must_use]
 pub fn parameter_error(refusal: &Refusal, wording: &dyn Wording) -> ParameterError {
     let sent = !refusal.is_unsent();

@@ -88,7 +88,7 @@ pub struct StatusNote {
 }
 
 impl StatusReport {
-    /// Returns how a drive is; `next` is what to do in the words of the front end.
+    /// Returns the status of a drive; `next` is the remedy in the words of the front end.
     #[must_use]
     pub fn new(
         status: &DriveStatus,

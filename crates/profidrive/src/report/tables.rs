@@ -85,7 +85,7 @@ fn texts(rows: &[Meaning]) -> Vec<ValueText> {
         .collect()
 }
 
-/// Returns how the access to a parameter is called.
+/// Returns the name of the access to a parameter.
 #[must_use]
 pub const fn access(access: Access) -> &'static str {
     match access {

@@ -90,7 +90,7 @@ impl RecordView {
     /// What the 32-bit view multiplies with where it resolves finer: a frequency 0.0001 Hz instead of 0.01 Hz.
     const FINER: i64 = 100;
 
-    /// Returns what the raw value of a parameter is multiplied with in this view.
+    /// Returns the factor of the raw value of a parameter in this view.
     ///
     /// Source: Vacon 100 PROFINET manual 5.4.4, OPTEA manual p. 116 (ID 102 is 0x1388 in 16 bits and 0x0007A120 in 32).
     /// That every frequency of two decimals is like it, and nothing else, is our reading of the one example there is.

@@ -58,7 +58,7 @@ pub enum Reaction {
 }
 
 impl Reaction {
-    /// Returns what it is for the general state machine; `None` for a warning.
+    /// Returns its reaction in the general state machine; `None` for a warning.
     #[must_use]
     pub const fn of_machine(self) -> Option<FaultReaction> {
         match self {
@@ -100,8 +100,8 @@ pub enum Cleared {
 }
 
 impl Catalogue {
-    /// Returns how a fault or warning of this model goes away, with the parameter that acknowledges where the model has
-    /// one.
+    /// Returns the way in which a fault or warning of this model is cleared, with the parameter that acknowledges where
+    /// the model has one.
     ///
     /// ```
     /// use profidrive_profile::catalogue::{AKD, Cleared, VLT};

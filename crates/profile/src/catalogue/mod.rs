@@ -143,7 +143,7 @@ impl Catalogue {
             .filter(move |parameter| contains(parameter.name, text) || contains(parameter.description, text))
     }
 
-    /// Returns what to do when a write of this parameter is refused because of the present state (error 0x11).
+    /// Returns the remedy for a write that is refused because of the present state (error 0x11).
     ///
     /// ```
     /// use profidrive_profile::catalogue::AKD;
@@ -158,7 +158,7 @@ impl Catalogue {
         found.ok().and_then(|at| self.not_now.get(at)).map(|row| row.1)
     }
 
-    /// Returns what the bits of a parameter say; `None` when it is not a word.
+    /// Returns the bits of a parameter; `None` when it is not a word.
     #[must_use]
     pub fn word(&self, pnu: u16) -> Option<&'static Word> {
         self.word_at(pnu, None)
@@ -173,7 +173,7 @@ impl Catalogue {
         found.ok().and_then(|at| self.words.get(at))
     }
 
-    /// Returns what a parameter is to a tool that saves and restores.
+    /// Returns the kind of a parameter for a tool that saves and restores.
     ///
     /// ```
     /// use profidrive_profile::catalogue::{AKD, Phase, Role};

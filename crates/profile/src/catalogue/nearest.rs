@@ -46,7 +46,7 @@ fn score(name: &str, text: &str) -> usize {
     }
 }
 
-/// Returns how far apart two names are: the least number of characters inserted, deleted, replaced or swapped with
+/// Returns the distance between two names: the least number of characters inserted, deleted, replaced or swapped with
 /// their neighbour, without regard to ASCII case.
 #[must_use]
 pub fn name_distance(a: &str, b: &str) -> usize {

@@ -70,13 +70,13 @@ impl Catalogue {
             .and_then(|position| self.parameters.get(position))
     }
 
-    /// Returns where in [`parameters`](Self::parameters) the parameter with this number is. Takes constant time.
+    /// Returns the index in [`parameters`](Self::parameters) of the parameter with this number, in constant time.
     #[must_use]
     pub fn position(&self, pnu: u16) -> Option<usize> {
         usize::from(*self.index.get(usize::from(pnu))?).checked_sub(1)
     }
 
-    /// Returns where in [`parameters`](Self::parameters) the parameter is that a PNU and a subindex on the wire mean,
+    /// Returns the index in [`parameters`](Self::parameters) for a PNU and a subindex on the wire,
     /// and which element of it. That it has such an element is not checked.
     ///
     /// ```
@@ -147,7 +147,7 @@ impl Catalogue {
             .flatten()
     }
 
-    /// Returns what a number written by a person means: the PNU, and the subindex where it is an element of a
+    /// Returns the meaning of a number written by a person: the PNU, and the subindex where it is an element of a
     /// collecting number.
     ///
     /// Only where application ids are used (Vacon) a bare number can mean two things: it is an application id, but a

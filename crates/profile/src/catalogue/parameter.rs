@@ -261,7 +261,7 @@ impl Parameter {
         }
     }
 
-    /// Returns what the low half of a 64-bit value means when it comes alone: with the sign of the parameter.
+    /// Returns the value of the low half of a 64-bit value, with the sign of the parameter.
     #[must_use]
     pub const fn low_word(&self, low: u32) -> i64 {
         if self.signed {
@@ -310,7 +310,7 @@ impl Parameter {
         self.default.map(|value| value * self.per_delivered(scaling))
     }
 
-    /// Returns how many of the unit in force are one of the unit in which the tables have their values.
+    /// Returns the factor from the unit of the tables to the unit in force.
     fn per_delivered(&self, scaling: &Scaling) -> f64 {
         if self.user_unit {
             scaling.unit.unit().per_revolution / unit::UnitChoice::DELIVERED.unit().per_revolution

@@ -85,9 +85,9 @@ impl Field {
 }
 
 impl Word {
-    /// Returns what a value says: the bits that are set by their name, an inverse bit by its meaning and only where it
-    /// stops something, a few bits that are a number by its text. Empty when no bit says anything. `profile` is whose
-    /// words the drive has now.
+    /// Returns the text of a value: the bits that are set by their name, an inverse bit by its meaning and only where it
+    /// stops something, a few bits that are a number by its text. Empty when no bit has a text. `profile`
+    /// contains the words that the drive has now.
     #[must_use]
     pub fn describe(&self, value: u64, profile: Profile, mode: Mode) -> Vec<String> {
         let table = match self.kind {

@@ -76,7 +76,7 @@ impl FaultBuffer {
         self
     }
 
-    /// Returns how it is divided, PNU 950.
+    /// Returns its division into situations and faults, PNU 950.
     #[must_use]
     pub const fn shape(&self) -> Shape {
         self.shape

@@ -84,7 +84,7 @@ impl Shape {
         self.situations as u16 * self.faults as u16
     }
 
-    /// Returns where the element with this subindex is; none past the end.
+    /// Returns the place of the element with this subindex; `None` past the end.
     ///
     /// ```
     /// use profidrive_profile::fault::{Place, Shape};

@@ -51,7 +51,7 @@ impl ConsistentRead {
         }
     }
 
-    /// Returns what to do next; the same until it is reported.
+    /// Returns the next step; the same one until its result is reported.
     #[must_use]
     pub const fn next(&self) -> Next {
         self.next

@@ -253,7 +253,7 @@ fn raw(text: &str, digits: &str, radix: u32) -> Result<Quantity, QuantityError> 
     })
 }
 
-/// Returns where the decimal number at the start of `text` ends. An `e` belongs to it only when digits follow.
+/// Returns the end of the decimal number at the start of `text`. An `e` belongs to it only when digits follow.
 fn number_end(text: &str) -> usize {
     let bytes = text.as_bytes();
     let digits = |mut at: usize| {

@@ -87,7 +87,7 @@ pub enum Notation {
 }
 
 impl Notation {
-    /// Returns how a parameter may be written, for messages.
+    /// Returns the notations of a parameter, for messages.
     #[must_use]
     pub const fn example(self) -> &'static str {
         match self {

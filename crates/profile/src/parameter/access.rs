@@ -160,7 +160,7 @@ pub trait ParameterAccess {
         None
     }
 
-    /// Returns what became of a save.
+    /// Returns the result of a save.
     fn save_state(&self, save: SaveId) -> SaveState {
         let _ = save;
         SaveState::Stored

@@ -67,7 +67,7 @@ impl RequestId {
         matches!(self, Self::ReadWide | Self::ChangeWide)
     }
 
-    /// Returns how a change with this ID is meant to last.
+    /// Returns the storage that a change with this ID requests.
     #[must_use]
     pub const fn keep(self) -> Keep {
         match self {

@@ -160,7 +160,7 @@ impl<'a> BlockWriter<'a> {
         self.position
     }
 
-    /// Returns what is written so far.
+    /// Returns the octets written so far.
     pub(super) fn written(&mut self) -> &mut [u8] {
         self.out.get_mut(..self.position).unwrap_or_default()
     }

@@ -271,7 +271,7 @@ pub fn objections(
     found
 }
 
-/// Returns what `drive` refuses of a request; `next` is called behind each parameter.
+/// Returns the objections of `drive` to a request; `next` is called behind each parameter.
 fn denied<D: ParameterAccess + ?Sized>(
     request: &[u8],
     dialect: &Dialect,

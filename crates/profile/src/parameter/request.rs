@@ -91,7 +91,7 @@ impl<'a> Request<'a> {
             .map(|octets| ParameterAddress::from_octets(*octets))
     }
 
-    /// Returns what stands behind the addresses.
+    /// Returns the octets behind the addresses.
     #[must_use]
     pub fn tail(&self) -> &'a [u8] {
         self.bytes.get(self.tail_offset()..).unwrap_or(&[])
@@ -101,7 +101,7 @@ impl<'a> Request<'a> {
         HEADER + ADDRESS * self.addresses.len()
     }
 
-    /// Returns what stands behind everything that belongs to the request. Nothing too when a value block cannot be
+    /// Returns the octets behind the end of the request. Empty too when a value block cannot be
     /// taken apart, which is reported by [`values`](Self::values).
     #[must_use]
     pub fn behind(&self) -> &'a [u8] {

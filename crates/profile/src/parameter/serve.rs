@@ -356,7 +356,7 @@ impl Job<'_> {
         Ok(())
     }
 
-    /// Returns how values of a parameter are sent.
+    /// Returns the format in which values of a parameter are sent.
     fn form(&self, facts: &Attributes) -> Result<Form, Denial> {
         let narrow = Forbidden::NoDoubleWord.refused(ErrorNumber::DATA_TYPE);
         let own = Form {

@@ -178,7 +178,7 @@ impl Client {
         Ok(())
     }
 
-    /// Returns what to send now: eight octets, or more or fewer in a text block.
+    /// Returns the octets to send now: eight, or another number in a text block.
     pub fn request(&mut self, now: Duration) -> &[u8] {
         if let Rest::Anything {
             after: after @ None, ..

@@ -181,7 +181,7 @@ impl PkwDialect {
         ..Self::DANFOSS_FC
     };
 
-    /// Returns what the drives of a vendor speak at a serial line, whatever protocol carries it; `None` for a vendor
+    /// Returns the PKW dialect of a vendor's drives at a serial line, with any protocol; `None` for a vendor
     /// without a channel of its own. `texts` says whether the parameter part has room for them.
     ///
     /// ```

@@ -144,7 +144,7 @@ pub enum JobError {
 }
 
 impl JobError {
-    /// Returns what a person can do about it.
+    /// Returns the remedy.
     #[must_use]
     pub fn remedy(self, names: PkwErrorNames) -> &'static str {
         match self {

@@ -302,7 +302,7 @@ impl Server {
         Err(Refusal::Number(number))
     }
 
-    /// Returns how a value of the parameter fills PWE.
+    /// Returns the width of a value of the parameter in PWE.
     fn width(&self, facts: &Attributes) -> Result<Width, Refusal> {
         if counted(facts.format) {
             // a text is not a value of the channel: it has a request of its own, where there is one

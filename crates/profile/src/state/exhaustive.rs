@@ -29,7 +29,7 @@ struct World {
     by_fault: bool,
 }
 
-/// Returns where the state machine goes next, by the words of the profile.
+/// Returns the next state, as in the profile.
 fn next(state: State, word: u16, world: World) -> State {
     let off = word & 1 == 0;
     let coast = word & 2 == 0;

@@ -154,7 +154,7 @@ impl State {
         self.facts().pulses
     }
 
-    /// Returns what the axis does in this state.
+    /// Returns the behaviour of the axis in this state.
     #[must_use]
     pub fn motion(self) -> Motion {
         self.facts().motion

@@ -312,7 +312,7 @@ pub struct PositionOutput {
 }
 
 impl PositionOutput {
-    /// Returns what the owner has to do.
+    /// Returns the action that the owner must take.
     #[must_use]
     pub fn effect(&self) -> PositionEffect {
         self.transition.map_or(PositionEffect::None, |row| row.effect)

@@ -47,7 +47,7 @@ const fn rule(mask: u16, value: u16, setpoint: Setpoint) -> SetpointRule {
 const CHANNEL: u16 = 0x70;
 
 impl Setpoint {
-    /// Returns what bits 4, 5 and 6 of this word request.
+    /// Returns the request of bits 4, 5 and 6 of this word.
     ///
     /// ```
     /// use profidrive_profile::state::{Setpoint, Stw1};

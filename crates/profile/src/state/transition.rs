@@ -44,7 +44,7 @@ pub enum Reason {
 }
 
 impl Reason {
-    /// Returns what it is, in a few words.
+    /// Returns a description in a few words.
     #[must_use]
     pub const fn text(self) -> &'static str {
         match self {

@@ -56,7 +56,7 @@ impl Parameters {
             && (!parameter.user_unit || self.scaling.unit.unit() == other.unit.unit())
     }
 
-    /// Returns how many units of a parameter here are one unit of it under another scaling.
+    /// Returns the factor from a unit of a parameter under another scaling to its unit here.
     fn units_for_one(&self, parameter: &Parameter, from: &Scaling) -> f64 {
         if parameter.user_unit && self.scaling.unit.unit() != from.unit.unit() {
             self.scaling.unit.unit().per_revolution / from.unit.unit().per_revolution
@@ -248,7 +248,7 @@ pub enum ParameterProblem {
 }
 
 impl ParameterProblem {
-    /// Returns what to do, where the message does not say it already.
+    /// Returns the remedy, where the message does not contain it.
     #[must_use]
     pub fn hint(&self) -> Option<String> {
         match self {

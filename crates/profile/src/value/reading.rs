@@ -120,7 +120,7 @@ pub enum Interpretation {
 }
 
 impl Interpretation {
-    /// Returns what a format code says about the octets.
+    /// Returns the layout of the octets that a format code stands for.
     #[must_use]
     pub fn of(format: Format, space: CodeSpace) -> Self {
         match format {
@@ -182,7 +182,7 @@ impl Reading {
 }
 
 impl Parameters {
-    /// Returns what `octets` of element `offset` of a selection mean.
+    /// Returns the meaning of the `octets` of element `offset` of a selection.
     #[must_use]
     pub fn reading(
         &self,

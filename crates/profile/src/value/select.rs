@@ -178,7 +178,7 @@ impl Parameters {
         Ok(selection)
     }
 
-    /// Returns how the vendor writes numbers.
+    /// Returns the vendor's number format.
     #[must_use]
     pub fn notation(&self) -> Notation {
         self.catalogue.map_or(Notation::Name, |tables| tables.notation)

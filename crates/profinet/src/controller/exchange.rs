@@ -221,7 +221,7 @@ impl Controller {
         ))
     }
 
-    /// Returns what a submodule's next frame carries as output.
+    /// Returns the output data of a submodule in the next frame.
     #[must_use]
     pub fn output(&self, ar: ArId, slot: u16, subslot: u16) -> Option<(&[u8], Iops)> {
         self.get(ar)?.provider.as_ref()?.data(slot, subslot)
@@ -239,7 +239,7 @@ impl Controller {
         self.get(ar)?.consumer.as_ref().map(Consumer::status)
     }
 
-    /// Returns what was received; stays readable after the connection ended.
+    /// Returns the counters of received frames; they stay readable after the connection ended.
     #[must_use]
     pub fn statistics(&self, ar: ArId) -> Option<CyclicStatistics> {
         self.get(ar)?.consumer.as_ref().map(Consumer::statistics)

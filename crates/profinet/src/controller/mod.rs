@@ -284,7 +284,7 @@ impl Controller {
         Ok(())
     }
 
-    /// Returns where a connection stands; `None` if it never was or its place is taken again.
+    /// Returns the state of a connection; `None` if it never was or its place is taken again.
     #[must_use]
     pub fn phase(&self, ar: ArId) -> Option<Phase> {
         self.get(ar).map(|ar| ar.phase)

@@ -295,7 +295,7 @@ impl Consumer {
         &self.layout
     }
 
-    /// Returns what was seen so far.
+    /// Returns the statistics so far.
     #[must_use]
     pub const fn statistics(&self) -> CyclicStatistics {
         self.statistics

@@ -162,7 +162,7 @@ impl Provider {
         }
     }
 
-    /// Returns how long a following provider waits for the peer's frame beyond its own time.
+    /// Returns the time for which a following provider waits for the peer's frame beyond its own time.
     fn follow_wait(&self) -> Duration {
         (self.interval() / 16).min(Duration::from_millis(1))
     }
@@ -281,7 +281,7 @@ impl Provider {
         }
     }
 
-    /// Returns what the next frame carries for a submodule: data and IOPS.
+    /// Returns data and IOPS of a submodule in the next frame.
     #[must_use]
     pub fn data(&self, slot: u16, subslot: u16) -> Option<(&[u8], Iops)> {
         let object = self.layout.data(slot, subslot)?;

@@ -120,7 +120,7 @@ impl Timing {
         Duration::from_nanos(self.ticks() as u64 * 31_250)
     }
 
-    /// Returns how long the consumer waits for a frame before the connection is lost.
+    /// Returns the data hold time: without a frame for this long the connection is lost.
     #[must_use]
     pub const fn hold_time(&self, data_hold_factor: u16) -> Duration {
         Duration::from_nanos(self.ticks() as u64 * 31_250 * data_hold_factor as u64)

@@ -104,7 +104,7 @@ impl Activity {
         self.deadline.is_some_and(|deadline| deadline <= now)
     }
 
-    /// Returns how long nothing happened; `None` once stopped.
+    /// Returns the time since the last activity; `None` once stopped.
     pub(super) fn idle(&self, now: Instant) -> Option<Duration> {
         let left = self.deadline?.saturating_since(now);
         Some(self.limit.saturating_sub(left))

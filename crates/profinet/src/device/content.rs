@@ -453,7 +453,7 @@ impl Device {
         .encode(out);
     }
 
-    /// Returns what passed through the port; counters of 32 bits start again at 0.
+    /// Returns the counters of the port; counters of 32 bits start again at 0.
     fn port_statistic(&self) -> PortStatistic {
         let low = |octets: u64| (octets & u64::from(u32::MAX)) as u32;
         let (received, sent) = self.traffic();

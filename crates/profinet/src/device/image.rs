@@ -116,7 +116,7 @@ impl Device {
         self.controller.as_ref().map(|io| io.consumer.hold_time())
     }
 
-    /// Returns what was received.
+    /// Returns the counters of received frames.
     #[must_use]
     pub fn statistics(&self) -> Option<CyclicStatistics> {
         self.controller.as_ref().map(|io| io.consumer.statistics())

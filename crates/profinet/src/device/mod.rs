@@ -179,7 +179,7 @@ impl Device {
         self.events.pop_front()
     }
 
-    /// Returns what was fixed at the start.
+    /// Returns the configuration, fixed at the start.
     #[must_use]
     pub const fn config(&self) -> &DeviceConfig {
         &self.config
@@ -207,7 +207,7 @@ impl Device {
         &self.im
     }
 
-    /// Returns what is plugged in a slot.
+    /// Returns the module in a slot.
     #[must_use]
     pub fn plugged_module(&self, slot: u16) -> Option<&ModuleDescription> {
         self.slots.module(&self.config.modules, slot)

@@ -83,7 +83,7 @@ impl<const N: usize> Text<N> {
 }
 
 impl<const N: usize> core::fmt::Write for Text<N> {
-    /// Returns what does not fit is left out.
+    /// Appends `text`; what does not fit is left out.
     fn write_str(&mut self, text: &str) -> core::fmt::Result {
         for octet in text.bytes() {
             if let Some(place) = self.octets.get_mut(self.length) {
@@ -103,8 +103,8 @@ pub(super) fn port_name(subslot: u16) -> Text<8> {
     name
 }
 
-/// Returns what a station is, in one line: product, order number, serial number, hardware and software revision in
-/// columns.
+/// Returns a description of the station in one line: product, order number, serial number, hardware and software
+/// revision in columns.
 ///
 /// Source: IEC 61158-6-10, SystemIdentification; the value of sysDescr.
 pub(super) fn system_identification(identity: &Identity) -> Text<MAX_NAME> {

@@ -194,7 +194,7 @@ impl Slots {
     }
 }
 
-/// Returns how an expected submodule differs from the real one; a wrong length counts as a wrong submodule.
+/// Returns the difference between an expected submodule and the real one; a wrong length counts as a wrong submodule.
 fn compare(real: &ModuleDescription, api: u32, expected: &ExpectedSubmodule) -> Option<DiffSubmodule> {
     let subslot = expected.subslot;
     let Some(submodule) = real.submodules.iter().find(|s| s.subslot == subslot) else {

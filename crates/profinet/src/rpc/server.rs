@@ -347,7 +347,7 @@ impl Server {
         None
     }
 
-    /// Returns where a new activity of `address` may live: a free place, or the place of the longest unused one that is
+    /// Returns the place for a new activity of `address`: a free place, or the place of the longest unused one that is
     /// not being executed.
     fn room(&self, address: Ipv4Addr) -> Option<usize> {
         let own = |a: &&(usize, &Activity)| *a.1.peer.ip() == address;

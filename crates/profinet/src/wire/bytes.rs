@@ -395,7 +395,7 @@ impl<'a> SliceWriter<'a> {
         Self { buffer, position: 0 }
     }
 
-    /// Returns how many octets were written.
+    /// Returns the number of octets written.
     ///
     /// # Errors
     /// When they did not all fit; the buffer then holds the first ones.

@@ -56,7 +56,7 @@ struct Line {
     spoiled: u32,
 }
 
-/// Returns what slave number `slave` answers to data.
+/// Returns the answer of slave number `slave` to data.
 fn answer(slave: usize, data: &[u8]) -> Vec<u8> {
     data.iter().map(|octet| octet ^ (slave as u8 + 1)).collect()
 }

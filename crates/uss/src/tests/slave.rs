@@ -14,7 +14,7 @@ fn send(slave: &mut Slave, start: Duration, octets: &[u8]) -> Duration {
     now
 }
 
-/// Returns what a request makes the slave do: its data and whether it was for all.
+/// Returns the data of a request, and whether it was a broadcast.
 fn settle(slave: &mut Slave) -> Option<(Vec<u8>, bool)> {
     if let Some(due) = slave.poll_timeout() {
         slave.handle_timeout(due);

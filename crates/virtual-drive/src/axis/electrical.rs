@@ -261,13 +261,13 @@ impl Electrical {
         self.motor_foldback.limit
     }
 
-    /// Returns how much of the drive's reserve above its continuous current is used up, 0 to 1.
+    /// Returns the used share of the drive's reserve above its continuous current, 0 to 1.
     #[must_use]
     pub fn drive_load(&self) -> f64 {
         self.drive_foldback.load()
     }
 
-    /// Returns how much of the motor's reserve above its continuous current is used up, 0 to 1 (IL.MI2T).
+    /// Returns the used share of the motor's reserve above its continuous current, 0 to 1 (IL.MI2T).
     #[must_use]
     pub fn motor_load(&self) -> f64 {
         self.motor_foldback.load()

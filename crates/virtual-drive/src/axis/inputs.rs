@@ -183,7 +183,7 @@ impl Sensors {
         self.home.force(on, position);
     }
 
-    /// Returns what the drive reads at a place whose number it shows `shift` higher.
+    /// Returns the reading at a place whose number the drive shows `shift` higher.
     pub fn read(&self, position: i64, shift: i64) -> Inputs {
         let shown = |latch: Latch| Latch {
             position: latch.position.wrapping_add(shift),

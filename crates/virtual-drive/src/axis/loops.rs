@@ -155,7 +155,7 @@ impl Loops {
         self.trajectory.aim(goal, manner(ramps, smooth, tuning));
     }
 
-    /// Returns where the reference would stand if it braked from now on.
+    /// Returns the position where the reference would stand if it braked from now on.
     pub fn stopping_position(&self, ramps: Ramps, smooth: bool, tuning: &Tuning) -> i64 {
         self.trajectory.stopping_position(&manner(ramps, smooth, tuning))
     }

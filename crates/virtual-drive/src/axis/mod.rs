@@ -315,7 +315,7 @@ impl Axis {
         self.loops.speed_command()
     }
 
-    /// Returns what goes to the motor: frequency, voltage, current, torque, power, thermal load.
+    /// Returns the quantities at the motor: frequency, voltage, current, torque, power, thermal load.
     #[must_use]
     pub fn motor_output(&self) -> MotorOutput {
         if let Some(motor) = self.induction.as_deref() {
@@ -344,7 +344,7 @@ impl Axis {
         self.seen.position.wrapping_add(self.shift)
     }
 
-    /// Returns what the feedback itself gives in 2^-32 revolutions (FB1.P): not moved by homing; its low half is the
+    /// Returns the position of the feedback itself in 2^-32 revolutions (FB1.P): not moved by homing; its low half is the
     /// angle.
     #[must_use]
     pub const fn feedback(&self) -> i64 {
@@ -396,8 +396,8 @@ impl Axis {
         }
     }
 
-    /// Returns where the reference would stand, 2^-32 rev, if [`Command::Travel`] with speed 0 stopped it from now on
-    /// with these ramps: to see beforehand whether a movement stays within its limits.
+    /// Returns the position where the reference would stand, 2^-32 rev, if [`Command::Travel`] with speed 0 stopped it
+    /// from now on with these ramps: to see beforehand whether a movement stays within its limits.
     #[must_use]
     pub fn stopping_position(&self, ramps: Ramps, smooth: bool, tuning: &Tuning) -> i64 {
         self.loops.stopping_position(ramps, smooth, tuning)

@@ -206,7 +206,7 @@ impl Trajectory {
         (speeds_up && before > bounds.jerk?).then_some(before)
     }
 
-    /// Returns where it would stand if it braked from now on.
+    /// Returns the position where it would stand if it braked from now on.
     pub fn stopping_position(&self, manner: &Manner) -> i64 {
         let bounds = manner.bounds();
         let mut brake = Profile::new(State {
@@ -324,17 +324,17 @@ impl Trajectory {
         };
     }
 
-    /// Returns where the reference is, 2^-32 rev.
+    /// Returns the position of the reference, 2^-32 rev.
     pub const fn position(&self) -> i64 {
         self.position
     }
 
-    /// Returns how fast it is, rpm.
+    /// Returns its speed, rpm.
     pub const fn speed(&self) -> f64 {
         self.speed * RPM_OF_COUNTS
     }
 
-    /// Returns how fast it changes its speed, rpm/s.
+    /// Returns its acceleration, rpm/s.
     pub const fn acceleration(&self) -> f64 {
         self.acceleration * RPM_OF_COUNTS
     }

@@ -106,7 +106,7 @@ fn fits(telegram: &Telegram, inputs: u32, outputs: u32) -> bool {
     ) == (inputs, outputs)
 }
 
-/// Returns how many signals of a telegram the items of the file name, each at its place.
+/// Returns the number of signals of a telegram that the items of the file name, each at its place.
 fn signals_named(gsdml: &Gsdml, data: Option<&DataDescription>, image: &Image) -> usize {
     let mut at = 0_u32;
     let mut named = 0;

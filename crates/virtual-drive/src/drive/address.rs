@@ -63,7 +63,7 @@ impl Drive {
         }
     }
 
-    /// Returns where the address comes from by IP.MODE and the rotary switches.
+    /// Returns the source of the address by IP.MODE and the rotary switches.
     #[must_use]
     pub fn address_source(&self) -> AddressSource {
         let mode = self

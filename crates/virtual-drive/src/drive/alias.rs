@@ -8,7 +8,7 @@ use super::Drive;
 use crate::model::Live;
 
 impl Drive {
-    /// Returns what the parameter reads as: the value of the other one.
+    /// Returns the value of the parameter: the one of its alias.
     pub(super) fn same(&self, parameter: &Parameter, other: u16) -> i64 {
         match self.model.numbered(other) {
             Some(target) => self.converted(target, parameter, self.values.get(other)),

@@ -32,7 +32,7 @@ impl ControllerLoss {
 }
 
 impl Drive {
-    /// Returns how long a control word counts, where parameters say that.
+    /// Returns the time for which a control word is valid, where a parameter sets it.
     #[must_use]
     pub fn control_timeout(&self) -> Option<Duration> {
         self.control_word_rule().and_then(|_| self.loss_time())
@@ -116,7 +116,7 @@ impl Drive {
         }
     }
 
-    /// Returns what the axis does instead of following the last setpoint.
+    /// Returns the reaction of the axis in place of following the last setpoint.
     pub(super) fn timeout_command(&mut self) -> Option<Command> {
         let Some(ControllerLoss::Acts(action)) = self.controller_loss else {
             return None;

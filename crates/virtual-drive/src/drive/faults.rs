@@ -547,7 +547,7 @@ impl Drive {
 }
 
 impl Drive {
-    /// Returns how long a disable on the ramp takes already, ms.
+    /// Returns the duration of a disable on the ramp so far, ms.
     fn disabling_for(&self) -> f64 {
         if self.disable_requested {
             (self.last - self.disable_since).as_secs_f64() * 1000.0

@@ -281,7 +281,7 @@ impl Inverter {
         speed / self.reference[1].max(1e-9)
     }
 
-    /// Returns what a reference with the other bits of the control word comes to, rpm.
+    /// Returns the speed that a reference and the other bits of the control word command, rpm.
     ///
     /// Bus reference and preset reference add up (3-04 "sum"), never to more than the highest reference; below the lowest
     /// one the motor runs with that. Catch up and slow down work on the amount.

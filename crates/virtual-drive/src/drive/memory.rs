@@ -130,7 +130,7 @@ impl Drive {
         image
     }
 
-    /// Returns what was saved last; the values as delivered where nothing ever was.
+    /// Returns the values saved last; those as delivered where nothing was saved.
     pub(super) fn saved_image(&self) -> Image {
         let saved = self.saving.newest();
         saved

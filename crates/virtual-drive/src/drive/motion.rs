@@ -121,7 +121,7 @@ impl Drive {
         }
     }
 
-    /// Returns what the power stage has to do.
+    /// Returns the command for the power stage.
     pub(super) fn command(&mut self) -> Command {
         let settings = &self.settings;
         match self.state().motion() {

@@ -83,7 +83,7 @@ impl Drive {
             .then_some(if stopped { Stw1::READY } else { Stw1::RUN })
     }
 
-    /// Returns what the panel has the axis do in S4, if it has it.
+    /// Returns the command of the panel to the axis in S4, if the panel has control.
     pub(super) fn panel_command(&mut self) -> Option<Command> {
         if self.service != Service::Off || !self.is_local() {
             return None;

@@ -38,7 +38,7 @@ impl Drive {
         serve_saving(request, self.model.known.dialect, self, out)
     }
 
-    /// Returns where the parameter is in the catalogue, and which element of it is meant.
+    /// Returns the index of the parameter in the catalogue, and the element that is meant.
     fn place(&self, pnu: u16, subindex: u16) -> Result<(usize, u16, &'static Parameter), ErrorNumber> {
         let catalogue = self.model.catalogue;
         let (position, element) = catalogue

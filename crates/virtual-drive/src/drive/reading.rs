@@ -124,7 +124,7 @@ impl Drive {
         kept.saturating_add(half) / by
     }
 
-    /// Returns what is kept of a number from the wire that is inside its limits: a position times PN.POSSCALE.
+    /// Returns the stored value of a number from the wire that is inside its limits: a position times PN.POSSCALE.
     pub(super) fn kept_number(&self, parameter: &Parameter, raw: i64) -> i64 {
         if parameter.scale == Scale::Position {
             raw.saturating_mul(self.settings.scaling.position.max(1).into())
@@ -243,7 +243,7 @@ impl Drive {
         }
     }
 
-    /// Returns what the lists of PNUs hold together: they do not name themselves.
+    /// Returns the content of the lists of PNUs, which do not list themselves.
     pub(super) fn listed_numbers(model: &crate::model::Model) -> Box<[u16]> {
         model
             .catalogue
@@ -254,7 +254,7 @@ impl Drive {
 }
 
 impl Drive {
-    /// Returns what the motor shows, in its engineering unit.
+    /// Returns a reading of the motor, in its engineering unit.
     fn of_motor(&self, quantity: Quantity) -> f64 {
         let output = self.axis.motor_output();
         let plate = self.settings.inverter.as_ref().map(|inverter| inverter.plate);
@@ -282,7 +282,7 @@ impl Drive {
         }
     }
 
-    /// Returns what the reference requests and what is reached of it.
+    /// Returns the speed that the reference requests and the speed that is reached.
     fn of_reference(&self, quantity: Quantity) -> f64 {
         let Some(inverter) = &self.settings.inverter else {
             return 0.0;

@@ -105,7 +105,7 @@ impl Saving {
         }
     }
 
-    /// Returns what became of a save.
+    /// Returns the result of a save.
     pub fn state(&self, SaveId(number): SaveId) -> SaveState {
         if !self.confirmed {
             SaveState::Stored

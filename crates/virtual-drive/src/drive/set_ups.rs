@@ -131,7 +131,7 @@ impl Drive {
         if chosen < COUNT { chosen } else { set_ups.active }
     }
 
-    /// Returns where another set-up than the active one keeps the value that is meant: its number and the place there.
+    /// Returns the number of the other set-up that keeps the value that is meant, and the place there.
     fn elsewhere(&self, position: usize, element: u16) -> Option<(usize, usize)> {
         let set_ups = self.set_ups.as_ref()?;
         let place = set_ups.place(position, element)?;
@@ -327,7 +327,7 @@ impl Drive {
         }
     }
 
-    /// Returns what stands for a value in a saved text.
+    /// Returns the text of a saved value.
     pub(super) fn saved_key(&self, position: usize, element: u16) -> String {
         let key = key(self.model.catalogue, position, element);
         let number = self.set_ups.as_ref().and_then(|set_ups| {

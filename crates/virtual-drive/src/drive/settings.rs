@@ -148,7 +148,7 @@ impl Settings {
         }
     }
 
-    /// Returns what a frequency converter has in the place of the parameters of a servo drive.
+    /// Returns the settings with those that a frequency converter has in place of a servo drive's.
     fn with(self, inverter: &Inverter) -> Self {
         Self {
             tuning: inverter.tuning(self.tuning),

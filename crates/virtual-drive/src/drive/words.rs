@@ -44,7 +44,7 @@ impl Drive {
         self.speed_in(self.own_full_speed(), speed)
     }
 
-    /// Returns what stands in the speed word of a telegram for a speed in rpm: by the reference that the drive has now,
+    /// Returns the speed word of a telegram for a speed in rpm: by the reference that the drive has now,
     /// in the steps of that telegram.
     #[must_use]
     pub fn speed_word(&self, telegram: &Telegram, speed: f64) -> i64 {
@@ -231,7 +231,7 @@ impl Drive {
         self.model.number_of_signal(fixed).map_or(0, i64::from)
     }
 
-    /// Returns where in the catalogue the word of process data in is that an element of the wide ones has.
+    /// Returns the index in the catalogue of the PCD word that stands for an element of the wide ones.
     pub(super) fn wide_word(&self, element: usize) -> Option<usize> {
         let number = self.chosen_number(&self.model.process.setpoints, 0, element);
         numbered(self.model.catalogue, number).filter(|_| number != 0)

@@ -33,7 +33,7 @@ pub static AKD: Model = Model {
 
 static TERMINALS: [Terminal; 7] = Terminal::all(&catalogue::AKD);
 
-/// DINx.MODE, as far as a source tells what it does. That mode 2 is the event of a chain (MT.CNTL bits 5 to 9) is ours.
+/// DINx.MODE, as far as a source describes it. That mode 2 is the event of a chain (MT.CNTL bits 5 to 9) is ours.
 /// Source: AKD Parameter Guide 12/2009.
 const INPUT_FUNCTIONS: &[(i64, InputFunction)] = &[
     (1, InputFunction::ClearFaults),

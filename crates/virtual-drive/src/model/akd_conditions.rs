@@ -1,7 +1,7 @@
 //! What the AKD watches.
 //!
-//! Source of the numbers: `data/akd/faults.csv`. Of the behaviour: AKD Parameter Guide 12/2009 and the maker's pages on
-//! PL.ERRMODE, VL.THRESH and foldback; "ours" where no source tells it.
+//! Source of the numbers: `data/akd/faults.csv`. Of the behaviour: AKD Parameter Guide 12/2009 and the vendor's pages on
+//! PL.ERRMODE, VL.THRESH and foldback; "ours" where no source has it.
 
 use profile::catalogue::Part;
 
@@ -136,7 +136,7 @@ pub(super) const CONDITIONS: &[Condition] = &[
     ),
 ];
 
-/// Temperature at which the power stage gives up, degC. Ours: no source tells it.
+/// Temperature at which the power stage switches off, degC. Ours: no source has it.
 const POWER_STAGE: f64 = 90.0;
 
 #[cfg(test)]

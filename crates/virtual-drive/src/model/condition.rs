@@ -92,7 +92,7 @@ pub enum Limit {
 pub enum When {
     /// Always.
     Always,
-    /// While the power stage is on, or somebody tries to switch it on.
+    /// While the power stage is on, or is about to be switched on.
     Enabled,
     /// While the power stage is off.
     Disabled,

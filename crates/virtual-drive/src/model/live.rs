@@ -28,7 +28,7 @@ pub enum Live {
     StatusWord,
     /// Number of the telegram in use; writing chooses the one to start with.
     Telegram,
-    /// PNU 930: 1 speed, 2 position, bit 15 for the modes of the maker.
+    /// PNU 930: 1 speed, 2 position, bit 15 for vendor-specific modes.
     OperatingMode,
     /// Control mode, changes only while the power stage is off.
     Mode,
@@ -231,7 +231,7 @@ pub enum Table {
     /// PNU 947: fault numbers, 8 situations of 8.
     FaultNumbers,
     /// PNU 915 of a drive whose process data words are chosen by parameter number: those numbers in a telegram of the
-    /// maker, signal numbers in one of the profile.
+    /// vendor, signal numbers in one of the profile.
     SetpointWords,
     /// PNU 916 of such a drive.
     ActualWords,

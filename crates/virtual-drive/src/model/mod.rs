@@ -83,7 +83,8 @@ pub struct Model {
     pub profile: u16,
 }
 
-/// Where in the catalogue the parameter with a number of its maker is: a PNU, or an application id of a Vacon.
+/// Returns the index in the catalogue of the parameter with this number of its vendor: a PNU, or an application id of a
+/// Vacon.
 #[must_use]
 pub fn numbered(catalogue: &Catalogue, number: u16) -> Option<usize> {
     let (pnu, base) = catalogue.meant(number, None);
@@ -93,7 +94,7 @@ pub fn numbered(catalogue: &Catalogue, number: u16) -> Option<usize> {
 }
 
 impl Model {
-    /// The parameter with a number of the maker.
+    /// Returns the parameter with this number of its vendor.
     #[must_use]
     pub fn numbered(&self, number: u16) -> Option<&'static Parameter> {
         self.catalogue.parameters.get(numbered(self.catalogue, number)?)

@@ -8,9 +8,9 @@ use profinet::wire::ByteOrder;
 pub struct ProcessFacts {
     /// Which parameters the signals are.
     pub signals: Signals,
-    /// What the words behind control word and setpoint set, in telegrams of the maker.
+    /// The parameters that the words behind control word and setpoint set, in telegrams of the vendor.
     pub setpoints: Chosen,
-    /// What the words behind status word and actual value tell, in telegrams of the maker.
+    /// The parameters that the words behind status word and actual value carry, in telegrams of the vendor.
     pub actuals: Chosen,
 }
 

@@ -2,7 +2,7 @@
 //!
 //! Source of the numbers and their meaning: `data/vlt/`, much of it recalled; of the behaviour: FC 300 design guides
 //! (MG33B), MCA 101 and MCA 120 manuals. The answer to a connect is that of a real drive
-//! (captures of cisagov/icsnpp-profinet-io-cm). Where no source tells it, it is ours and says so.
+//! (captures of cisagov/icsnpp-profinet-io-cm). Facts without a source are ours and marked so.
 
 use profile::catalogue::{self, Part, PartNumbers};
 use profile::fault::Shape;

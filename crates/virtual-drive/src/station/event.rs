@@ -126,7 +126,7 @@ impl From<DriveEvent> for StationEvent {
 }
 
 impl StationEvent {
-    /// Returns what happened, in words; the meaning of fault numbers is from `catalogue`. `None` for what only asks to
+    /// Returns a text of the event; the meaning of fault numbers is from `catalogue`. `None` for what only asks to
     /// be kept.
     #[must_use]
     pub fn words(&self, catalogue: &Catalogue) -> Option<String> {

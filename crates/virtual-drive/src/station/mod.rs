@@ -425,7 +425,7 @@ impl Station {
             .plugged(|slot| self.device.plugged_module(slot))
     }
 
-    /// Returns how a record that is a parameter itself is seen; none for every other record.
+    /// Returns the view of a record that is a parameter itself; `None` for every other record.
     fn record_view(&self, address: RecordAddress) -> Option<RecordView> {
         let views = self.drive.model().catalogue.device.layout.records;
         let here = address.slot == self.slot() && address.index < FIRST_OTHER_RECORD;
@@ -479,7 +479,7 @@ impl Station {
     }
 }
 
-/// Returns what the device has after power-on, and whether the carrier is to find an address.
+/// Returns the address of the device after power-on, and whether the carrier is to find one.
 fn begin(config: &StationConfig, drive: &mut Drive) -> (Stored, bool) {
     // an address that is kept was set by DCP, which overrules the switches
     if config.rotary.is_some() && !config.network.ip.is_set() {

@@ -20,7 +20,7 @@ pub trait Storage {
     /// When the medium refuses.
     fn write_beside(&mut self, bytes: &[u8]) -> Result<(), Self::Error>;
 
-    /// Returns when the text beside is on the medium.
+    /// Returns once the text beside is on the medium.
     ///
     /// # Errors
     /// When the medium refuses.
@@ -32,7 +32,7 @@ pub trait Storage {
     /// When the medium refuses.
     fn replace(&mut self) -> Result<(), Self::Error>;
 
-    /// Returns when the replacement is on the medium.
+    /// Returns once the replacement is on the medium.
     ///
     /// # Errors
     /// When the medium refuses.
@@ -92,7 +92,7 @@ impl CrashingStorage {
         }
     }
 
-    /// Returns what the next start finds.
+    /// Returns the content that the next start finds.
     #[must_use]
     pub fn restart(mut self, steps: usize) -> Self {
         if let Some(before) = self.unsure.take()

@@ -45,7 +45,7 @@ impl Values {
         }
     }
 
-    /// Returns where an element of an array is kept.
+    /// Returns the place of an element of an array.
     fn cell(&self, position: usize, element: u16) -> Option<usize> {
         let parameter = self.catalogue.parameters.get(position)?;
         let found = self
@@ -278,7 +278,7 @@ impl Values {
     }
 }
 
-/// Returns what stands for a parameter in an image: the vendor's name where it has one, else its number as the vendor
+/// Returns the key of a parameter in an image: the vendor's name where it has one, else its number as the vendor
 /// writes it.
 pub(crate) fn key(catalogue: &Catalogue, position: usize, element: u16) -> String {
     let Some(parameter) = catalogue.parameters.get(position) else {

@@ -69,7 +69,7 @@ fn the_page_about_plant_files_has_every_key_of_the_parser_and_no_other() {
     assert_eq!(listed.len(), UNKNOWN_KEYS.len(), "{:?}", listed.keys());
 }
 
-/// Returns what `--help` of the program, or of one of its commands, prints.
+/// Returns the `--help` text of the program or of one of its commands.
 fn help(command: &[&str]) -> String {
     let mut program = std::process::Command::new(built("profidrive"));
     let output = program.args(command).arg("--help").output().unwrap();
@@ -100,7 +100,7 @@ fn commands() -> BTreeMap<String, BTreeSet<String>> {
         .collect()
 }
 
-/// Returns what is written as code, in sentences and tables.
+/// Returns the text that is marked as code, in sentences and tables.
 fn code(page: &Page) -> Vec<String> {
     let code = |event| match event {
         Event::Code(text) => Some(text.to_string()),

@@ -86,7 +86,7 @@ impl Step {
         (!fails).then_some(0)
     }
 
-    /// Returns what the shell is given.
+    /// Returns the input of the shell.
     fn script(&self) -> String {
         let mut command = self.bare().to_owned();
         if command.contains("/dev/tty") {

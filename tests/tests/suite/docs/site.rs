@@ -69,7 +69,7 @@ fn id(heading: &str) -> String {
         .collect()
 }
 
-/// Returns what is wrong with a link of a page; nothing for addresses elsewhere.
+/// Returns the problem of a link of a page; `None` for addresses elsewhere.
 fn complaint(page: &Page, link: &str) -> Option<String> {
     let (target, anchor) = link
         .split_once('#')

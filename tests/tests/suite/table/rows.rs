@@ -166,7 +166,7 @@ impl Table {
         named.is_some_and(|values| !values.contains(&raw))
     }
 
-    /// Returns what a fresh drive has there, where the table states it.
+    /// Returns the value of a fresh drive, where the table states it.
     pub fn as_delivered(&self, row: &Row) -> Option<i64> {
         let value = self.sized.get(&row.name).copied().or(row.default)?;
         Some(row.raw(value))
@@ -217,7 +217,7 @@ trait RoundLimit {
 }
 
 impl RoundLimit for f64 {
-    /// Returns a limit that is a step but for the arithmetic is that step; else the next step inside.
+    /// Returns the step next to a limit that is a step but for rounding errors; else the next step inside.
     fn round_limit(self, inwards: fn(f64) -> f64) -> i64 {
         let near = self.round();
         let value = if (self - near).abs() < 1e-6 {

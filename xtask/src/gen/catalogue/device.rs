@@ -124,7 +124,7 @@ impl DeviceFile {
     }
 }
 
-/// Returns what scales values in a drive as delivered, as Rust.
+/// Returns the scaling of a drive as delivered, as Rust.
 pub fn render_scaling(device: &DeviceFile) -> String {
     match device.scaling.reference {
         Some(reference) => format!("Scaling::of_reference({reference:?})"),

@@ -28,7 +28,7 @@ impl Number {
         })
     }
 
-    /// Returns how the other tables of the model write it: `p120`, `id103`.
+    /// Returns the spelling of the other tables of the model: `p120`, `id103`.
     pub fn key(&self) -> String {
         match self.base {
             Some(id) => format!("id{id}"),

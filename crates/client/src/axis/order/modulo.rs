@@ -23,7 +23,7 @@ impl ModuloRange {
         self.low + (position - self.low).rem_euclid(self.high - self.low)
     }
 
-    /// Returns how far it is from one position to another one inside the range.
+    /// Returns the distance from one position to another one inside the range.
     pub(super) fn distance(self, from: f64, target: f64) -> f64 {
         let length = self.high - self.low;
         let way = target - self.wrap(from);

@@ -243,7 +243,7 @@ impl Session {
         Ok(())
     }
 
-    /// Returns how late this computer woke up at the most, over [`MEASURED`] of the waiting that carries the frames.
+    /// Returns the longest delay of a wake-up of this computer, measured over [`MEASURED`].
     async fn longest_delay(&mut self) -> Result<Duration, Error> {
         let end = self.now() + MEASURED;
         let mut longest = Duration::ZERO;

@@ -76,7 +76,7 @@ impl PacketMedium {
         self.packet.interface()
     }
 
-    /// Returns what the raw socket has counted.
+    /// Returns the counters of the raw socket.
     #[must_use]
     pub fn statistics(&mut self) -> PacketStatistics {
         self.packet.statistics()

@@ -128,7 +128,7 @@ impl PacketSocket {
         self.socket.as_raw_fd()
     }
 
-    /// Returns what was counted; asks the kernel for what was missed.
+    /// Returns the counters; frames that were dropped are read from the kernel.
     pub(super) fn statistics(&mut self) -> PacketStatistics {
         let mut counted = libc::tpacket_stats {
             tp_packets: 0,

@@ -127,7 +127,7 @@ impl Runner {
         self.socket.interface()
     }
 
-    /// Returns what the socket has counted.
+    /// Returns the counters of the socket.
     #[must_use]
     pub fn statistics(&mut self) -> PacketStatistics {
         self.socket.statistics()

@@ -96,7 +96,7 @@ pub fn wait(fds: &mut [libc::pollfd], timeout: Duration) -> io::Result<()> {
     }
 }
 
-/// Returns what is watched for the stop flag and the bell. A negative descriptor is not watched.
+/// Returns the descriptors to poll for the stop flag and the bell. A negative descriptor is not watched.
 fn called_by(calls: &Calls) -> [libc::pollfd; 2] {
     let stop = calls.stop().map(Stop::event);
     let bell = calls.bell.as_ref().map(Bell::event);
@@ -146,7 +146,7 @@ impl Waiting {
         self.fds.get(index).map_or(0, |fd| fd.revents)
     }
 
-    /// Returns what the packet socket has.
+    /// Returns the events of the packet socket.
     pub fn packet(&self) -> libc::c_short {
         self.revents(PACKET)
     }

@@ -364,7 +364,7 @@ pub static MT_CNTL_CHOICE_5_9: &[Meaning] = &[
 pub static OPERATING_MODE_CHOICES: &[Meaning] = &[
     Meaning { value: 1, text: "speed control" },
     Meaning { value: 2, text: "positioning" },
-    Meaning { value: 32768, text: "current control (a mode of the maker)" },
+    Meaning { value: 32768, text: "current control (a vendor-specific mode)" },
 ];
 
 #[rustfmt::skip]

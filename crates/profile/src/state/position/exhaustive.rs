@@ -49,7 +49,7 @@ impl Asked {
     }
 }
 
-/// Returns where it goes and what happens, by the words of the manual.
+/// Returns the next state and the effects, as in the manual.
 fn next(state: PositionState, asked: &Asked) -> (PositionState, PositionEffect) {
     let stop = asked.command(PositionCommand::Stop);
     let inputs = &asked.inputs;

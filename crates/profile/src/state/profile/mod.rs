@@ -1,9 +1,9 @@
-//! Control word profiles: what the bits of a control and status word are for the makers that have words of their own.
+//! Control word profiles: the bits of control and status words of vendors that have words of their own.
 //!
 //! There is one state machine, [`Machine`]. A profile is tables and a translation without memory in both directions:
 //!
 //! ```text
-//! control word --orders--> STW1 and what a maker has beside it --step--> Machine --status--> status word   (drive)
+//! control word --orders--> STW1 and the vendor's orders --step--> Machine --status--> status word   (drive)
 //! STW1 --control--> control word            status word --zsw1--> ZSW1                                     (client)
 //! ```
 //!
@@ -63,7 +63,7 @@ pub enum Start {
     ByLevel,
 }
 
-/// What a control word asks for, beside and including what the state machine is told.
+/// The orders of a control word, those for the state machine included.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Orders {
     /// For [`Inputs::stw1`].
@@ -100,7 +100,7 @@ pub enum Correction {
     CatchUp,
 }
 
-/// What a status word tells and the state machine does not know.
+/// The conditions in a status word that are not of the state machine.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Conditions {
     /// A warning is present.
@@ -111,7 +111,7 @@ pub struct Conditions {
     pub trip_locked: bool,
     /// The power part has no supply, so that the motor could not start.
     pub unpowered: bool,
-    /// The speed is the reference. Told in S4 only.
+    /// The speed is the reference. Reported in S4 only.
     pub at_reference: bool,
     /// The output frequency is inside its limits (4-12, 4-14).
     pub within_frequency_limits: bool,
@@ -527,22 +527,22 @@ impl Profile {
         !unused && (!word.has(Zsw1::OPERATION_ENABLED) || word.has(Zsw1::NO_COAST_STOP))
     }
 
-    /// The state that a status word tells, see [`Zsw1::state`]; `sent` is the control word sent last. An FC word does not
-    /// tell a stop from operation: there a stop that what was sent does not ask for is told as operation.
+    /// Returns the state in a status word, see [`Zsw1::state`]; `sent` is the control word sent last. An FC word does not
+    /// distinguish a stop from operation: there a stop that `sent` does not command is reported as operation.
     #[must_use]
     pub fn state(self, status: u16, sent: u16) -> Option<State> {
         let word = self.zsw1(status, sent);
         word.state(self.asked(sent, word.has(Zsw1::READY_TO_OPERATE)))
     }
 
-    /// What a control word asks of a drive that runs, or stands.
+    /// Returns the orders of a control word for a drive that runs, or stands, as STW1.
     fn asked(self, word: u16, runs: bool) -> Stw1 {
         let state = if runs { State::S4 } else { State::S2 };
         self.orders(word, state).stw1
     }
 }
 
-/// What a status word without the bits of the state machine tells about the state.
+/// The state as far as a status word without the bits of the state machine contains it.
 #[derive(Debug, Clone, Copy, Default)]
 struct PartialState {
     running: bool,

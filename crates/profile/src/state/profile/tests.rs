@@ -5,7 +5,7 @@ use alloc::vec::Vec;
 use super::*;
 use crate::state::FaultReaction;
 
-/// A drive that does what it is told at once or, while `turning`, takes its time.
+/// A drive that follows a command at once or, while `turning`, with a delay.
 struct Drive {
     profile: Profile,
     machine: Machine,

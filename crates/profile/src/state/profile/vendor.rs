@@ -21,7 +21,7 @@ use crate::telegram::Telegram;
 pub struct ControlWords {
     /// In telegrams of the profile.
     pub standard: Profile,
-    /// In telegrams of the maker ([`Telegram::own_words`]).
+    /// In telegrams of the vendor ([`Telegram::own_words`]).
     pub own: Profile,
     /// The latter where a parameter chooses it, by its value; any other value means `own`.
     pub chosen: &'static [(i64, Profile)],
@@ -65,7 +65,7 @@ impl ControlWords {
         one.then_some(self.own)
     }
 
-    /// Those of the maker's telegrams.
+    /// Those of the vendor's telegrams.
     #[must_use]
     pub fn vendor_profile(&self, choice: Option<i64>) -> Profile {
         choice.and_then(|value| self.by(value)).unwrap_or(self.own)

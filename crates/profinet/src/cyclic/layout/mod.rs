@@ -141,7 +141,7 @@ pub struct DataObject {
 }
 
 impl DataObject {
-    /// Returns where the IOPS octet is.
+    /// Returns the offset of the IOPS octet.
     #[must_use]
     pub const fn iops_offset(&self) -> u16 {
         self.offset.saturating_add(self.length)

@@ -49,7 +49,7 @@ fn vlt() -> DeviceConfig {
     config
 }
 
-/// Returns what the controller requested.
+/// Returns the request of the controller.
 fn wish() -> Wish {
     let mut wish = Wish::controller(7);
     let submodule = |subslot, ident, octets| ExpectedSubmodule::new(subslot, ident, octets, octets);

@@ -70,7 +70,7 @@ impl ChannelDiagnosis {
         }
     }
 
-    /// Returns how bad.
+    /// Returns the severity.
     #[must_use]
     pub const fn severity(&self) -> Severity {
         match self.properties >> 9 & 3 {

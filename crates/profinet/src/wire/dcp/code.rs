@@ -175,7 +175,7 @@ impl DcpOption {
         }
     }
 
-    /// Returns how to refuse this option: the whole group is unknown, or only the member.
+    /// Returns the block error that refuses this option: the whole group is unknown, or only the member.
     #[must_use]
     pub const fn unsupported(self) -> BlockError {
         match self.option {

@@ -81,7 +81,7 @@ impl<'a> Pdu<'a> {
         }
     }
 
-    /// Returns what a Get request requests: pairs without length.
+    /// Returns the options of a Get request: pairs without length.
     ///
     /// # Errors
     /// An odd octet is left over (reported as the iterator's last item).
@@ -295,7 +295,7 @@ impl<'w, W: Writer> PduWriter<'w, W> {
     }
 }
 
-/// Returns how long a device waits before it answers an Identify request.
+/// Returns the delay before a device answers an Identify request.
 ///
 /// Source: IEC 61158-6-10, ResponseDelay: the last two octets of the MAC address modulo the factor, times 10 ms. A
 /// factor of 0 or above 6400 means no delay.

@@ -127,7 +127,7 @@ impl<'a> Value<'a> {
         Ok(value)
     }
 
-    /// Returns what the value is about.
+    /// Returns the option of the value.
     #[must_use]
     pub const fn option(&self) -> DcpOption {
         match self {

@@ -238,7 +238,7 @@ impl PnioStatus {
         Self::new(0xDC, DECODE_PROTOCOL, code1, code2)
     }
 
-    /// Returns why a connection is aborted: CF 81 FD `cause`, see [`abort`].
+    /// Returns the status of an aborted connection: CF 81 FD `cause`, see [`abort`].
     #[must_use]
     pub const fn aborted(cause: u8) -> Self {
         Self::new(0xCF, DECODE_PROTOCOL, RTA_ERROR_CLASS, cause)

@@ -246,7 +246,7 @@ impl Homing {
         self.command(setup)
     }
 
-    /// Returns what the axis has to do in the present phase.
+    /// Returns the command for the axis in the present phase.
     pub fn command(&mut self, setup: &HomeSetup) -> Command {
         self.fresh = false;
         let slow = self.phase == Phase::Seek || (self.phase == Phase::Approach && self.reference == Index);

@@ -247,7 +247,7 @@ impl Positioning {
         self.flags.leave();
     }
 
-    /// Returns where the axis would stand if it braked now along this ramp.
+    /// Returns the position where the axis would stand if it braked now along this ramp.
     fn rest(seen: &Seen, task: &Task, axis: &Axis, rules: &Settings) -> i64 {
         let smooth = task.is_smooth() == Ok(true);
         let way = brake_way(seen.command_speed, task.deceleration);
@@ -384,7 +384,7 @@ impl Positioning {
         }
     }
 
-    /// Returns what the axis has to do in the next step of `seconds`.
+    /// Returns the command for the axis in the next step of `seconds`.
     fn direct(&mut self, axis: &mut Axis, seconds: f64, feedrate: f64, rules: &Settings) -> Command {
         let state = self.machine.state();
         let searches = state == PositionState::Homing && !self.failed;

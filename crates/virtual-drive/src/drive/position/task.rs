@@ -153,7 +153,7 @@ impl Task {
         self.control & bit != 0
     }
 
-    /// Returns what the position counts from.
+    /// Returns the reference of the position.
     pub fn kind(&self) -> Result<Kind, Refusal> {
         if self.control & UNUSABLE != 0 {
             return Err(Refusal::Control);

@@ -183,7 +183,7 @@ impl Drive {
         }
     }
 
-    /// Returns what the axis has to do in the next step in position mode.
+    /// Returns the command for the axis in the next step in position mode.
     pub(in crate::drive) fn position_command(&mut self, seconds: f64) -> Command {
         let feedrate = self.feedrate();
         self.positioning

@@ -29,7 +29,7 @@ impl Units {
         counts as f64 / REVOLUTION * self.per_revolution
     }
 
-    /// Returns how many units of the user one revolution has.
+    /// Returns the user units in one revolution.
     pub const fn per_revolution(self) -> f64 {
         self.per_revolution
     }
@@ -92,7 +92,7 @@ impl Modulo {
         target >= self.low && target.wrapping_sub(self.low) < self.length
     }
 
-    /// Returns where an absolute target lies for an axis that has turned to `position`.
+    /// Returns the place of an absolute target for an axis that has turned to `position`.
     pub const fn target(&self, position: i64, target: i64) -> i64 {
         let way = target.wrapping_sub(self.wrap(position));
         let way = match self.direction {
