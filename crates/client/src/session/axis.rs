@@ -463,6 +463,7 @@ impl Axis {
     pub(super) fn pursue(&mut self, goal: Goal) {
         let now = self.session.now();
         self.reported = false;
+        self.ending.note_returned(None);
         self.session.client().pursue(now, self.link, goal);
     }
 
@@ -575,6 +576,7 @@ impl Axis {
         match status.view.progress {
             Progress::Failed(trouble) => {
                 self.reported = true;
+                self.ending.note_returned(Some(trouble));
                 Err(Error::Axis {
                     drive: self.drive.label(),
                     trouble,

@@ -4,7 +4,7 @@ use std::time::Duration;
 use testbench::running_on;
 use testbench::shared::On;
 
-use profidrive_client::axis::{Purpose, SpeedUnit};
+use profidrive_client::axis::{Purpose, SpeedUnit, Trouble};
 use profidrive_client::status::{Cause, diagnose};
 use profidrive_client::{
     Action, AxisSettings, Drive, Error, LocalControl, LossAction, Rest, StopMeans, StopWay, Wait, WriteMode,
@@ -752,4 +752,33 @@ fn write(session: &mut On<World>, drive: &mut Drive, text: &str) {
         .wait()
         .expect("written");
     assert!(outcomes.changes()[0].step.is_written(), "{outcomes:?}");
+}
+
+/// A fault that came after the last look of the caller is no regular end; one that the caller knows is.
+#[test]
+fn a_fault_during_the_stop_is_reported_once() {
+    let is_fault = |error: &Error| {
+        let trouble = Trouble::Fault;
+        matches!(error, Error::Axis { trouble: found, .. } if *found == trouble)
+    };
+    for transport in [Transport::Profinet, Transport::Fc, Transport::Uss] {
+        for known in [false, true] {
+            let world = World::new(&model::AKD, transport, 7);
+            let (mut session, mut drive) = world.client("akd", transport, 1).expect("found");
+            let wanted = settings(&drive, Purpose::Speed);
+            let mut axis = session.take_axis(&mut drive, wanted).wait().expect("free");
+            let mut enabled = axis.enable().wait().expect("enabled");
+            enabled.reach_speed(600.0, None).wait().expect("runs");
+            world.look(|drive| drive.inject("fault=703".parse().expect("an injection")));
+            if known {
+                let error = enabled.keep_speed(600.0, SECOND).wait().expect_err("a fault");
+                assert!(is_fault(&error), "{transport:?}: {error}");
+            }
+            drop(enabled);
+            let released = axis.release().wait();
+            // it may still coast, which is another error
+            let reported = released.as_ref().is_err_and(is_fault);
+            assert!(reported != known, "{transport:?}, known {known}: {released:?}");
+        }
+    }
 }

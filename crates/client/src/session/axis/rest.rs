@@ -39,6 +39,8 @@ struct Open {
     fastest: f64,
     /// How much longer than the ramp of the drive stopping may take.
     stop: Duration,
+    /// The trouble that was returned to the owner since its last command.
+    returned: Option<Trouble>,
     result: Option<Result<Rest, Error>>,
 }
 
@@ -50,6 +52,7 @@ impl Ending {
             open: Mutex::new(Open {
                 fastest: 0.0,
                 stop,
+                returned: None,
                 result: None,
             }),
         })
@@ -66,6 +69,10 @@ impl Ending {
 
     pub(in crate::session) fn allow(&self, stop: Duration) {
         self.open().stop = stop;
+    }
+
+    pub(super) fn note_returned(&self, trouble: Option<Trouble>) {
+        self.open().returned = trouble;
     }
 
     pub(super) fn take_result(&self) -> Option<Result<Rest, Error>> {
@@ -202,12 +209,20 @@ impl Closer {
             Ok(())
         };
         self.pursue(Goal::Released);
+        // a fault that came during the ramp, or after the last look of the owner, is no regular end
+        let faulted = self
+            .view()
+            .is_some_and(|view| view.operated && view.seen.is_some_and(Seen::fault))
+            && self.ending.open().returned.is_none();
         // the drive must see the word without control before the connection ends
         let end = self.session.now() + self.cycle * 4;
         while self.session.now() < end && self.session.connection(self.link) == Connection::Running {
             self.session.step(end).await?;
         }
         stopped?;
+        if faulted {
+            return Err(self.trouble(Trouble::Fault));
+        }
         if self.quick && !self.session.has_hurried() {
             return Err(self.trouble(Trouble::QuickStopUsed));
         }
