@@ -11,7 +11,7 @@ use profile::fault::{Counting, Fault, FaultBuffer, Shape};
 use profile::state::FaultReaction;
 use profinet::Instant;
 
-use super::{Drive, Event, RESTLESS};
+use super::{Drive, Event};
 use crate::model::{Cause, Limit, MOST_CONDITIONS, Model, When};
 
 /// Faults shown by DRV.FAULT1 and following; a situation of the buffer holds eight of them.
@@ -392,8 +392,6 @@ impl Drive {
     /// last; those come straight back, as a new situation. Source: AKD Parameter Guide 12/2009.
     pub(super) fn clear_faults(&mut self) {
         self.end_actions();
-        // without a controller no other caller requests the next tick
-        self.restless = RESTLESS;
         if !self.faults.any() || !self.a_cause_lasts() {
             self.clear_requested = true;
             let status = self.decide();

@@ -7,8 +7,8 @@
 use profile::catalogue::Part;
 use profile::parameter::{ErrorNumber, SaveId};
 
+use super::Drive;
 use super::settings::Settings;
-use super::{Drive, RESTLESS};
 use crate::store::{Image, ImageError, is_saved, key};
 
 impl Drive {
@@ -74,7 +74,7 @@ impl Drive {
         for number in lasting {
             self.raise_external(number, true);
         }
-        self.restless = RESTLESS;
+        self.follow();
     }
 
     /// Saves IP.MODE and nothing else.

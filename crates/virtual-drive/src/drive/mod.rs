@@ -391,6 +391,15 @@ impl Drive {
         self.give_inputs(inputs);
     }
 
+    /// Follows what happened since the last tick, as a tick of no time: without a cyclic connection nothing else ticks a
+    /// drive at rest. It is ticked for a while from then on, as what happened may need time.
+    fn follow(&mut self) {
+        if !self.link.is_cyclic() {
+            self.tick(self.last, None, &mut []);
+            self.restless = RESTLESS;
+        }
+    }
+
     /// Returns the time when a drive without a connection has to be ticked; `None` while nothing moves. With a
     /// connection the cycle of the input frames ticks it.
     #[must_use]

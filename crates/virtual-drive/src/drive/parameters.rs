@@ -108,6 +108,7 @@ impl ParameterAccess for Drive {
             (Size::Dword, false) => i64::from(raw as u32),
         };
         self.set_element(position, element, raw)?;
+        self.follow();
         if keep == Keep::Permanent || self.model.known.dialect.saving == Saving::Always {
             self.save_element(position, element);
         }

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::model::AKD;
-use profile::parameter::ErrorNumber;
+use profile::parameter::{ErrorNumber, Keep, ParameterAccess};
 use profile::telegram::Mapping;
 
 mod free;
@@ -291,6 +291,35 @@ fn the_status_word_after_a_restart_is_that_of_the_saved_mode() {
         (drive.parameter(930), drive.parameter(2)),
         (Some(2), Some(0x2340))
     );
+}
+
+/// 6.6: the word shows each write at once, also where no frame and no tick comes in between.
+#[test]
+fn the_status_word_follows_each_write_without_a_tick() {
+    let mut drive = Drive::new(&AKD);
+    for (pnu, raw, word) in [
+        (930, 2, 0x2340),
+        (2209, 1, 0x2B40),   // HOME.SET
+        (2398, 300, 0x2BC0), // VBUS.OVWTHRESH, below the voltage of the bus
+        (930, 1, 0x02C0),
+        (2398, 0, 0x0240),
+        (2402, 900, 0x02C0), // VBUS.UVWTHRESH
+        (2402, 0, 0x0240),
+        (2258, 1, 0x0248), // MOTOR.TEMPFAULT, a fault
+        (2258, 0, 0x0248),
+        (2111, 1, 0x0240), // DRV.CLRFAULTS
+        (2113, 0, 0x0240), // DRV.CMDSOURCE
+        (2127, 1, 0x0537), // DRV.EN: the service channel has the axis, so that no control is requested
+        (2118, 1, 0x0260), // DRV.DIS, a coast stop
+    ] {
+        drive.write(pnu, 0, raw, Keep::Volatile).unwrap();
+        assert_eq!(
+            drive.parameter(2),
+            Some(word),
+            "{pnu} = {raw}: {:#06x}",
+            drive.process.status
+        );
+    }
 }
 
 #[test]

@@ -2,7 +2,7 @@
 //!
 //! Source: AKD Parameter Guide 12/2009, DINx.MODE, DINx.INV, DINx.PARAM, DINx.STATE.
 
-use super::{Drive, RESTLESS};
+use super::Drive;
 use crate::model::{Action, InputFunction, Terminal};
 
 /// The levels at the digital inputs.
@@ -67,10 +67,7 @@ impl Drive {
                 _ => {}
             }
         }
-        if stops != self.terminals.stops {
-            self.terminals.stops = stops;
-            self.restless = RESTLESS;
-        }
+        self.terminals.stops = stops;
         if fault != self.terminals.fault {
             if let Some(gone) = core::mem::replace(&mut self.terminals.fault, fault) {
                 self.end_cause(gone);
