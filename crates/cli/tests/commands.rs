@@ -291,8 +291,18 @@ fn decode_names_the_error() {
         "{}",
         stderr(&output)
     );
-    let output = profidrive(&["decode", "--hex", "05 01 00"]);
-    assert_eq!(output.status.code(), Some(1));
+    // the hint is for who has not given it
+    for (more, hinted) in [
+        (&[][..], true),
+        (&["--as", "request"], false),
+        (&["--as", "response"], false),
+    ] {
+        let line = [&["decode", "--hex", "05 01 00"][..], more].concat();
+        let output = profidrive(&line);
+        assert_eq!(output.status.code(), Some(1));
+        let error = stderr(&output);
+        assert_eq!(error.contains("hint: --as request"), hinted, "{error}");
+    }
     let output = profidrive(&["decode", "/no/such/file.pcapng"]);
     assert_eq!(output.status.code(), Some(1));
     assert!(

@@ -131,6 +131,8 @@ fn commands_that_a_virtual_drive_cannot_do_are_refused() {
     }
     // IP.RESET while a controller is connected
     assert_eq!(write(&mut bus, 2836, 0x42, 1), Some(0x11));
+    let advice = bus.station().drive().model().catalogue.not_now(2836);
+    assert!(advice.is_some_and(|advice| advice.contains("stop it first")));
 }
 
 /// 7.1.4: the manual calls 0x040E `Go to S3`; bit 0 is 0 there, and the drive stays in S2 as the profile has it.

@@ -692,6 +692,21 @@ fn other_vendors_are_described_with_their_own_bit_names() {
         "{found:?}"
     );
     assert!(found.next.unwrap().to_string().contains("terminal 37"));
+    // a word of the FC profile has other bits than STW1
+    let jogs = DriveStatus {
+        control_word: Some(0x0F3C),
+        stw1: Some(Stw1(0x070F)),
+        zsw1: Some(Zsw1(0x0337)),
+        speed_actual: Some(0.0),
+        ..base.clone()
+    };
+    let found = diagnose(&jogs);
+    assert_eq!(found.cause, Cause::TwoJogs);
+    assert!(
+        found.sentence.contains("(control word 0x0F3C, ") && !found.sentence.contains("STW1"),
+        "{}",
+        found.sentence
+    );
     let unpowered = DriveStatus {
         model: "VACON",
         profile: Profile::Profidrive,

@@ -450,6 +450,10 @@ fn a_connection_loss_message_describes_the_reaction_of_the_drive() {
             text.starts_with("drive-1: connection lost") && text.contains(words),
             "{text}"
         );
+        // the client cannot tell a restart from a lost line
+        let restarted = text.ends_with(", unless it restarted: then it coasts");
+        let stops = !matches!(action, LossAction::KeepsTurning | LossAction::Unknown);
+        assert_eq!(restarted, stops, "{text}");
         let advice = if action.stops() {
             Action::Status
         } else {

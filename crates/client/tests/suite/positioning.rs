@@ -792,3 +792,14 @@ fn a_feedrate_of_0_is_named_before_a_move_and_a_task() {
         .expect("planned");
     assert!(!plan.objections.contains(&Objection::Feedrate), "{plan:?}");
 }
+
+/// `status` reads the feedrate, by which it names a task that is held.
+#[test]
+fn the_status_has_the_feedrate() {
+    let (mut session, _, mut drive) = positioning();
+    for (text, feedrate) in [(None, 100.0), (Some("MT_FEEDRATE=0"), 0.0)] {
+        write(&mut session, &mut drive, text.as_slice());
+        let status = session.status(&mut drive).wait().expect("a status");
+        assert_eq!(status.feedrate, Some(feedrate));
+    }
+}

@@ -403,7 +403,17 @@ mod tests {
             if let (Some((_, number)), Some(expected)) = (marked, refused) {
                 assert!(number.starts_with(expected), "{text}");
             }
+            // of a drive that is only assumed nothing is refused
+            let (_, text) = request(&JobDrive::default(), &PkwDialect::DANFOSS_FC, pkw(octets), None);
+            assert!(!text.contains("not allowed"), "{text}");
         }
+        // 0-37 takes 25 characters: those of the text count, and not the octets in the place of PWE
+        let write_text = |text: &[u8]| {
+            let head = pkw([0xF0, 0x25, 5, 0, 0, 0, 0, 0]);
+            request(&vlt(), &PkwDialect::DANFOSS_FC, head, Some(text)).1
+        };
+        assert!(!write_text(&[b'A'; 25]).contains("not allowed"));
+        assert!(write_text(&[b'A'; 26]).contains("not allowed"));
     }
 
     #[test]

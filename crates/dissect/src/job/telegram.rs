@@ -413,6 +413,11 @@ mod tests {
             text.contains("CTW      0x047C run: follows the setpoint ["),
             "{text}"
         );
+        // words of the parameter channel and words that settings choose are known, whatever they carry
+        for (telegram, octets) in [(101, 12), (102, 20), (104, 12)] {
+            let text = lines(0x0080, 1, telegram, &[0; 20][..octets], true);
+            assert!(!text.contains("  word "), "{telegram}: {text}");
+        }
     }
 
     /// Without a mapping nothing but the place of STW1 is known: the rest is shown as it is.
@@ -533,6 +538,21 @@ mod tests {
         assert!(!names(&drive, 400, &data) && !names(&drive, 9, &data[..20]));
         learn(&mut drive, pnu::OPERATING_MODE, 0, 2);
         assert!(names(&drive, 1, &data[..4]));
+        // telegram 0 has no mapping of its own: both modes, until 930 or the mapping is seen
+        let modes = |drive: &JobDrive| {
+            let decoded = decode(drive, 0, &data[..4], Some(true)).unwrap();
+            let words = decoded.lines.iter().filter(|(_, line)| line.contains("STW1"));
+            words.count()
+        };
+        assert_eq!(modes(&JobDrive::of(0x0105, 1)), 2);
+        for (number, subindex, value) in [
+            (pnu::OPERATING_MODE, 0, 2),
+            (pnu::SETPOINT_SIGNALS, 1, signal::NSOLL_A),
+        ] {
+            let mut drive = JobDrive::of(0x0105, 1);
+            learn(&mut drive, number, subindex, value);
+            assert_eq!(modes(&drive), 1, "{number}");
+        }
     }
 
     #[test]

@@ -169,6 +169,26 @@ mod tests {
         assert!(describe("DRV.MOTIONSTAT", 0).is_empty());
         assert_eq!(describe("DRIVE_MOTION_STATUS", 1), describe("DRV.MOTIONSTAT", 1));
         assert_eq!(describe("DRIVE_INPUTS", 0x40), ["Torque allowed (STO.STATE)"]);
+        assert_eq!(
+            describe("SATZANW", 0x8005),
+            [
+                "Motion task: 5",
+                "MDI: the task is that of the MDI signals, bits 0 to 14 do not count"
+            ]
+        );
+        assert_eq!(
+            describe("AKTSATZ", 0x8000),
+            ["Motion task that runs: 0", "The MDI task runs"]
+        );
+        assert_eq!(
+            describe("MDI_MOD", 0x8001),
+            ["Absolute positioning, else relative", "Reserved"]
+        );
+        let mode = AKD.by_pnu(930).unwrap();
+        assert!(
+            mode.choice(0x8000)
+                .is_some_and(|text| text.starts_with("current control"))
+        );
     }
 
     #[test]

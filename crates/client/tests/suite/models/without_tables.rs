@@ -2,6 +2,8 @@
 
 use super::*;
 use profidrive_client::Wait;
+use profile::parameter::{Keep, ParameterAccess};
+use testbench::{bench, drive_mut};
 
 #[test]
 fn a_drive_without_a_built_in_catalogue_reports_its_parameters() {
@@ -260,5 +262,23 @@ fn a_drive_describes_its_own_parameters() {
         let profile = described(&mut session, &mut drive, "810").expect("answered");
         assert_eq!(profile.texts.len(), 4, "{model}: {profile:?}");
         assert_eq!(described(&mut session, &mut drive, "4711"), None, "{model}");
+    }
+}
+
+/// Limits are in the unit of the tables, by the scaling that the drive has now.
+#[test]
+fn limits_are_described_with_the_scaling_of_the_drive() {
+    let (mut session, ids) = bench(&[("akd-1", 1)]);
+    for scaling in [763_u16, 100] {
+        let mut drive = find(&mut session, "akd-1").expect("there");
+        drive_mut(&session, ids[0])
+            .write(1008, 0, scaling.into(), Keep::Volatile)
+            .expect("PN.ACCSCALING");
+        let ramp = described(&mut session, &mut drive, "1006").expect("answered");
+        let scaling = f64::from(scaling);
+        assert_eq!(
+            (ramp.unit, ramp.limits),
+            ("rpm/s", ReportedLimits::Own(scaling, scaling * 65_535.0))
+        );
     }
 }

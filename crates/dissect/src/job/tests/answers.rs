@@ -193,6 +193,11 @@ fn each_difference_from_the_request_is_named() {
             "01 01 00 01 10 01 03 A3 00 00 42 01 00 02",
             "answers 0931, requested was Operating mode (p0930)",
         ),
+        (
+            "05 02 00 02 10 01 03 A2 00 00 10 01 03 EC 00 00 42 01 00 02 42 01 00 01",
+            "05 02 00 01 00 00",
+            "answers 1 parameter, requested were 2",
+        ),
     ] {
         let found = lines("akd", Some(request), response);
         let warnings: Vec<&String> = found.iter().filter(|line| line.starts_with("  ! ")).collect();
@@ -216,6 +221,7 @@ fn a_header_that_the_drive_never_sends_is_named() {
         ("00 01 00 01 42 01 00 02", "reference 0 is reserved"),
         ("01 01 07 01 42 01 00 02", "axis 7 does not exist, only 0"),
         ("01 01 00 00", "0 parameters, 1 to 39 are allowed"),
+        ("01 02 00 28 00 00", "40 parameters, 1 to 39 are allowed"),
     ] {
         let found = lines("akd", None, response);
         assert_eq!(
@@ -237,5 +243,23 @@ fn a_change_response_that_repeats_the_address_says_written() {
         let found = lines("akd", request, "05 02 00 01 10 01 03 A2 00 00 00 00");
         assert_eq!(found[1], "  Operating mode (p0930): written", "{found:?}");
         assert_eq!(found.len(), 2, "{found:?}");
+    }
+}
+
+/// A refusal repeats what was wrong with its request, 0x51 reads four octets whatever the type, and a text has one element.
+#[test]
+fn what_fits_its_request_is_not_marked() {
+    let text = "01 01 00 01 09 14 46 43 2D 33 30 32".to_owned() + &" 20".repeat(14);
+    for (model, request, response) in [
+        ("akd", "01 01 07 01 10 01 03 A2 00 00", "01 81 07 01 44 01 00 19"),
+        (
+            "vlt",
+            "05 51 00 01 10 01 00 01 00 00",
+            "05 01 00 01 07 01 00 00 00 01",
+        ),
+        ("vlt", "01 01 00 01 10 01 06 04 00 00", text.as_str()),
+    ] {
+        let found = lines(model, Some(request), response);
+        assert!(found.iter().all(|line| !line.contains('!')), "{found:?}");
     }
 }
