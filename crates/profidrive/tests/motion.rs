@@ -13,7 +13,7 @@ use network::host::{Host, StationId};
 use network::segment::{Pace, Segment, SegmentMedium};
 use profidrive::Wait;
 use profidrive::motion::{
-    self, Acknowledged, Control, Event, Home, Jog, MotionError, Move, Observer, Report, Run, Setting,
+    self, Control, Event, Home, Jog, MotionError, Move, Observer, Report, Run, Setting,
 };
 use profile::state::Mode;
 use profinet::controller::ControllerConfig;
@@ -117,15 +117,15 @@ fn report_of_a_run_has_speed_time_and_distance() {
     let report = plant.run(&for_a_second(300.0), &observer).unwrap();
     let result = &report.result;
     assert!(result.reached && !report.interrupted && report.released);
-    assert!((result.speed.unwrap() - 300.0).abs() < 1.0, "{result:?}");
+    assert!((result.speed.as_ref().unwrap().value - 300.0).abs() < 1.0, "{result:?}");
     assert!((result.time_at_speed.unwrap() - 1.0).abs() < 0.05, "{result:?}");
     // five turns in the second, and the ramps
-    let distance = result.distance.unwrap();
+    let distance = result.distance.as_ref().unwrap().value;
     assert!((5.0..6.5).contains(&distance), "{distance}");
     assert!(report.frames.received.is_some_and(|frames| frames > 50));
     assert!(plant.is_at_rest());
     let json = serde_json::to_value(&report).unwrap();
-    assert_eq!(json["speed_unit"], "rpm");
+    assert_eq!(json["speed"]["unit"], "rpm");
     assert_eq!(json["frames"]["missed"], 0);
     let events = events.lock().unwrap();
     // the setpoint of the AKD has steps of some tenths of a rpm
@@ -144,7 +144,7 @@ fn a_dry_run_sends_nothing() {
     let plan = motion::plan_run(&mut plant.network, &mut plant.drive, &wanted, &observer);
     let plan = plan.wait().unwrap();
     assert_eq!(plan.telegrams.telegram, plan.telegrams.telegram_before);
-    assert!((plan.speed_sent.unwrap() - 300.0).abs() < 0.2);
+    assert!((plan.speed_rounded.unwrap().value - 300.0).abs() < 0.2);
     assert_eq!(plant.with_drive(|drive| drive.control_word().0), 0);
 }
 
@@ -270,9 +270,10 @@ fn a_jog_speed_is_put_back_after_a_failure_too() {
     assert!(plant.is_at_rest());
     let control = Control::default();
     let done = motion::acknowledge(&mut plant.network, &mut plant.drive, &control, &observer).wait();
-    assert!(matches!(done.unwrap(), Acknowledged::Done(_)));
+    assert!(done.unwrap().released);
     let again = motion::acknowledge(&mut plant.network, &mut plant.drive, &control, &observer).wait();
-    assert_eq!(again.unwrap(), Acknowledged::None);
+    let again = again.unwrap();
+    assert!(!again.released && again.result.reached);
 }
 
 #[test]

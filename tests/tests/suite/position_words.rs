@@ -50,7 +50,7 @@ fn every_command_names_the_bits_of_position_mode() {
         .ok()
         .out;
     let json: Value = serde_json::from_str(json.lines().next().unwrap()).unwrap();
-    let set = json["words"]["stw1"]["set"].as_array().unwrap();
+    let set = json["stw1"]["bits"].as_array().unwrap();
     assert!(set.contains(&"RT_JOG".into()), "{json}");
     let position = &json["position"];
     assert_eq!(

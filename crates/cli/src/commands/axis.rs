@@ -3,21 +3,20 @@
 use std::time::Duration;
 
 use client::axis::{Cycle, Strained};
-use client::{AxisStatus, Drive, FaultEntry, LossAction, LossReaction, Rest, Wait, WarningEntry};
-use profidrive::motion::{Arrival, Control, End, Ended, Event, MotionError, Next, Observer, Setting, Start};
+use client::{Drive, FaultEntry, LossAction, LossReaction, Rest, Wait, WarningEntry};
+use profidrive::motion::{
+    Arrival, Control, End, Ended, Event, Message, MotionError, Next, Observer, Setting, Start, TelegramChange,
+};
 use profile::notation::Quantity;
 use profile::state::Mode;
 use profinet::cyclic::{CyclicStatistics, Timing};
-use serde::Serialize;
-use serde_json::{Map, Value};
 
-use crate::advice;
+use crate::advice::{self, Commands};
 use crate::args::{Consent, Cyclic, Interface, SetMode};
 use crate::connect::{self, Live, Need};
 use crate::failure::{self, Exit, Failure};
-use crate::fields;
 use crate::output::Output;
-use crate::render::live::{AxisView, LiveView};
+use crate::render::live::LiveView;
 use crate::render::{number, value};
 
 /// Longest wait of a command that ends with Ctrl-C only.
@@ -118,15 +117,18 @@ fn failed(error: client::Error, findings: &[String], next: Option<Next>) -> Fail
 pub type StartText = Box<dyn Fn(&Start, u16) -> Option<String> + Send>;
 
 /// Shows a motion on the way: the axis as it moves, everything else as messages, and both as documents for programs.
-pub fn observer(command: &'static str, drive: &str, start: StartText, output: &Output) -> Observer {
-    let mut view = LiveView::new(output.clone(), command);
+pub fn observer(drive: &str, start: StartText, output: &Output) -> Observer {
+    let mut view = LiveView::new(output.clone());
     let (drive, output) = (drive.to_owned(), output.clone());
     Observer::new(move |event| {
         if let Event::Sample(status) = event {
-            view.show(&AxisView::of(status));
+            view.show(status, None);
             return;
         }
         view.leave();
+        if let Some(message) = Message::of(event, &Commands(&drive)) {
+            output.json_event(&message);
+        }
         match event {
             Event::Starting {
                 start: Start::Acknowledge,
@@ -140,13 +142,11 @@ pub fn observer(command: &'static str, drive: &str, start: StartText, output: &O
                     output.say(&format!("this moves the axis: {drive} {text}; Ctrl-C stops it"));
                 }
             }
-            Event::RunsOn(loss) => controller_loss(loss, &drive, command, &output),
-            Event::Strained(strained) => warn_strained(strained, command, &output),
-            Event::Warnings { status, warnings } => report_warnings(command, status, warnings, &output),
-            Event::TelegramChanged { before, now, kept } => {
-                telegram_changed((*before, *now), *kept, command, &output);
-            }
-            Event::Ended(ended) => end(ended, command, &output),
+            Event::RunsOn(loss) => controller_loss(loss, &drive, &output),
+            Event::Strained(strained) => output.warn(&format!("{strained}; {}", calmer(strained))),
+            Event::Warnings { warnings, .. } => report_warnings(warnings, &output),
+            Event::TelegramChanged(change) => telegram_changed(*change, &output),
+            Event::Ended(ended) => end(ended, &output),
             other => words(other, &drive, &output),
         }
     })
@@ -244,6 +244,7 @@ fn words(event: &Event, drive: &str, output: &Output) {
                 output.say(&fault_text(fault));
             }
         }
+        Event::Clearing { parameter, pnu } => output.say(&format!("acknowledging with {parameter} (p{pnu})")),
         Event::FaultsUnreadable(cause) => {
             output.warn(&format!("which fault there is cannot be read: {cause}"));
         }
@@ -296,16 +297,7 @@ pub fn rounded(turns: f64) -> f64 {
 }
 
 /// The drive may run on when this program is gone.
-fn controller_loss(loss: &LossReaction, drive: &str, command: &str, output: &Output) {
-    let remedy = loss.remedy.as_ref();
-    if output.json() {
-        let command_line = remedy.and_then(|action| advice::command(action, drive));
-        let reaction = fields! {
-            "parameter": loss.parameter.as_deref(), "setting": loss.setting.as_deref(), "action": loss.action.id(),
-            "advice": command_line,
-        };
-        output.event(command, fields! { "goes_on_alone": reaction });
-    }
+fn controller_loss(loss: &LossReaction, drive: &str, output: &Output) {
     let does = match loss.action {
         LossAction::KeepsTurning => "the drive goes on",
         _ => "it is not known whether the drive stops",
@@ -314,6 +306,7 @@ fn controller_loss(loss: &LossReaction, drive: &str, command: &str, output: &Out
         (Some(parameter), Some(setting)) => format!("{parameter} is {setting}: "),
         _ => String::new(),
     };
+    let remedy = loss.remedy.as_ref();
     let advice = remedy
         .and_then(|action| advice::sentence(action, drive))
         .map_or_else(String::new, |advice| format!("; {advice}"));
@@ -322,31 +315,13 @@ fn controller_loss(loss: &LossReaction, drive: &str, command: &str, output: &Out
     ));
 }
 
-fn telegram_changed((before, now): (u16, u16), kept: bool, command: &str, output: &Output) {
+fn telegram_changed(TelegramChange { before, now, kept }: TelegramChange, output: &Output) {
     let after = if kept {
         "it remains selected"
     } else {
         "it is put back afterwards"
     };
     output.say(&format!("telegram {before} -> {now} (PNU 922) for this; {after}"));
-    if output.json() {
-        let change = fields! { "before": before, "now": now, "kept": kept };
-        output.event(command, fields! { "telegram_changed": change });
-    }
-}
-
-/// Warns that this computer does not keep to the cycle of the connection, before anything is enabled.
-fn warn_strained(strained: &Strained, command: &str, output: &Output) {
-    if output.json() {
-        let millis = |time: Duration| time.as_secs_f64() * 1000.0;
-        let cycle = strained.cycle;
-        let values = fields! {
-            "cycle_ms": millis(cycle.interval()), "watchdog_ms": millis(cycle.hold_time()),
-            "longest_delay_ms": millis(strained.delay),
-        };
-        output.event(command, fields! { "cycle_strained": values });
-    }
-    output.warn(&format!("{strained}; {}", calmer(strained)));
 }
 
 /// The options of a cycle with more room, or the advice of one that is as long as it gets.
@@ -364,17 +339,7 @@ fn calmer(strained: &Strained) -> String {
 }
 
 /// Warnings in words, at the time they come.
-fn report_warnings(command: &str, status: &AxisStatus, warnings: &[WarningEntry], output: &Output) {
-    if output.json() {
-        let list: Vec<Value> = warnings
-            .iter()
-            .map(|warning| Value::Object(super::faults::warning_json(warning)))
-            .collect();
-        output.event(
-            command,
-            fields! { "time": status.time.as_secs_f64(), "warnings": list },
-        );
-    }
+fn report_warnings(warnings: &[WarningEntry], output: &Output) {
     if warnings.is_empty() {
         output.warn("the drive has a warning (ZSW1 bit 7) and no number for it");
     }
@@ -387,14 +352,16 @@ fn report_warnings(command: &str, status: &AxisStatus, warnings: &[WarningEntry]
 }
 
 /// Reports how a motion ended.
-fn end(ended: &Ended, command: &str, output: &Output) {
+fn end(ended: &Ended, output: &Output) {
     if ended.interrupted && output.is_closed() {
         output.say("the output has no reader any more: stopped");
     }
     if let Some(statistics) = &ended.statistics {
         output.say(&frames(statistics));
     }
-    let Some(report) = &ended.report else { return };
+    if !ended.report.as_ref().is_some_and(|report| report.released) {
+        return;
+    }
     output.say(match ended.rest {
         Rest::Stands => "axis at rest, control released",
         Rest::Coasts => {
@@ -402,22 +369,6 @@ fn end(ended: &Ended, command: &str, output: &Output) {
         }
         Rest::Runs => "control released; the axis still turns with its power stage on",
     });
-    if output.json() {
-        let mut document = fields! { "end": true };
-        document.extend(fields_of(report));
-        if command == "home" {
-            document.insert("homed".into(), report.result.reached.into());
-        }
-        output.event(command, document);
-    }
-}
-
-/// A report of the library as the fields of a document.
-pub fn fields_of(report: &impl Serialize) -> Map<String, Value> {
-    match serde_json::to_value(report) {
-        Ok(Value::Object(fields)) => fields,
-        _ => Map::new(),
-    }
 }
 
 /// Summary of the cyclic connection. Missing frames come from the cycle counter; the longest gap is measured by this

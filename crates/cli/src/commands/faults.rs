@@ -1,24 +1,13 @@
-//! `profidrive faults DRIVE`, and the acknowledge that needs no control
+//! `profidrive faults DRIVE`
 
-use std::time::Duration;
+use client::Wait;
+use profidrive::report::{Fault, FaultsReport, LogEntry};
 
-use client::status::{Cause, Note, diagnose};
-use client::{Wait, WarningEntry, WriteMode};
-use profidrive::report::{Fault, FaultsReport, LogEntry, MotionEnd, MotionEvent, Warning};
-use profile::catalogue::Role;
-use profile::value::Assignment;
-use serde_json::{Map, Value};
-
-use crate::advice;
 use crate::args::{Faults, Interface};
 use crate::connect::{self, Need};
-use crate::failure::{Exit, Failure};
-use crate::output::{Colour, Output, members};
+use crate::failure::Failure;
+use crate::output::{Colour, Output};
 use crate::render::Page;
-
-/// How long a drive may take to clear its faults, and how often that is looked at.
-const CLEAR_TIMEOUT: Duration = Duration::from_secs(1);
-const GLANCE: Duration = Duration::from_millis(50);
 
 pub fn run(args: &Faults, interface: &Interface, output: &Output) -> Result<(), Failure> {
     let (mut session, mut drive) = connect::drive(interface, Need::Records, &args.drive, output)?;
@@ -161,82 +150,13 @@ fn detail(indent: &str, name: &str, text: Option<String>) -> Option<Line> {
     Some(Line::Plain(format!("{indent}{name:<9} {text}")))
 }
 
-/// A warning for programs.
-pub fn warning_json(warning: &WarningEntry) -> Map<String, Value> {
-    members(&Warning::from(warning))
-}
-
-/// Clears the faults by parameter (DRV.CLRFAULTS), beside whoever has control.
-pub fn clear(drive: &str, interface: &Interface, output: &Output) -> Result<(), Failure> {
-    let (mut session, mut drive) = connect::drive(interface, Need::Records, drive, output)?;
-    let command = drive
-        .model
-        .catalogue
-        .and_then(|tables| tables.with_role(Role::ClearFaults))
-        .ok_or_else(|| {
-            let message = format!(
-                "{}: model {} has no parameter that clears its faults",
-                drive.label(),
-                drive.model.name
-            );
-            Failure::new(Exit::Failed, message)
-                .hint("without --by-parameter control is taken and STW1 bit 7 does it")
-        })?;
-    let before = session.faults(&mut drive).wait()?;
-    for fault in before.iter().filter(|fault| fault.situation == 0) {
-        output.say(&title(fault.number, fault.meaning));
-    }
-    output.say(&format!("acknowledging with {} (p{})", command.name, command.pnu));
-    let assignment = Assignment::of(command, 1);
-    let set = session
-        .write(&mut drive, &[assignment], WriteMode::Write)
-        .wait()?;
-    set.accepted()?;
-    // the drive takes the command in its own time
-    let end = session.now() + CLEAR_TIMEOUT;
-    let report = loop {
-        let report = session.fault_report(&mut drive).wait()?;
-        if report.present().next().is_none() || session.now() >= end {
-            break report;
-        }
-        session.pass(GLANCE).wait()?;
-    };
-    let mut left: Vec<String> = report
-        .present()
-        .map(|fault| title(fault.number, fault.meaning))
-        .collect();
-    let mut hint = "remove the cause, then acknowledge again".to_owned();
-    if !left.is_empty() {
-        let status = session.status(&mut drive).wait()?;
-        let turns = |note: &Note| note.id == Cause::MovedExternally.id();
-        if let Some(moved) = diagnose(&status).notes.into_iter().find(turns) {
-            left.push(moved.sentence);
-            hint = moved
-                .next
-                .map_or(hint, |next| advice::text(&next, &drive.label()));
-        }
-    }
-    session.close().wait()?;
-    if output.json() {
-        output.json_event(&MotionEvent::End(MotionEnd {
-            faults: report.present().map(Fault::from).collect(),
-            ..MotionEnd::default()
-        }));
-    }
-    if left.is_empty() {
-        output.say("no fault is present");
-        return Ok(());
-    }
-    let message = format!("{}: the fault stays: {}", drive.label(), left.join("; "));
-    Err(Failure::new(Exit::Refused, message).hint(hint))
-}
-
 #[cfg(test)]
 mod tests {
     use dissect::explain::Kind;
 
     use super::*;
-    use client::status::DriveStatus;
+    use crate::advice;
+    use client::status::{DriveStatus, diagnose};
     use client::{FaultEntry, FaultReport};
     use profile::catalogue::{AKD, Catalogue, Cleared, VACON, VLT};
     use profile::fault::{Counting, Shape};

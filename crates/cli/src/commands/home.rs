@@ -18,7 +18,7 @@ pub fn run(args: &Home, interface: &Interface, output: &Output) -> Result<(), Fa
     axis::with_drive(interface, Need::Cyclic, &args.drive, output, |session, drive| {
         let start =
             Box::new(|start: &_, telegram| Some(format!("homes{}, telegram {telegram}", procedure(start))));
-        let observer = axis::observer("home", &drive.label(), start, output);
+        let observer = axis::observer(&drive.label(), start, output);
         motion::home(session, drive, &wanted, &observer).wait()
     })
     .map(|_| ())

@@ -41,7 +41,7 @@ pub fn run(args: &Jog, interface: &Interface, output: &Output) -> Result<(), Fai
     wanted.check()?;
     if args.dry_run {
         let plan = axis::with_drive(interface, Need::Records, &args.drive, output, |session, drive| {
-            let observer = axis::observer("jog", &drive.label(), Box::new(|_, _| None), output);
+            let observer = axis::observer(&drive.label(), Box::new(|_, _| None), output);
             motion::plan_jog(session, drive, &wanted, &observer).wait()
         })?;
         show(&plan, output);
@@ -53,7 +53,7 @@ pub fn run(args: &Jog, interface: &Interface, output: &Output) -> Result<(), Fai
             Start::Jog { speed } => Some(format!("jogs at {} for {seconds} s", value::full(speed))),
             _ => None,
         });
-        let observer = axis::observer("jog", &drive.label(), start, output);
+        let observer = axis::observer(&drive.label(), start, output);
         motion::jog(session, drive, &wanted, &observer).wait()
     })
     .map(|_| ())
@@ -63,7 +63,7 @@ fn real_time(args: &Jog, wanted: RealTimeJog, interface: &Interface, output: &Ou
     wanted.check()?;
     if args.dry_run {
         let plan = axis::with_drive(interface, Need::Records, &args.drive, output, |session, drive| {
-            let observer = axis::observer("jog", &drive.label(), Box::new(|_, _| None), output);
+            let observer = axis::observer(&drive.label(), Box::new(|_, _| None), output);
             motion::plan_jog_in_real_time(session, drive, &wanted, &observer).wait()
         })?;
         show(&plan, output);
@@ -77,7 +77,7 @@ fn real_time(args: &Jog, wanted: RealTimeJog, interface: &Interface, output: &Ou
                 wanted.time.as_secs_f64()
             ))
         });
-        let observer = axis::observer("jog", &drive.label(), start, output);
+        let observer = axis::observer(&drive.label(), start, output);
         motion::jog_in_real_time(session, drive, &wanted, &observer).wait()
     })
     .map(|_| ())
@@ -94,11 +94,9 @@ fn show(plan: &JogPlan, output: &Output) {
     output.say(&format!(
         "dry run: {} would jog at {} rpm for {} s{}; nothing was sent",
         plan.drive,
-        number(plan.speed),
+        number(plan.speed.value),
         plan.time,
         telegram_text(&plan.telegrams)
     ));
-    if output.json() {
-        output.document("jog", axis::fields_of(plan));
-    }
+    output.json_report(plan);
 }

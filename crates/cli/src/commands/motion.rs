@@ -3,33 +3,38 @@
 use std::time::Duration;
 
 use client::{Drive, Error, Session, Snapshot, Wait};
-use profidrive::motion::{self, Acknowledged};
+use profidrive::motion;
+use profidrive::report::MonitorReading;
 use profile::notation::ParameterReference;
 use profile::state::{State, Zsw1};
 use profile::value::{ParameterProblem, Selection};
-use serde_json::Value;
 
 use super::axis::{self, FOR_EVER, fault_text};
+use crate::advice::Commands;
 use crate::args::{Ack, Interface, Monitor};
 use crate::connect::{self, Live, Need};
 use crate::failure::{Exit, Failure};
-use crate::fields;
 use crate::output::Output;
 use crate::render::{hex16, value, words};
 
 pub fn ack(args: &Ack, interface: &Interface, output: &Output) -> Result<(), Failure> {
-    if args.by_parameter {
-        return super::faults::clear(&args.drive, interface, output);
-    }
     let control = axis::control(&args.cyclic, None, None)?;
-    let done = axis::with_drive(interface, Need::Cyclic, &args.drive, output, |session, drive| {
-        let observer = axis::observer("ack", &drive.label(), Box::new(|_, _| None), output);
-        motion::acknowledge(session, drive, &control, &observer).wait()
-    })?;
-    if done == Acknowledged::None {
-        if output.json() {
-            output.event("ack", fields! { "end": true, "faults": Vec::<Value>::new() });
+    let need = if args.by_parameter {
+        Need::Records
+    } else {
+        Need::Cyclic
+    };
+    let report = axis::with_drive(interface, need, &args.drive, output, |session, drive| {
+        let observer = axis::observer(&drive.label(), Box::new(|_, _| None), output);
+        if args.by_parameter {
+            motion::acknowledge_by_parameter(session, drive, &observer).wait()
+        } else {
+            motion::acknowledge(session, drive, &control, &observer).wait()
         }
+    })?;
+    if args.by_parameter {
+        output.say("no fault is present");
+    } else if !report.released {
         output.say("no fault: nothing to acknowledge");
     }
     Ok(())
@@ -152,40 +157,14 @@ fn general(snapshot: &Snapshot) -> Option<(u16, Option<u16>)> {
     ))
 }
 
-/// Returns the bits of both words with the names of the model.
-fn snapshot_words(snapshot: &Snapshot) -> Value {
-    let mode = snapshot.mode;
-    let profile = snapshot.profile;
-    let stw1 = snapshot
-        .stw1
-        .map(|word| words::set_json(profile.control_bits(mode), word));
-    let zsw1 = snapshot
-        .zsw1
-        .map(|word| words::set_json(profile.status_bits(mode), word));
-    serde_json::json!({ "stw1": stw1, "zsw1": zsw1 })
-}
-
 fn show_snapshot(time: Duration, snapshot: &Snapshot, raw: bool, output: &Output) {
     let state = general(snapshot);
+    output.json_event(&MonitorReading::new(
+        time.as_secs_f64(),
+        snapshot,
+        &Commands::any(),
+    ));
     if output.json() {
-        let mut fields = fields! {
-            "time": time.as_secs_f64(), "stw1": snapshot.stw1, "zsw1": snapshot.zsw1,
-            "state": state.map(|(zsw1, stw1)| words::state_number(zsw1, stw1)), "fault_counter": snapshot.fault_counter,
-            "profile": snapshot.profile.name(), "mode": snapshot.mode.name(),
-            "words": snapshot_words(snapshot),
-        };
-        for (name, reading) in [
-            ("speed_set", &snapshot.speed_set),
-            ("speed_actual", &snapshot.speed_actual),
-            ("position", &snapshot.position),
-        ] {
-            if let Some(reading) = reading {
-                fields.insert(name.into(), value::json(reading));
-            }
-        }
-        let values: Vec<Value> = snapshot.readings.iter().flatten().map(value::json).collect();
-        fields.insert("parameters".into(), values.into());
-        output.event("monitor", fields);
         return;
     }
     let word = |word: Option<u16>| word.map_or_else(|| "-".into(), hex16);

@@ -30,7 +30,7 @@ pub fn run(args: &Move, interface: &Interface, output: &Output) -> Result<(), Fa
             Start::Move(plan) => Some(format!("{}, telegram {telegram}", plan_text(plan, relative))),
             _ => None,
         });
-        let observer = axis::observer("move", &drive.label(), start, output);
+        let observer = axis::observer(&drive.label(), start, output);
         motion::move_to(session, drive, &wanted, &observer).wait()
     })
     .map(|_| ())
@@ -45,7 +45,7 @@ fn try_out(
 ) -> Result<(), Failure> {
     let (plan, report) =
         axis::with_drive(interface, Need::Records, &args.drive, output, |session, drive| {
-            let observer = axis::observer("move", &drive.label(), Box::new(|_, _| None), output);
+            let observer = axis::observer(&drive.label(), Box::new(|_, _| None), output);
             let plan = motion::plan_move(session, drive, wanted, &observer).wait()?;
             let report = MoveReport::of(&plan, drive);
             Ok((plan, report))
@@ -55,9 +55,7 @@ fn try_out(
         report.drive,
         plan_text(&plan, wanted.order.relative)
     ));
-    if output.json() {
-        output.document("move", axis::fields_of(&report));
-    }
+    output.json_report(&report);
     if plan.objections.is_empty() {
         return Ok(());
     }

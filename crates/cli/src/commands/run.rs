@@ -20,7 +20,7 @@ pub fn run(args: &Run, interface: &Interface, output: &Output) -> Result<(), Fai
     );
     if args.dry_run {
         let plan = axis::with_drive(interface, Need::Records, &args.drive, output, |session, drive| {
-            let observer = axis::observer("run", &drive.label(), Box::new(|_, _| None), output);
+            let observer = axis::observer(&drive.label(), Box::new(|_, _| None), output);
             motion::plan_run(session, drive, &wanted, &observer).wait()
         })?;
         show(&plan, &speed, output);
@@ -29,7 +29,7 @@ pub fn run(args: &Run, interface: &Interface, output: &Output) -> Result<(), Fai
     axis::with_drive(interface, Need::Cyclic, &args.drive, output, |session, drive| {
         let text = format!("turns at {speed}");
         let start = Box::new(move |_: &_, _| Some(text.clone()));
-        let observer = axis::observer("run", &drive.label(), start, output);
+        let observer = axis::observer(&drive.label(), start, output);
         motion::run(session, drive, &wanted, &observer).wait()
     })
     .map(|_| ())
@@ -78,9 +78,7 @@ fn show(plan: &RunPlan, speed: &str, output: &Output) {
         plan.drive,
         telegram_text(&plan.telegrams)
     ));
-    if output.json() {
-        output.document("run", axis::fields_of(plan));
-    }
+    output.json_report(plan);
 }
 
 /// `, telegram 9 -> 1 (PNU 922)`

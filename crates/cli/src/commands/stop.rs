@@ -21,7 +21,7 @@ pub fn run(args: &Stop, interface: &Interface, output: &Output) -> Result<(), Fa
     })?;
     let label = &report.drive;
     if output.json() {
-        output.document("stop", axis::fields_of(&report));
+        output.json_report(&report);
     } else {
         output.line(&report.to_string());
     }
@@ -31,10 +31,11 @@ pub fn run(args: &Stop, interface: &Interface, output: &Output) -> Result<(), Fa
             clean(cause)
         ));
     }
-    if let Some(name) = report.controller.as_ref().filter(|_| report.sent.is_some()) {
+    let controller = report.controller.as_ref().filter(|one| one.connected);
+    if let Some(controller) = controller.filter(|_| report.sent.is_some()) {
         output.warn(&format!(
             "controller \"{}\" goes on commanding {label}: what it sends next may move the axis again",
-            clean(name)
+            clean(controller.name.as_deref().unwrap_or_default())
         ));
     }
     Ok(report.check()?)

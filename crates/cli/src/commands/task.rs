@@ -22,7 +22,7 @@ pub fn run(args: &Task, interface: &Interface, output: &Output) -> Result<(), Fa
                 "carries out its motion task {number}, telegram {telegram}"
             ))
         });
-        let observer = axis::observer("task", &drive.label(), start, output);
+        let observer = axis::observer(&drive.label(), start, output);
         motion::task(session, drive, &wanted, &observer).wait()
     })
     .map(|_| ())

@@ -6,10 +6,10 @@ use client::AxisStatus;
 use client::axis::SpeedUnit;
 use profile::state::{Mode, bits};
 use profile::value::Beyond;
-use serde_json::Value;
+use profidrive::motion::AxisState;
+use profidrive::report::Quantity;
 
 use super::{hex16, nibbles, words};
-use crate::fields;
 use crate::output::{Colour, Output};
 
 /// Shortest time between two pictures on a terminal.
@@ -19,42 +19,42 @@ const LINE: Duration = Duration::from_millis(1000);
 
 /// What a view shows.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct AxisView {
+struct AxisView {
     /// What the drive is for: decides over the words.
-    pub mode: Mode,
+    mode: Mode,
     /// Since control was taken.
-    pub time: Duration,
+    time: Duration,
     /// Control word being sent, in the bits of the profile.
-    pub stw1: u16,
+    stw1: u16,
     /// Status word in the bits of the profile, once there is one.
-    pub zsw1: Option<u16>,
+    zsw1: Option<u16>,
     /// Control word and status word as they are on the wire: a model may have words of its own.
-    pub wire: (u16, Option<u16>),
+    wire: (u16, Option<u16>),
     /// Control word that the status word answers.
-    pub answered: u16,
+    answered: u16,
     /// The connection is lost: the values are the last received ones.
-    pub lost: bool,
+    lost: bool,
     /// What the speeds are in.
-    pub unit: SpeedUnit,
+    unit: SpeedUnit,
     /// Speed requested.
-    pub speed_set: Option<f64>,
+    speed_set: Option<f64>,
     /// Speed of the motor.
-    pub speed_actual: Option<f64>,
+    speed_actual: Option<f64>,
     /// The motor may turn faster than that: its signal has no higher number.
-    pub speed_beyond: Option<Beyond>,
+    speed_beyond: Option<Beyond>,
     /// Position in the drive's unit, if it is read.
-    pub position: Option<f64>,
+    position: Option<f64>,
     /// Where a move leads, in turns.
-    pub target: Option<f64>,
+    target: Option<f64>,
     /// Where the axis is, in turns.
-    pub turns: Option<f64>,
+    turns: Option<f64>,
     /// Position command minus position, in turns.
-    pub following_error: Option<f64>,
+    following_error: Option<f64>,
 }
 
 impl AxisView {
-    /// Converts the status of an axis.
-    pub fn of(status: &AxisStatus) -> Self {
+    /// Converts the status of an axis, with a position that was read beside it.
+    fn of(status: &AxisStatus, position: Option<f64>) -> Self {
         Self {
             mode: status.view.mode,
             time: status.time,
@@ -67,7 +67,7 @@ impl AxisView {
             speed_set: status.speed_set,
             speed_actual: status.speed_actual,
             speed_beyond: status.speed_beyond,
-            position: None,
+            position,
             target: status.target,
             turns: status.position,
             following_error: status.following_error,
@@ -101,7 +101,7 @@ impl AxisView {
     }
 
     /// Returns the short name of the state that the drive reported.
-    pub fn state_number(&self) -> Option<&'static str> {
+    fn state_number(&self) -> Option<&'static str> {
         self.zsw1
             .map(|zsw1| words::state_number(zsw1, Some(self.answered)))
     }
@@ -111,7 +111,6 @@ impl AxisView {
 #[derive(Debug)]
 pub struct LiveView {
     output: Output,
-    command: &'static str,
     last: Option<AxisView>,
     /// Lines of the picture on the terminal.
     drawn: usize,
@@ -119,17 +118,18 @@ pub struct LiveView {
 
 impl LiveView {
     /// Creates a view for a command.
-    pub const fn new(output: Output, command: &'static str) -> Self {
+    pub const fn new(output: Output) -> Self {
         Self {
             output,
-            command,
             last: None,
             drawn: 0,
         }
     }
 
-    /// Shows what is new; leaves out what would only flicker.
-    pub fn show(&mut self, view: &AxisView) {
+    /// Shows what is new; leaves out what would only flicker. `position` is one that was read beside the telegram, in
+    /// counts.
+    pub fn show(&mut self, status: &AxisStatus, position: Option<f64>) {
+        let view = &AxisView::of(status, position);
         let words_changed = self.last.is_none_or(|last| last.words() != view.words());
         let since = self
             .last
@@ -140,7 +140,12 @@ impl LiveView {
         }
         self.last = Some(*view);
         if self.output.json() {
-            self.document(view);
+            let beside = position.map(|counts| Quantity::new(counts, "counts"));
+            let state = AxisState::from(status);
+            self.output.json_event(&AxisState {
+                position: state.position.or(beside),
+                ..state
+            });
         } else if self.output.live() {
             self.picture(view);
         } else {
@@ -150,28 +155,17 @@ impl LiveView {
 
     /// As [`show`](Self::show), but prints a line only for new text: for incomplete views that another source
     /// completes.
-    pub fn show_words(&mut self, view: &AxisView) {
+    pub fn show_words(&mut self, status: &AxisStatus, position: Option<f64>) {
+        let view = AxisView::of(status, position);
         let same = self.last.is_some_and(|last| last.words() == view.words());
         if self.output.live() || !same {
-            self.show(view);
+            self.show(status, position);
         }
     }
 
     /// Goes below the picture, so that other lines can follow.
     pub fn leave(&mut self) {
         self.drawn = 0;
-    }
-
-    fn document(&self, view: &AxisView) {
-        let fields = fields! {
-            "time": view.time.as_secs_f64(), "state": view.state_number(), "stw1": view.wire.0,
-            "zsw1": view.wire.1, "connected": !view.lost, "speed_set": view.speed_set, "speed_actual": view.speed_actual,
-            "speed_unit": view.unit.symbol(), "speed_beyond": view.speed_beyond.map(Beyond::sign),
-            "position": view.position, "target": view.target, "turns": view.turns,
-            "following_error": view.following_error,
-            "words": words_json(view),
-        };
-        self.output.event(self.command, fields);
     }
 
     fn picture(&mut self, view: &AxisView) {
@@ -181,24 +175,8 @@ impl LiveView {
     }
 }
 
-/// Returns the bits of both words for programs, named as the profile does, beside the numbers on the wire.
-fn words_json(view: &AxisView) -> Value {
-    let beside = |mut bits: Value, wire: u16| {
-        if let Some(hex) = bits.get_mut("hex") {
-            *hex = hex16(wire).into();
-        }
-        bits
-    };
-    let stw1 = words::set_json(bits::stw1(view.mode), view.stw1);
-    let zsw1 = view.zsw1.map(|word| words::set_json(bits::zsw1(view.mode), word));
-    Value::Object(fields! {
-        "stw1": beside(stw1, view.wire.0),
-        "zsw1": zsw1.zip(view.wire.1).map(|(word, wire)| beside(word, wire)),
-    })
-}
-
 /// One line for a log.
-pub fn line(view: &AxisView) -> String {
+fn line(view: &AxisView) -> String {
     let zsw1 = view.wire.1.map_or_else(|| "-".into(), hex16);
     let mut text = format!(
         "{:>7.2} s  {:<46}  STW1 {}  ZSW1 {zsw1}",

@@ -8,8 +8,9 @@ use client::{Axis, AxisStatus, Drive, Error, Rest, Session};
 
 use super::Control;
 use super::error::{End, MotionError, explained};
-use super::event::{Arrival, Ended, Event, Observer, Start};
+use super::event::{Arrival, Ended, Event, Observer, Start, TelegramChange};
 use super::report::{Frames, MotionResult, Report};
+use crate::report::Quantity;
 
 /// From which time on a stop is a long one.
 const LONG_STOP: Duration = Duration::from_secs(1);
@@ -57,6 +58,8 @@ fn left(place: Option<f64>, now: Option<f64>) -> Option<f64> {
 #[derive(Debug, Default)]
 struct Course {
     time: Duration,
+    /// What the speeds are in.
+    unit: SpeedUnit,
     speed: Option<f64>,
     highest: Option<f64>,
     first_position: Option<f64>,
@@ -73,6 +76,7 @@ impl Course {
         }
         let passed = status.time.saturating_sub(self.time).as_secs_f64();
         self.time = status.time;
+        self.unit = status.unit;
         if let Some(speed) = status.speed_actual {
             if status.unit == SpeedUnit::Rpm {
                 let mean = (speed + self.speed.unwrap_or(speed)) / 2.0;
@@ -88,11 +92,10 @@ impl Course {
         }
     }
 
-    fn complete(&self, found: MotionResult, unit: Option<&'static str>) -> MotionResult {
+    fn complete(&self, found: MotionResult) -> MotionResult {
         MotionResult {
-            highest_speed: self.highest,
-            speed_unit: unit.filter(|_| self.highest.is_some()),
-            distance: self.distance(),
+            highest_speed: self.highest.map(|speed| Quantity::speed(speed, self.unit)),
+            distance: self.distance().map(Quantity::turns),
             ..found
         }
     }
@@ -147,11 +150,11 @@ impl<'o> Taken<'o> {
         let telegram = axis.telegram();
         observer.report(&Event::Starting { telegram, start });
         if let Some(before) = axis.telegram_before() {
-            observer.report(&Event::TelegramChanged {
+            observer.report(&Event::TelegramChanged(TelegramChange {
                 before,
                 now: telegram,
                 kept: !set_mode,
-            });
+            }));
         }
         if let Some(strained) = axis.strained() {
             observer.report(&Event::Strained(strained));
@@ -185,8 +188,9 @@ impl<'o> Taken<'o> {
     }
 
     /// The last speed of the motor that was seen.
-    pub(super) fn speed(&self) -> Option<f64> {
-        locked(&self.course).speed
+    pub(super) fn speed(&self) -> Option<Quantity> {
+        let course = locked(&self.course);
+        course.speed.map(|speed| Quantity::speed(speed, course.unit))
     }
 
     /// Waits for the stop and reports where the axis arrived, and whether it has left that place since.
@@ -220,7 +224,6 @@ impl<'o> Taken<'o> {
         (session, drive): (&mut Session, &mut Drive),
     ) -> Result<Report, MotionError> {
         let statistics = self.axis.statistics();
-        let unit = self.axis.status().map(|status| status.unit.symbol());
         // a ramp that was under way may have ended meanwhile, by a trip for example
         let released = self.axis.release_and_look().await;
         let rest = *released.as_ref().unwrap_or(&Rest::Stands);
@@ -234,7 +237,7 @@ impl<'o> Taken<'o> {
             coasts: rest == Rest::Coasts,
             interrupted: interrupted && self.end != End::Open,
             frames: Frames::of(statistics),
-            result: locked(&self.course).complete(found, unit),
+            result: locked(&self.course).complete(found),
             rest,
         };
         let stopped = released.is_ok() && (result.is_ok() || interrupted);

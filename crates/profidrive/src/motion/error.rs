@@ -96,6 +96,24 @@ pub enum MotionError {
         /// The drive.
         drive: String,
     },
+    /// The drive has no parameter that acknowledges faults.
+    #[error("{drive}: model {model} has no parameter that clears its faults")]
+    NoClearParameter {
+        /// The drive.
+        drive: String,
+        /// Its model.
+        model: &'static str,
+    },
+    /// Faults stay after they were acknowledged by a parameter.
+    #[error("{drive}: the fault stays: {}", staying(.faults, .moved.as_deref()))]
+    FaultsStay {
+        /// The drive.
+        drive: String,
+        /// The faults.
+        faults: Vec<FaultEntry>,
+        /// Something moves the axis, which may be their cause.
+        moved: Option<Box<Note>>,
+    },
     /// After a stop the axis turns with its power stage off.
     #[error("{drive} turns at {speed:.1} rpm with its power stage off: something outside moves it")]
     MovedFromOutside {
@@ -138,7 +156,8 @@ impl MotionError {
             Self::Failed { error, .. } => error.kind(),
             Self::Stopped { .. } => ErrorKind::Interrupted,
             Self::AboveLimit { .. } | Self::MovedFromOutside { .. } => ErrorKind::Safety,
-            Self::Held { .. } | Self::NeedsRestart { .. } => ErrorKind::Refused,
+            Self::Held { .. } | Self::NeedsRestart { .. } | Self::FaultsStay { .. } => ErrorKind::Refused,
+            Self::NoClearParameter { .. } => ErrorKind::Unsupported,
             Self::NoPpo { .. } | Self::Invalid { .. } => ErrorKind::Usage,
             Self::NotAtRest { .. } => ErrorKind::NotReached,
         }
@@ -172,6 +191,13 @@ impl MotionError {
             Self::Held { diagnosis, .. } => diagnosis.next.clone(),
             Self::NoPpo { .. } => Some("use the number of a telegram".into()),
             Self::NeedsRestart { .. } => Some("remove the cause, then switch the drive off and on".into()),
+            Self::NoClearParameter { .. } => {
+                Some(Advice::from(Action::Acknowledge).and(" takes control and does it by STW1 bit 7"))
+            }
+            Self::FaultsStay { moved, .. } => {
+                let next = moved.as_ref().and_then(|moved| moved.next.clone());
+                next.or_else(|| Some("remove the cause, then acknowledge again".into()))
+            }
             Self::MovedFromOutside { advice, .. } => Some(advice.clone()),
             Self::NotAtRest {
                 can_disable: true, ..
@@ -276,6 +302,12 @@ fn warning_text(warning: &WarningEntry) -> String {
         warning.number,
         warning.meaning.unwrap_or("not in the tables")
     )
+}
+
+fn staying(faults: &[FaultEntry], moved: Option<&Note>) -> String {
+    let faults = faults.iter().map(fault_text);
+    let moved = moved.map(|moved| moved.sentence.clone());
+    faults.chain(moved).collect::<Vec<_>>().join("; ")
 }
 
 fn joined(findings: &[String]) -> String {

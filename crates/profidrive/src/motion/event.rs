@@ -10,6 +10,7 @@ use profile::notation::Quantity;
 use profile::state::Mode;
 use profile::value::Reading;
 use profinet::cyclic::CyclicStatistics;
+use serde::Serialize;
 
 use super::leftover::Leftover;
 use super::report::Report;
@@ -68,14 +69,7 @@ pub enum Event {
         start: Start,
     },
     /// Taking the axis changed its telegram (PNU 922).
-    TelegramChanged {
-        /// Before.
-        before: u16,
-        /// Now.
-        now: u16,
-        /// It is not put back afterwards.
-        kept: bool,
-    },
+    TelegramChanged(TelegramChange),
     /// This computer does not keep to the cycle of the connection.
     Strained(Strained),
     /// The ramp to the speed takes some time, which does not count for the motion.
@@ -120,14 +114,33 @@ pub enum Event {
     },
     /// The faults that are acknowledged, or of which nothing but their cause is known to clear them.
     Faults(Vec<FaultEntry>),
+    /// The faults are acknowledged by a parameter, without control of the axis.
+    Clearing {
+        /// The parameter as its vendor writes it.
+        parameter: &'static str,
+        /// PNU.
+        pnu: u16,
+    },
     /// Which fault the drive has cannot be read.
     FaultsUnreadable(String),
-    /// Control is given back. Comes after every motion whose axis was taken, whatever its end.
+    /// Control is given back, or was not needed. Comes after every motion whose axis was taken, whatever its end.
     Ended(Box<Ended>),
 }
 
+/// A change of the telegram.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct TelegramChange {
+    /// Before.
+    pub before: u16,
+    /// Now.
+    pub now: u16,
+    /// It is not put back afterwards.
+    pub kept: bool,
+}
+
 /// How a motion ended.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct Ended {
     /// Counters of the cyclic connection; a serial line has none.
     pub statistics: Option<CyclicStatistics>,

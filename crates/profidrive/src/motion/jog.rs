@@ -15,6 +15,7 @@ use super::limit::{self, within};
 use super::plan::{JogChange, JogPlan, checked_axis};
 use super::report::{MotionResult, Report};
 use super::{Control, SPEED_LIMIT};
+use crate::report;
 
 /// A jog by the jog function of the drive, in velocity or position mode.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -206,8 +207,7 @@ pub async fn plan_jog(
     Ok(JogPlan {
         drive: drive.label(),
         dry_run: true,
-        speed,
-        speed_unit: SpeedUnit::Rpm.symbol(),
+        speed: report::Quantity::rpm(speed),
         time: wanted.time.as_secs_f64(),
         change,
         telegrams,
@@ -231,8 +231,7 @@ pub async fn plan_jog_in_real_time(
     Ok(JogPlan {
         drive: drive.label(),
         dry_run: true,
-        speed: real_time_speed(session, drive, wanted, observer).await?,
-        speed_unit: SpeedUnit::Rpm.symbol(),
+        speed: report::Quantity::rpm(real_time_speed(session, drive, wanted, observer).await?),
         time: wanted.time.as_secs_f64(),
         change: None,
         telegrams,

@@ -10,6 +10,7 @@
 //! | carry out a motion task of the drive | [`task`] | |
 //! | set the home position | [`home`] | |
 //! | acknowledge faults by the control word | [`acknowledge`] | |
+//! | acknowledge faults by a parameter, beside the controller | [`acknowledge_by_parameter`] | |
 //! | bring a drive to rest | [`stop`] | |
 //!
 //! A call sends its [`Event`]s to an [`Observer`] and returns a [`Report`]. What went wrong is a [`MotionError`], with what
@@ -50,7 +51,7 @@
 //!     }
 //! });
 //! let report = motion::run(&mut network, &mut drive, &wanted, &observer).wait()?;
-//! assert!(report.result.speed.is_some_and(|speed| (speed - 60.0).abs() < 1.0));
+//! assert!(report.result.speed.is_some_and(|speed| (speed.value - 60.0).abs() < 1.0));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
@@ -61,6 +62,7 @@ mod event;
 mod jog;
 mod leftover;
 mod limit;
+mod message;
 mod mode;
 mod plan;
 mod position;
@@ -73,11 +75,12 @@ use std::time::Duration;
 use client::AxisSettings;
 use client::axis::Purpose;
 
-pub use acknowledge::{Acknowledged, acknowledge};
+pub use acknowledge::{acknowledge, acknowledge_by_parameter};
 pub use error::{End, MotionError, Next};
-pub use event::{Arrival, Ended, Event, Observer, Setting, Start};
+pub use event::{Arrival, Ended, Event, Observer, Setting, Start, TelegramChange};
 pub use jog::{Jog, RealTimeJog, jog, jog_in_real_time, plan_jog, plan_jog_in_real_time};
 pub use leftover::{Leftover, leftovers};
+pub use message::{AxisState, CycleStrained, Message, RunsOn};
 pub use plan::{JogChange, JogPlan, MoveReport, RunPlan, Telegrams};
 pub use position::{Home, Move, Task, home, move_to, plan_move, task};
 pub use report::{Frames, MotionResult, Report};

@@ -9,9 +9,11 @@ use serde::Serialize;
 
 use super::error::MotionError;
 use super::event::{Event, Observer};
+use crate::report::Quantity;
 
 /// The telegram that a motion would use. `None` where the drive would be put into another mode first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Telegrams {
     /// The telegram in use.
     pub telegram: Option<u16>,
@@ -21,17 +23,16 @@ pub struct Telegrams {
 
 /// A run that was not done.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct RunPlan {
     /// The drive.
     pub drive: String,
     /// True: nothing was sent.
     pub dry_run: bool,
-    /// Speed asked for, in `speed_unit`.
-    pub speed: f64,
-    /// Speed as it would travel, the nearest representable value; `None` where the telegram is not known yet.
-    pub speed_sent: Option<f64>,
-    /// `rpm` or `%`.
-    pub speed_unit: &'static str,
+    /// Speed that was requested.
+    pub speed: Quantity,
+    /// The nearest speed that can be transmitted; `None` where the telegram is not known yet.
+    pub speed_rounded: Option<Quantity>,
     /// How long it would run at that speed, s; without end when `None`.
     pub time: Option<f64>,
     /// The telegram.
@@ -41,15 +42,14 @@ pub struct RunPlan {
 
 /// A jog that was not done.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct JogPlan {
     /// The drive.
     pub drive: String,
     /// True: nothing was sent.
     pub dry_run: bool,
-    /// Speed as the drive would have it, rpm.
-    pub speed: f64,
-    /// `rpm`.
-    pub speed_unit: &'static str,
+    /// Speed as the drive would have it.
+    pub speed: Quantity,
     /// How long, s.
     pub time: f64,
     /// The jog speed of the drive that would be changed and put back.
@@ -73,19 +73,20 @@ pub struct JogChange {
 
 /// A move as it travels, with everything that speaks against it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct MoveReport {
     /// The drive.
     pub drive: String,
-    /// Where the axis is, turns.
-    pub from: Option<f64>,
-    /// Where it goes, turns.
-    pub target: Option<f64>,
-    /// Speed as the drive takes it, rpm.
-    pub speed: f64,
-    /// Acceleration as the drive takes it, rpm/s.
-    pub acceleration: f64,
-    /// Deceleration as the drive takes it, rpm/s.
-    pub deceleration: f64,
+    /// Where the axis is.
+    pub from: Option<Quantity>,
+    /// Where it goes.
+    pub target: Option<Quantity>,
+    /// Speed as the drive takes it.
+    pub speed: Quantity,
+    /// Acceleration as the drive takes it.
+    pub acceleration: Quantity,
+    /// Deceleration as the drive takes it.
+    pub deceleration: Quantity,
     /// Computed time, s.
     pub duration: Option<f64>,
     /// SATZANW.
@@ -110,11 +111,11 @@ impl MoveReport {
     pub fn of(plan: &MovePlan, drive: &Drive) -> Self {
         Self {
             drive: drive.label(),
-            from: plan.from,
-            target: plan.target,
-            speed: plan.speed,
-            acceleration: plan.acceleration,
-            deceleration: plan.deceleration,
+            from: plan.from.map(Quantity::turns),
+            target: plan.target.map(Quantity::turns),
+            speed: Quantity::rpm(plan.speed),
+            acceleration: Quantity::new(plan.acceleration, "rpm/s"),
+            deceleration: Quantity::new(plan.deceleration, "rpm/s"),
             duration: plan.duration,
             satzanw: plan.traverse.satzanw,
             mdi_tarpos: plan.traverse.target,

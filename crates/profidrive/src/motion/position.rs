@@ -14,6 +14,7 @@ use super::limit::within;
 use super::plan::MoveReport;
 use super::report::{MotionResult, Report};
 use super::{Control, SPEED_LIMIT, mode};
+use crate::report::Quantity;
 
 /// How much longer than computed a move may take: this many times, and this much more.
 const PATIENCE: (u32, Duration) = (3, Duration::from_secs(10));
@@ -148,8 +149,8 @@ async fn travel(
     let left_to = taken.arrived(Arrival::Target, position, &result).await;
     let found = MotionResult {
         reached: result.is_ok(),
-        position,
-        left_to,
+        position: position.map(Quantity::turns),
+        left_to: left_to.map(Quantity::turns),
         plan: Some(MoveReport::of(&plan, drive)),
         ..MotionResult::default()
     };
@@ -224,8 +225,8 @@ async fn carry_out(
         .await;
     let found = MotionResult {
         reached: result.is_ok(),
-        position,
-        left_to,
+        position: position.map(Quantity::turns),
+        left_to: left_to.map(Quantity::turns),
         task: Some(wanted.number),
         active_task: last.and_then(|status| status.view.seen?.aktsatz),
         ..MotionResult::default()
@@ -273,8 +274,9 @@ async fn set_home(
     let left_to = taken.arrived(Arrival::Home, position, &result).await;
     let found = MotionResult {
         reached: result.is_ok(),
-        position,
-        left_to,
+        homed: Some(result.is_ok()),
+        position: position.map(Quantity::turns),
+        left_to: left_to.map(Quantity::turns),
         ..MotionResult::default()
     };
     taken.finish(result, found, (session, drive)).await

@@ -5,11 +5,14 @@ use profinet::cyclic::CyclicStatistics;
 use serde::Serialize;
 
 use super::plan::MoveReport;
+use crate::report::{Fault, Quantity};
 
-/// A motion that ended.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+/// A motion that ended, or faults that were acknowledged.
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Report {
-    /// Control of the axis was given back.
+    /// Control of the axis was taken and given back. False where it was not needed: there is no fault to acknowledge, or a
+    /// parameter acknowledges it.
     pub released: bool,
     /// The axis turned with its power stage off when control of it was given back.
     pub coasts: bool,
@@ -27,6 +30,7 @@ pub struct Report {
 
 /// Cyclic frames of a motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Frames {
     /// Received.
     pub received: Option<u64>,
@@ -45,23 +49,24 @@ impl Frames {
 
 /// What came of a motion. What it has no place for is `None`.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct MotionResult {
-    /// The speed, the target or the home position was reached.
+    /// The speed, the target or the home position was reached, or no fault is left.
     pub reached: bool,
-    /// Speed of the motor before the stop, in `speed_unit`, where the telegram carries it.
-    pub speed: Option<f64>,
-    /// Highest speed of the motor by its amount, in the same unit.
-    pub highest_speed: Option<f64>,
-    /// `rpm` or `%`.
-    pub speed_unit: Option<&'static str>,
+    /// Speed of the motor before the stop, where the telegram carries it.
+    pub speed: Option<Quantity>,
+    /// Highest speed of the motor by its amount.
+    pub highest_speed: Option<Quantity>,
     /// Time at the speed of a run or a jog, s.
     pub time_at_speed: Option<f64>,
-    /// How far the axis went until its release, in turns: by its position, else by its speed in rpm over time.
-    pub distance: Option<f64>,
-    /// Where the axis was at its target or home position, in turns.
-    pub position: Option<f64>,
-    /// Where it is since the power stage is off, if that is another place, in turns.
-    pub left_to: Option<f64>,
+    /// How far the axis went until its release: by its position, else by its speed in rpm over time.
+    pub distance: Option<Quantity>,
+    /// Where the axis was at its target or home position.
+    pub position: Option<Quantity>,
+    /// Where it is since the power stage is off, if that is another place.
+    pub left_to: Option<Quantity>,
+    /// Whether the axis has its home position, after homing.
+    pub homed: Option<bool>,
     /// Number of the motion task.
     pub task: Option<u16>,
     /// The motion task that the drive reported last (AKTSATZ).
@@ -69,4 +74,6 @@ pub struct MotionResult {
     pub active_task: Option<u16>,
     /// The move.
     pub plan: Option<MoveReport>,
+    /// The faults that are left, where they were to be acknowledged.
+    pub faults: Vec<Fault>,
 }

@@ -15,6 +15,7 @@ use super::limit::{above, too_fast, within};
 use super::plan::{RunPlan, checked_axis};
 use super::report::{MotionResult, Report};
 use super::{Control, FOR_EVER, SPEED_LIMIT, mode};
+use crate::report::Quantity;
 
 /// Number of PPO type 0, if there were one: the selections of 9-22.
 const PPO: u16 = 100;
@@ -153,9 +154,8 @@ pub async fn plan_run(
     Ok(RunPlan {
         drive: drive.label(),
         dry_run: true,
-        speed: wanted.speed,
-        speed_sent,
-        speed_unit: wanted.unit.symbol(),
+        speed: Quantity::speed(wanted.speed, wanted.unit),
+        speed_rounded: speed_sent.map(|sent| Quantity::speed(sent, wanted.unit)),
         time: wanted.time.map(|time| time.as_secs_f64()),
         telegrams,
     })

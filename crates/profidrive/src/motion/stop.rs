@@ -8,28 +8,26 @@ use client::{Drive, Session, StopOutcome, StopWay};
 use serde::Serialize;
 
 use super::error::MotionError;
+use crate::report::{Controller, Quantity};
 
 /// What became of a stop.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct StopReport {
     /// The drive.
     pub drive: String,
     /// What was sent; `None` when the axis was at rest already, or its power stage off: then no command holds it.
     pub sent: Option<&'static str>,
-    /// Speed before, rpm.
-    pub speed_before: Option<f64>,
-    /// Speed at the end, rpm.
-    pub speed: Option<f64>,
-    /// Speed before in percent of the reference, where it is not known in rpm.
-    pub speed_before_percent: Option<f64>,
+    /// Speed before; in `%` of the reference where it is not known in `rpm`.
+    pub speed_before: Option<Quantity>,
     /// Speed at the end, likewise.
-    pub speed_percent: Option<f64>,
+    pub speed: Option<Quantity>,
     /// The power stage is on at the end.
     pub enabled: Option<bool>,
     /// The axis stands, and is off where that was wanted.
     pub at_rest: bool,
-    /// The controller that goes on commanding the drive.
-    pub controller: Option<String>,
+    /// The controller that goes on commanding the drive; null where it does not report that.
+    pub controller: Option<Controller>,
     /// Why parameters of the drive could not be read.
     pub unread: Option<String>,
     #[serde(skip)]
@@ -70,15 +68,18 @@ pub async fn stop(
         drive: drive.label(),
         failure: failure(&outcome, command, way, limit, drive),
         sent: outcome.sent.then_some(command),
-        speed_before: outcome.speed_before,
-        speed: outcome.speed,
-        speed_before_percent: outcome.percent_before,
-        speed_percent: outcome.percent,
+        speed_before: speed(outcome.speed_before, outcome.percent_before),
+        speed: speed(outcome.speed, outcome.percent),
         enabled: outcome.enabled,
         at_rest: outcome.at_rest,
-        controller: owner.flatten(),
+        controller: Controller::of(owner.as_ref()),
         unread: outcome.unread,
     })
+}
+
+fn speed(rpm: Option<f64>, percent: Option<f64>) -> Option<Quantity> {
+    rpm.map(Quantity::rpm)
+        .or_else(|| Some(Quantity::new(percent?, "%")))
 }
 
 fn failure(
@@ -138,20 +139,21 @@ impl StopReport {
 /// What was done, in one line.
 impl fmt::Display for StopReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let speed = |rpm: Option<f64>, percent: Option<f64>| match (rpm, percent) {
-            (Some(rpm), _) => format!("{rpm:.1} rpm"),
-            (None, Some(percent)) => format!("{percent:.1} % of its reference"),
-            (None, None) => "an unknown speed".into(),
+        let speed = |speed: &Option<Quantity>| match speed {
+            Some(speed) if speed.unit == "%" => format!("{:.1} % of its reference", speed.value),
+            Some(speed) => format!("{:.1} {}", speed.value, speed.unit),
+            None => "an unknown speed".into(),
         };
         let drive = &self.drive;
-        let before = speed(self.speed_before, self.speed_before_percent);
-        let after = speed(self.speed, self.speed_percent);
+        let before = speed(&self.speed_before);
+        let after = speed(&self.speed);
         let stage = match self.enabled {
             Some(true) => "the power stage is still on",
             Some(false) => "the power stage is off",
             None => "the drive does not report whether its power stage is on",
         };
-        let turned = self.speed_before.is_some_and(|speed| speed.abs() >= 1.0);
+        let rpm = self.speed_before.as_ref().filter(|speed| speed.unit != "%");
+        let turned = rpm.is_some_and(|speed| speed.value.abs() >= 1.0);
         match self.sent {
             None if turned => {
                 let end = if self.at_rest { "came to rest" } else { "turns on" };
@@ -185,10 +187,8 @@ mod tests {
         let report = StopReport {
             drive: "akd-1".into(),
             sent: Some("DRV.STOP"),
-            speed_before: Some(60.02),
-            speed: Some(0.0),
-            speed_before_percent: None,
-            speed_percent: None,
+            speed_before: speed(Some(60.02), None),
+            speed: speed(Some(0.0), None),
             enabled: Some(true),
             at_rest: true,
             controller: None,
@@ -201,7 +201,7 @@ mod tests {
         );
         let nothing = StopReport {
             sent: None,
-            speed_before: Some(0.0),
+            speed_before: speed(Some(0.0), None),
             enabled: Some(false),
             ..report.clone()
         };
@@ -210,8 +210,8 @@ mod tests {
             "akd-1 is at rest, the power stage is off: nothing was sent"
         );
         let pulled = StopReport {
-            speed_before: Some(60.02),
-            speed: Some(-480.5),
+            speed_before: speed(Some(60.02), None),
+            speed: speed(Some(-480.5), None),
             at_rest: false,
             ..nothing
         };
@@ -221,10 +221,8 @@ mod tests {
         );
         let slave = StopReport {
             sent: Some("OFF1"),
-            speed_before: None,
-            speed: None,
-            speed_before_percent: Some(60.02),
-            speed_percent: Some(0.0),
+            speed_before: speed(None, Some(60.02)),
+            speed: speed(None, Some(0.0)),
             enabled: Some(false),
             ..report
         };

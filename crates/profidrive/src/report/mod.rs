@@ -15,7 +15,6 @@
 mod backup;
 mod drive;
 mod gsdml;
-mod motion;
 #[cfg(feature = "schema")]
 pub mod schema;
 mod shapes;
@@ -32,7 +31,6 @@ pub use drive::{
     ScanReport, Submodule,
 };
 pub use gsdml::{GsdmlCheckReport, GsdmlExportReport, GsdmlProblem};
-pub use motion::{AxisState, CycleStrained, DryRun, Frames, MotionEnd, MotionEvent, TelegramChange};
 pub use shapes::{
     Action, Controller, DriveWords, Error, Fault, LossReaction, Quantity, Station, Warning, Wording,
     parameter, parameter_error,

@@ -2,13 +2,15 @@
 
 use schemars::generate::SchemaSettings;
 use schemars::{JsonSchema, SchemaGenerator};
+use serde::Serialize;
 use serde_json::{Map, Value, json};
 
 use super::{
     BackupReport, BlinkReport, DescribeReport, DiffReport, Error, FaultsReport, GsdmlCheckReport,
-    GsdmlExportReport, InfoReport, InjectReport, IpReport, ListReport, NameReport, ParametersReport,
-    ResetReport, ScanReport, SimulationEvent, StatusReport,
+    GsdmlExportReport, InfoReport, InjectReport, IpReport, ListReport, MonitorReading, NameReport,
+    ParametersReport, ResetReport, ScanReport, SimulationEvent, StatusReport,
 };
+use crate::motion::{JogPlan, Message, MoveReport, RunPlan, StopReport};
 
 /// Name of the file with the shared definitions.
 pub const DEFINITIONS: &str = "definitions.json";
@@ -16,7 +18,7 @@ pub const DEFINITIONS: &str = "definitions.json";
 /// Adds what a command reports to the shared definitions and returns its schema.
 type Describe = fn(&mut SchemaGenerator) -> Value;
 
-/// What each command reports. A command whose documents are not made from a report yet is not here.
+/// What each command reports.
 const COMMANDS: &[(&str, Describe)] = &[
     ("scan", of::<ScanReport>),
     ("info", of::<InfoReport>),
@@ -35,7 +37,28 @@ const COMMANDS: &[(&str, Describe)] = &[
     ("inject", of::<InjectReport>),
     ("status", of::<StatusReport>),
     ("faults", of::<FaultsReport>),
+    ("monitor", of::<MonitorReading>),
+    ("run", motion::<RunPlan>),
+    ("jog", motion::<JogPlan>),
+    ("move", motion::<MoveReport>),
+    ("task", of::<Message>),
+    ("home", of::<Message>),
+    ("ack", of::<Message>),
+    ("stop", of::<StopReport>),
 ];
+
+/// What a motion reports while it goes on and at its end, or its plan in a dry run.
+#[derive(Serialize, JsonSchema)]
+#[serde(untagged)]
+#[expect(dead_code, reason = "only its schema is used")]
+enum Motion<P> {
+    Done(Message),
+    Plan(P),
+}
+
+fn motion<P: JsonSchema>(generator: &mut SchemaGenerator) -> Value {
+    of::<Motion<P>>(generator)
+}
 
 fn of<T: JsonSchema>(generator: &mut SchemaGenerator) -> Value {
     generator.root_schema_for::<T>().to_value()
@@ -79,7 +102,7 @@ fn document(version: &str, command: &str, mut report: Value) -> Value {
     let error = json!({ "$ref": format!("{DEFINITIONS}#/$defs/Error") });
     let mut whole = json!({
         "$schema": "https://json-schema.org/draft/2020-12/schema",
-        "title": format!("profidrive {command} --json"),
+        "title": format!("{version}: report of {command}"),
         "type": "object",
         "properties": {
             "schema": { "const": version },

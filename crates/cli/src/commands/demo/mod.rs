@@ -31,7 +31,7 @@ use crate::args::Demo;
 use crate::failure::{Exit, Failure};
 use crate::fields;
 use crate::output::{Colour, Output, Shared};
-use crate::render::live::{AxisView, LiveView};
+use crate::render::live::LiveView;
 use crate::render::table::Table;
 use crate::render::{hex16, value, words};
 
@@ -108,7 +108,7 @@ fn show(
     [akd, vlt, vacon]: [StationId; 3],
     output: &Output,
 ) -> Result<(), Failure> {
-    let view = LiveView::new(output.clone(), "demo");
+    let view = LiveView::new(output.clone());
     let mut show = Show {
         output: output.clone(),
         view: Shared::new(view),
@@ -226,17 +226,16 @@ fn play(
     let states = seen_states.clone();
     let live = show.output.live();
     axis.watch(move |status| {
-        // a line shows no position older than itself; a picture keeps its last one
-        let picture = AxisView {
-            position: position.lock().filter(|_| live),
-            ..AxisView::of(status)
-        };
-        let state = picture.state_number().unwrap_or("--");
-        let mut states = states.lock();
-        if state != "--" && states.last() != Some(&state) {
-            states.push(state);
+        if let Some(seen) = status.view.seen {
+            let state = words::state_number(seen.zsw1.0, Some(status.view.answered.0));
+            let mut states = states.lock();
+            if state != "--" && states.last() != Some(&state) {
+                states.push(state);
+            }
         }
-        view.lock().show_words(&picture);
+        // a line shows no position older than itself; a picture keeps its last one
+        let position = position.lock().filter(|_| live);
+        view.lock().show_words(status, position);
     });
     show.next();
     axis.ready().wait()?;
@@ -346,10 +345,7 @@ fn hold(axis: &mut Demonstrated<'_>, time: Duration, show: &Show) -> Result<f64,
             .select(&"PL.FB".parse().map_err(profile::value::ParameterProblem::from)?)?;
         *show.position.lock() = session.read_one(drive, &selection).wait()?.number();
         if let Some(status) = axis.status() {
-            show.view.lock().show(&AxisView {
-                position: *show.position.lock(),
-                ..AxisView::of(&status)
-            });
+            show.view.lock().show(&status, *show.position.lock());
         }
     }
     Ok(axis
