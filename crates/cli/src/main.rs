@@ -12,8 +12,6 @@ mod render;
 
 use std::process::ExitCode;
 
-use dissect::fields;
-
 use crate::args::Cli;
 use crate::failure::{Exit, Failure};
 use crate::output::Output;

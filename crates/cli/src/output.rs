@@ -16,7 +16,6 @@ use serde_json::{Map, Value};
 
 use self::clean::{clean_json, clean_lines, clean_styled};
 use crate::failure::Failure;
-use crate::fields;
 use crate::render::Page;
 use crate::render::table::Table;
 
@@ -418,8 +417,8 @@ pub fn members(report: &impl Serialize) -> Map<String, Value> {
     match serde_json::to_value(report) {
         Ok(Value::Object(fields)) => fields,
         // no report is anything else
-        Ok(other) => fields! { "value": other },
-        Err(error) => fields! { "value": error.to_string() },
+        Ok(other) => Map::from_iter([("value".to_owned(), other)]),
+        Err(error) => Map::from_iter([("value".to_owned(), error.to_string().into())]),
     }
 }
 
@@ -429,9 +428,9 @@ pub fn document(command: &str, fields: Map<String, Value>) -> String {
 }
 
 fn with_schema(command: &str, fields: Map<String, Value>) -> Map<String, Value> {
-    let mut all = fields! { "schema": SCHEMA, "command": command };
-    all.extend(fields);
-    all
+    let head = [("schema", SCHEMA), ("command", command)];
+    let head = head.map(|(name, text)| (name.to_owned(), Value::from(text)));
+    head.into_iter().chain(fields).collect()
 }
 
 fn paint(on: bool, colour: Colour, text: &str) -> String {
@@ -459,9 +458,13 @@ fn write_err(text: &str) {
 mod tests {
     use super::*;
 
+    fn list(name: &str) -> Map<String, Value> {
+        Map::from_iter([(name.to_owned(), Value::Array(Vec::new()))])
+    }
+
     #[test]
     fn documents_carry_their_schema_first() {
-        let text = document("scan", fields! { "stations": Vec::<Value>::new() });
+        let text = document("scan", list("stations"));
         assert!(text.contains(r#""schema":"profidrive/1""#), "{text}");
         assert!(text.contains(r#""command":"scan""#), "{text}");
     }
@@ -470,7 +473,7 @@ mod tests {
     fn a_command_prints_one_document_with_its_error() {
         use crate::failure::Exit;
         let output = Output::new(true, true).of_command("read".into());
-        output.document("read", fields! { "parameters": Vec::<Value>::new() });
+        output.document("read", list("parameters"));
         output.problem(&Failure::usage("no such name"));
         let failure = Failure::new(Exit::Refused, "it said no").hint("ask again");
         let whole = output.ending(Some(&failure)).unwrap();

@@ -190,7 +190,7 @@ fn every_command_over_both_protocols() {
 fn error_of(output: &Output) -> serde_json::Value {
     let document: serde_json::Value = serde_json::from_str(&stdout(output)).expect("a document");
     let refused = match document["command"].as_str() {
-        Some("write") => &document["changes"][0]["error"],
+        Some("write") => &document["changes"][0],
         _ => &document["parameters"][0],
     };
     refused["error"].clone()
@@ -384,7 +384,9 @@ fn after_a_killed_run_the_drive_acts_per_parameter_8_04() {
         let at_speed = printed.by_ref().map_while(Result::ok).find(|line| {
             let event: serde_json::Value = serde_json::from_str(line).expect("an event");
             events.push(event.clone());
-            event["speed_actual"]["value"].as_f64().is_some_and(|speed| speed > 290.0)
+            event["speed_actual"]["value"]
+                .as_f64()
+                .is_some_and(|speed| speed > 290.0)
         });
         assert!(at_speed.is_some(), "{events:?}");
         run.kill().expect("it runs");

@@ -6,10 +6,9 @@ use profile::state::bits::{self as state_bits, Bit};
 use profile::state::{Mode, Profile};
 use profile::telegram::DANFOSS;
 use profinet::wire::status::PnioStatus;
-use serde_json::{Map, Value};
 
-use crate::fields;
 use crate::job::{self, JobDrive};
+use crate::meaning::{AlarmBit, Meaning, WordBits, WordInMode};
 use crate::{hex16, states, words};
 
 /// What a number to explain is.
@@ -168,7 +167,7 @@ pub struct Explained {
     /// In words.
     pub lines: Vec<String>,
     /// For programs.
-    pub fields: Map<String, Value>,
+    pub meaning: Meaning,
 }
 
 /// Returns the tables of the model that was named; of an AKD where none was.
@@ -197,7 +196,7 @@ pub fn explain(
     model: Option<Model>,
 ) -> Result<Explained, NotExplained> {
     let tables = tables(model);
-    let (lines, fields) = match kind {
+    let (lines, meaning) = match kind {
         Kind::Stw1 => in_modes(
             "STW1",
             "stw1",
@@ -220,11 +219,7 @@ pub fn explain(
         Kind::Pke => {
             let pke = word(text)?;
             let drive = model.map_or_else(|| JobDrive::of(DANFOSS, 1), JobDrive::new);
-            let explained = job::pkw::pke(&drive, pke);
-            (
-                explained.lines.into_iter().map(|(_, line)| line).collect(),
-                explained.fields,
-            )
+            job::pkw::pke(&drive, pke)
         }
         Kind::AlarmWord => bits(text, "alarm-word", 1690, false, 0)?,
         Kind::AlarmWord2 => bits(text, "alarm-word2", 1691, false, 32)?,
@@ -232,9 +227,10 @@ pub fn explain(
         Kind::WarningWord2 => bits(text, "warning-word2", 1693, true, 32)?,
         Kind::State if !states::named(text).is_empty() => {
             let meant = states::named(text);
-            let list: Vec<Value> = meant.iter().map(|state| states::json(*state).into()).collect();
+            let states = meant.iter().map(|state| states::meaning(*state)).collect();
             let lines = meant.into_iter().flat_map(states::lines).collect();
-            (lines, fields! { "as": "state", "states": list })
+            let r#as = "state";
+            (lines, Meaning::States { r#as, states })
         }
         Kind::State => {
             let word = word(text).map_err(|error| NotExplained {
@@ -242,95 +238,120 @@ pub fn explain(
                 ..error
             })?;
             let state = words::state(word, None);
-            let fields = fields! { "as": "state", "raw": word, "state": words::state_number(word, None), "meaning": state.as_str() };
-            (vec![format!("ZSW1 {}: {state}", hex16(word))], fields)
+            let lines = vec![format!("ZSW1 {}: {state}", hex16(word))];
+            let meaning = Meaning::State {
+                r#as: "state",
+                raw: word,
+                state: words::state_number(word, None),
+                meaning: state,
+            };
+            (lines, meaning)
         }
         Kind::Fault => fault(text, tables)?,
         Kind::Pnio => pnio(text)?,
         Kind::Error => {
             let mut lines = Vec::new();
-            let fields = job::explain_error(word(text)?, model, &mut lines);
-            (lines, fields)
+            let meaning = job::explain_error(word(text)?, model, &mut lines);
+            (lines, meaning)
         }
         Kind::Format => {
             let code = u8::try_from(word(text)?)
                 .map_err(|_| NotExplained::new(format!("`{text}`: format codes have one octet")))?;
             let mut lines = Vec::new();
-            let fields = job::explain_format(code, model, &mut lines);
-            (lines, fields)
+            let meaning = job::explain_format(code, model, &mut lines);
+            (lines, meaning)
         }
     };
-    Ok(Explained { lines, fields })
+    Ok(Explained { lines, meaning })
 }
 
-/// Lines and fields.
-type Parts = (Vec<String>, Map<String, Value>);
+/// Lines for people, and the same for programs.
+type Parts = (Vec<String>, Meaning);
 
 /// STW1 or ZSW1 in the mode that is named; without one in velocity mode, then what differs in position mode.
 fn in_modes(
     title: &str,
-    kind: &str,
+    kind: &'static str,
     word: u16,
     mode: Option<Mode>,
     table: fn(Mode) -> &'static [Bit; 16],
     means: fn(Mode, u16) -> String,
 ) -> Parts {
-    let one = |mode: Mode| {
-        let means = means(mode, word);
-        let fields = fields! {
-            "as": kind, "mode": mode.name(), "meaning": means.as_str(), "word": words::word_json(table(mode), word),
-        };
-        (means, fields)
+    let one = |mode: Mode| WordInMode {
+        mode: mode.name(),
+        meaning: means(mode, word),
+        word: words::word_bits(table(mode), word),
     };
     let mut lines = vec![words::word_title(title, word)];
     if let Some(mode) = mode {
-        let (means, fields) = one(mode);
-        lines.extend(words::bit_lines(table(mode), table(mode).iter(), word, &means));
-        return (lines, fields);
+        let only = one(mode);
+        lines.extend(words::bit_lines(
+            table(mode),
+            table(mode).iter(),
+            word,
+            &only.meaning,
+        ));
+        let meaning = Meaning::ModeWord {
+            r#as: kind,
+            word: only,
+            position: None,
+        };
+        return (lines, meaning);
     }
     let (velocity, position) = (table(Mode::Velocity), table(Mode::Position));
-    let (means, mut fields) = one(Mode::Velocity);
+    let first = one(Mode::Velocity);
     lines.push("in velocity mode".into());
-    lines.extend(words::bit_lines(velocity, velocity.iter(), word, &means));
-    let (means, other) = one(Mode::Position);
+    lines.extend(words::bit_lines(velocity, velocity.iter(), word, &first.meaning));
+    let second = one(Mode::Position);
     lines.push("in position mode (PNU 930 = 2); the other bits as above".into());
     let differing = position
         .iter()
         .zip(velocity)
         .filter(|(position, velocity)| position != velocity)
         .map(|(position, _)| position);
-    lines.extend(words::bit_lines(position, differing, word, &means));
-    fields.insert("position".into(), Value::Object(other));
-    (lines, fields)
+    lines.extend(words::bit_lines(position, differing, word, &second.meaning));
+    let meaning = Meaning::ModeWord {
+        r#as: kind,
+        word: first,
+        position: Some(second),
+    };
+    (lines, meaning)
 }
 
-fn control(profile: Profile, kind: &str, text: &str) -> Result<Parts, NotExplained> {
+fn control(profile: Profile, kind: &'static str, text: &str) -> Result<Parts, NotExplained> {
     let word = word(text)?;
     let mode = Mode::default();
     let table = profile.control_bits(mode);
     let means = words::control_meaning(profile, mode, word);
-    let mut fields = fields! { "as": kind, "profile": profile.name(), "meaning": means.as_str() };
-    fields.insert("word".into(), words::word_json(table, word));
+    let lines = words::word_lines(&format!("{} control word", profile.name()), table, word, &means);
     Ok((
-        words::word_lines(&format!("{} control word", profile.name()), table, word, &means),
-        fields,
+        lines,
+        vendor_word(profile, kind, means, words::word_bits(table, word)),
     ))
 }
 
-fn status(profile: Profile, kind: &str, text: &str) -> Result<Parts, NotExplained> {
+fn status(profile: Profile, kind: &'static str, text: &str) -> Result<Parts, NotExplained> {
     let word = word(text)?;
     let table = profile.status_bits(Mode::default());
     let means = words::status_meaning(profile, word, None);
-    let mut fields = fields! { "as": kind, "profile": profile.name(), "meaning": means.as_str() };
-    fields.insert("word".into(), words::word_json(table, word));
+    let lines = words::word_lines(&format!("{} status word", profile.name()), table, word, &means);
     Ok((
-        words::word_lines(&format!("{} status word", profile.name()), table, word, &means),
-        fields,
+        lines,
+        vendor_word(profile, kind, means, words::word_bits(table, word)),
     ))
 }
 
+fn vendor_word(profile: Profile, kind: &'static str, meaning: String, word: WordBits) -> Meaning {
+    Meaning::Word {
+        r#as: kind,
+        profile: profile.name(),
+        meaning,
+        word,
+    }
+}
+
 /// Alarm and warning words of a VLT: each bit is a fault of the table. `first` is the number of bit 0 in the table.
-fn bits(text: &str, kind: &str, pnu: u16, warning: bool, first: u8) -> Result<Parts, NotExplained> {
+fn bits(text: &str, kind: &'static str, pnu: u16, warning: bool, first: u8) -> Result<Parts, NotExplained> {
     let value = number(text, 32)?;
     let name = VLT.by_pnu(pnu).map_or("", |parameter| parameter.name);
     let letter = if warning { 'n' } else { 'F' };
@@ -348,16 +369,24 @@ fn bits(text: &str, kind: &str, pnu: u16, warning: bool, first: u8) -> Result<Pa
         let meaning = fault.map_or("not in the table", |fault| fault.meaning);
         let number = fault.map_or_else(|| "-".into(), |fault| format!("{letter}{}", fault.number));
         lines.push(format!("  bit {bit:>2}  {number:<4}  {meaning}"));
-        set.push(serde_json::json!({
-            "bit": bit, "number": fault.map(|fault| fault.number), "meaning": meaning,
-            "remedy": fault.map(|fault| fault.remedy), "recalled": fault.map(|fault| fault.recalled),
-        }));
+        set.push(AlarmBit {
+            bit,
+            number: fault.map(|fault| fault.number),
+            meaning,
+            remedy: fault.map(|fault| fault.remedy),
+            recalled: fault.map(|fault| fault.recalled),
+        });
     }
     if set.is_empty() {
         lines.push(format!("  no {}", if warning { "warning" } else { "alarm" }));
     }
-    let fields = fields! { "as": kind, "raw": value, "hex": format!("0x{value:08X}"), "set": set };
-    Ok((lines, fields))
+    let meaning = Meaning::AlarmWord {
+        r#as: kind,
+        raw: value,
+        hex: format!("0x{value:08X}"),
+        set,
+    };
+    Ok((lines, meaning))
 }
 
 fn fault(text: &str, tables: &Catalogue) -> Result<Parts, NotExplained> {
@@ -375,15 +404,7 @@ fn fault(text: &str, tables: &Catalogue) -> Result<Parts, NotExplained> {
         |fault| fault.meaning.into(),
     );
     let mut lines = vec![format!("{name} {letter}{number}: {meaning}")];
-    let mut fields =
-        fields! { "as": "fault", "model": name.to_ascii_lowercase(), "number": number, "warning": warning };
     if let Some(fault) = known {
-        fields.insert("meaning".into(), fault.meaning.into());
-        fields.insert("reaction".into(), fault.reaction.text().into());
-        fields.insert("remedy".into(), fault.remedy.into());
-        fields.insert("cleared".into(), tables.clearing(fault.cleared).into());
-        fields.insert("source".into(), fault.source.into());
-        fields.insert("recalled".into(), fault.recalled.into());
         lines.push(format!("  reaction {}", fault.reaction));
         lines.push(format!("  do       {}", fault.remedy));
         lines.push(format!("  cleared  {}", tables.clearing(fault.cleared)));
@@ -394,7 +415,19 @@ fn fault(text: &str, tables: &Catalogue) -> Result<Parts, NotExplained> {
         };
         lines.push(format!("  source   {}{assumed}", fault.source));
     }
-    Ok((lines, fields))
+    let meaning = Meaning::Fault {
+        r#as: "fault",
+        model: name.to_ascii_lowercase(),
+        number,
+        warning,
+        meaning: known.map(|fault| fault.meaning),
+        reaction: known.map(|fault| fault.reaction.text()),
+        remedy: known.map(|fault| fault.remedy),
+        cleared: known.map(|fault| tables.clearing(fault.cleared)),
+        source: known.map(|fault| fault.source),
+        recalled: known.map(|fault| fault.recalled),
+    };
+    Ok((lines, meaning))
 }
 
 fn pnio(text: &str) -> Result<Parts, NotExplained> {
@@ -422,12 +455,17 @@ fn pnio(text: &str) -> Result<Parts, NotExplained> {
             status.code, status.decode, status.code1, status.code2
         ),
     ];
-    let fields = fields! {
-        "as": "pnio", "raw": value, "hex": format!("{value:08X}"), "meaning": status.to_string(),
-        "error_code": status.code, "error_decode": status.decode,
-        "error_code1": status.code1, "error_code2": status.code2,
+    let meaning = Meaning::Pnio {
+        r#as: "pnio",
+        raw: value,
+        hex: format!("{value:08X}"),
+        meaning: status.to_string(),
+        error_code: status.code,
+        error_decode: status.decode,
+        error_code1: status.code1,
+        error_code2: status.code2,
     };
-    Ok((lines, fields))
+    Ok((lines, meaning))
 }
 
 /// Returns a 16-bit number: hexadecimal with 0x, binary with 0b, else decimal.
@@ -533,12 +571,8 @@ mod tests {
         assert!(lines("9", Kind::Fault).contains("not in the table"));
         assert_eq!(lines("0x0237", Kind::State), "ZSW1 0x0237: S4 operation");
         assert!(lines("S4", Kind::State).starts_with("S4 operation\n"));
-        assert_eq!(
-            explain("s5", Kind::State, None, None).unwrap().fields["states"]
-                .as_array()
-                .map(Vec::len),
-            Some(2)
-        );
+        let both = explain("s5", Kind::State, None, None).unwrap().meaning;
+        assert!(matches!(both, Meaning::States { states, .. } if states.len() == 2));
         assert!(lines("DE80B500", Kind::Pnio).contains("state conflict"));
     }
 

@@ -12,6 +12,7 @@
 pub mod capture;
 pub mod explain;
 pub mod job;
+pub mod meaning;
 pub mod octets;
 pub mod report;
 pub mod states;
@@ -27,6 +28,7 @@ pub use text::{hex_bytes, hex16, nibbles};
 /// How much something matters that was found in a capture or in octets.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum Weight {
     /// What is to be expected.
     Normal,
@@ -37,7 +39,6 @@ pub enum Weight {
 }
 
 /// Makes a JSON object from fields.
-#[macro_export]
 macro_rules! fields {
     ($($name:literal : $value:expr),* $(,)?) => {{
         #[allow(unused_mut)]
@@ -46,3 +47,4 @@ macro_rules! fields {
         map
     }};
 }
+pub(crate) use fields;

@@ -5,8 +5,8 @@ use profile::state::{
     Correction, Mode, PositionMachine, PositionState, Profile, Setpoint, SetpointChannel, SpeedCommand,
     State, Stw1, Zsw1,
 };
-use serde_json::{Value, json};
 
+use crate::meaning::{WordBit, WordBits};
 use crate::{hex16, nibbles};
 
 /// Returns a word as it is shown everywhere: hexadecimal with at least four digits.
@@ -43,18 +43,6 @@ pub fn set(table: &'static [Bit; 16], word: u16) -> String {
 
 fn names(table: &'static [Bit; 16], word: u16) -> Vec<String> {
     bits::texts(table, word).map(str::to_owned).collect()
-}
-
-/// The same for programs, beside the number.
-pub fn set_json(table: &'static [Bit; 16], word: u16) -> Value {
-    let bits = |inverse| table.iter().filter(move |bit| bit.inverse == inverse);
-    let set: Vec<&str> = bits(false)
-        .filter(|bit| is_set(word, bit) && !bit.name.is_empty())
-        .map(|bit| bit.name)
-        .collect();
-    let clear = bits(true).filter(|bit| !is_set(word, bit));
-    let stops: Vec<&str> = clear.map(|bit| meaning(word, bit)).collect();
-    json!({ "hex": hex16(word), "set": set, "stops": stops })
 }
 
 /// Names of the set bits without the inverse ones: `ON, EN_OP, CTRL_PLC`.
@@ -283,14 +271,19 @@ pub fn bit_lines<'a>(
 }
 
 /// The same for programs.
-pub fn word_json(table: &[Bit; 16], word: u16) -> Value {
-    let bits: Vec<Value> = table
-        .iter()
-        .map(|bit| {
-            json!({ "bit": bit.number, "name": bit.name, "set": is_set(word, bit), "meaning": meaning(word, bit) })
-        })
-        .collect();
-    json!({ "raw": word, "hex": hex16(word), "binary": nibbles(word), "bits": bits })
+pub fn word_bits(table: &'static [Bit; 16], word: u16) -> WordBits {
+    let bits = table.iter().map(|bit| WordBit {
+        bit: bit.number,
+        name: bit.name,
+        set: is_set(word, bit),
+        meaning: meaning(word, bit),
+    });
+    WordBits {
+        number: word,
+        hex: hex16(word),
+        binary: nibbles(word),
+        bits: bits.collect(),
+    }
 }
 
 const fn is_set(word: u16, bit: &Bit) -> bool {
@@ -373,20 +366,6 @@ mod tests {
             inverse_meanings(bits::zsw1(Mode::Velocity), 0x0213),
             "OFF2 not active, OFF3 active: quick stop"
         );
-    }
-
-    #[test]
-    fn a_bit_that_is_0_is_no_set_bit() {
-        let document = set_json(bits::stw1(Mode::Velocity), 0x0000);
-        assert_eq!(document["set"], json!([]));
-        let stops = document["stops"].as_array().unwrap();
-        assert!(
-            stops.len() == 2 && stops[0].as_str().unwrap().starts_with("OFF2"),
-            "{document}"
-        );
-        let document = set_json(bits::stw1(Mode::Velocity), 0x047F);
-        assert_eq!(document["stops"], json!([]));
-        assert_eq!(document["set"][0], "ON");
     }
 
     #[test]

@@ -117,7 +117,10 @@ fn report_of_a_run_has_speed_time_and_distance() {
     let report = plant.run(&for_a_second(300.0), &observer).unwrap();
     let result = &report.result;
     assert!(result.reached && !report.interrupted && report.released);
-    assert!((result.speed.as_ref().unwrap().value - 300.0).abs() < 1.0, "{result:?}");
+    assert!(
+        (result.speed.as_ref().unwrap().value - 300.0).abs() < 1.0,
+        "{result:?}"
+    );
     assert!((result.time_at_speed.unwrap() - 1.0).abs() < 0.05, "{result:?}");
     // five turns in the second, and the ramps
     let distance = result.distance.as_ref().unwrap().value;

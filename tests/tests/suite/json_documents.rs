@@ -3,8 +3,9 @@
 
 use std::io::Write as _;
 use std::process::{Command, Stdio};
+use std::time::Duration;
 
-use system_tests::{Lab, client, peer, python, root, simulate};
+use system_tests::{Finished, Lab, Side, built, client, peer, python, root, simulate};
 
 const PLANT: &str = r#"
     [[drive]]
@@ -35,6 +36,8 @@ const OF_DRIVES: &[(&str, &[i32])] = &[
     ("list --filter nothing-like-it", &[1]),
     ("describe PARAM", &[0]),
     ("backup", &[0, 1]),
+    ("write PARAM=100 --dry-run", &[0, 2]),
+    ("write 64999=1", &[2, 3]),
     ("describe NO.SUCH.NAME", &[2]),
     ("blink --for 1ms", &[0]),
     ("name other-1 --dry-run", &[0]),
@@ -45,10 +48,13 @@ const OF_DRIVES: &[(&str, &[i32])] = &[
     ("read", &[2]),
     ("monitor PARAM 64999 --for 10ms", &[0]),
     ("run --velocity 60rpm --dry-run", &[0, 6]),
-    ("run --velocity 20% --for 10ms --may-run-on", &[0, 6]),
+    ("run --velocity 20% --for 10ms --may-run-on", &[0, 1, 6]),
     ("jog --velocity 30rpm --for 100ms --dry-run", &[0, 1, 6]),
     ("jog --velocity 30rpm --for 100ms", &[0, 1, 6]),
-    ("move --to 1rev --velocity 60rpm --dry-run --set-mode", &[0, 1, 5, 6]),
+    (
+        "move --to 1rev --velocity 60rpm --dry-run --set-mode",
+        &[0, 1, 5, 6],
+    ),
     ("home --set-mode", &[0, 1, 6]),
     ("task 1 --set-mode", &[0, 1, 3, 6]),
     ("stop", &[0]),
@@ -68,12 +74,20 @@ const OTHERS: &[(&str, &[i32])] = &[
     ("inject akd-1 fault=439", &[0]),
     ("ack akd-1", &[0]),
     ("ack vlt-1 --by-parameter", &[1]),
-    ("move akd-1 --to 1rev --relative --velocity 300rpm --set-mode", &[0]),
+    (
+        "move akd-1 --to 1rev --relative --velocity 300rpm --set-mode",
+        &[0],
+    ),
     ("run akd-1 --velocity 9000rpm", &[6]),
     ("inject akd-1 fault=439", &[0]),
     ("status akd-1", &[5]),
     ("info akd-1", &[0]),
     ("info nobody", &[4]),
+    ("backup akd-1 -o BACKUP", &[0, 1]),
+    ("write akd-1 DRV.DEC=1234.567rpm/s MT.NUM=0 AIN.ZERO=1", &[3]),
+    ("restore akd-1 BACKUP --dry-run", &[0, 5]),
+    ("restore akd-1 BACKUP --only DRV.*", &[0, 5]),
+    ("restore vlt-1 BACKUP", &[6]),
     ("status nobody", &[4]),
     ("read nobody 922", &[4]),
     ("reset akd-1 --mode communication", &[6]),
@@ -81,12 +95,51 @@ const OTHERS: &[(&str, &[i32])] = &[
     ("scan --no-such-option", &[2]),
 ];
 
-/// Calls the program and returns the documents that it prints.
+/// What is called without any drive.
+const WITHOUT_DRIVES: &[(&str, &[i32])] = &[
+    ("explain 0x047F --as stw1", &[0]),
+    ("explain 0x0337 --as zsw1 --mode position", &[0]),
+    ("explain 0x047C --as ctw-fc", &[0]),
+    ("explain S4 --as state", &[0]),
+    ("explain 0x0337 --as state", &[0]),
+    ("explain 702 --as fault", &[0]),
+    ("explain 999 --as fault --model vlt", &[0]),
+    ("explain 0x65 --as error", &[0]),
+    ("explain 2 --as error --model vacon", &[0]),
+    ("explain 0x42 --as format", &[0]),
+    ("explain DE80B500 --as pnio", &[0]),
+    ("explain 0x15FA --as pke --model vlt", &[0]),
+    ("explain 0x40000001 --as alarm-word", &[0]),
+    ("explain nothing --as stw1", &[2]),
+    ("decode --hex 0501010110010000032200", &[0, 1]),
+    ("decode --hex 047F0000 --telegram 1", &[0]),
+    ("decode --hex 15FA000100000000 --as pkw-fc --model vlt", &[0]),
+    ("demo --fast --pcap FILE", &[0]),
+    ("decode FILE", &[0]),
+    ("decode ROOT/captures/README.md", &[1]),
+    ("gsdml export --model akd -o FOLDER", &[0]),
+    (
+        "gsdml show ROOT/tests/descriptions/GSDML-V2.32-Kollmorgen-DriveObject-20170601-103000.xml",
+        &[0],
+    ),
+    (
+        "gsdml check ROOT/tests/descriptions/GSDML-V2.1-KOLLMORGEN-AKDLIKE-20140301.xml",
+        &[0, 1, 5],
+    ),
+];
+
+/// Calls the program on the network of the laboratory and returns the documents that it prints.
 #[track_caller]
 fn documents(lab: &Lab, line: &str, codes: &[i32]) -> String {
-    let mut arguments = vec!["--json"];
-    arguments.extend(line.split(' '));
-    let finished = client(lab, &arguments);
+    checked(line, client(lab, &arguments(line)), codes)
+}
+
+fn arguments(line: &str) -> Vec<&str> {
+    std::iter::once("--json").chain(line.split(' ')).collect()
+}
+
+#[track_caller]
+fn checked(line: &str, finished: Finished, codes: &[i32]) -> String {
     let code = finished.code.unwrap_or(-1);
     assert!(codes.contains(&code), "{line}: {code} {finished:?}");
     assert!(finished.out.ends_with("}\n"), "{line}: {finished:?}");
@@ -132,10 +185,24 @@ fn every_document_is_what_its_schema_says() {
             printed += &documents(&lab, whole.trim_end(), codes);
         }
     }
+    let backup = lab.folder().join("akd-1.txt");
     for (line, codes) in OTHERS {
-        printed += &documents(&lab, line, codes);
+        let line = line.replace("BACKUP", backup.to_str().unwrap());
+        printed += &documents(&lab, &line, codes);
     }
     drop(drives);
+    for (line, codes) in WITHOUT_DRIVES {
+        let line = line.replace("ROOT", root().to_str().unwrap());
+        let line = line.replace("FOLDER", lab.folder().to_str().unwrap());
+        let line = line.replace("FILE", lab.folder().join("demo.pcapng").to_str().unwrap());
+        let finished = lab.run(
+            Side::Controller,
+            built("profidrive"),
+            arguments(&line),
+            Duration::from_secs(20),
+        );
+        printed += &checked(&line, finished, codes);
+    }
     let plant = root().join("examples/plants/first.toml");
     let virtual_time = format!("simulate {} --virtual-time --for 5s", plant.display());
     printed += &documents(&lab, &virtual_time, &[0]);

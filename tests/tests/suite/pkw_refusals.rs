@@ -93,7 +93,7 @@ fn records_have_the_number_of_the_dialect_in_text_and_json() {
         assert!(refused.err.contains(&start), "{refused:?}");
         let refused = client(&lab, &["write", "vlt-1", "3-41=5s", "--json"]);
         let document: Value = serde_json::from_str(&refused.out).expect("a document");
-        let error = &document["changes"][0]["error"]["error"];
+        let error = &document["changes"][0]["error"];
         assert_eq!(error["number"], record, "{error}");
         assert_eq!(
             (&error["channel"], &error["sent"]),

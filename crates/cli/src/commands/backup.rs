@@ -2,18 +2,17 @@
 
 use std::path::Path;
 
-use client::backup::{Backup, MAX_TEXT, Task, TaskCoverage};
+use client::backup::{Backup, MAX_TEXT, TaskCoverage};
 use client::{Drive, Refusal, Wait};
 use network::files::StateFile;
-use profidrive::report::{BackupReport, MotionTask};
-use serde_json::{Map, Value};
+use profidrive::report::BackupReport;
 
 use crate::advice::Commands;
 use crate::args;
 use crate::args::Interface;
 use crate::connect::{self, Need};
 use crate::failure::{Exit, Failure};
-use crate::output::{Output, members};
+use crate::output::Output;
 
 pub fn run(args: &args::Backup, interface: &Interface, output: &Output) -> Result<(), Failure> {
     // what cannot be written is reported before anything is read
@@ -146,11 +145,6 @@ pub fn whole(name: &str, interface: &Interface, output: &Output) -> Result<(Back
     let backup = backup?;
     session.close().wait()?;
     Ok((backup, drive))
-}
-
-/// Returns the values of a motion task; none of an empty one.
-pub fn task_json(task: &Task) -> Map<String, Value> {
-    members(&MotionTask::from(task))
 }
 
 /// Reads a backup file.

@@ -17,9 +17,8 @@ pub fn run(args: &Explain, output: &Output) -> Result<(), Failure> {
             None => failure,
         }
     })?;
-    if output.json() {
-        output.document("explain", explained.fields);
-    } else {
+    output.json_report(&explained.meaning);
+    if !output.json() {
         for line in explained.lines {
             output.line(&line);
         }

@@ -14,13 +14,12 @@ use profile::parameter::pnu;
 use profile::state::Mode;
 use profile::telegram::Telegram;
 use profile::value::{ParameterProblem, Reading, Selection};
-use serde_json::{Map, Value};
 
 use crate::advice::Commands;
 use crate::args::{Interface, Read};
 use crate::connect::{self, Need};
 use crate::failure::Failure;
-use crate::output::{Output, members};
+use crate::output::Output;
 use crate::render::table::Table;
 
 pub use describe::describe;
@@ -143,12 +142,4 @@ fn values_table(values: &[ParameterValue], raw: bool) -> Table {
         ]);
     }
     table
-}
-
-fn reading_json(reading: &Result<Reading, Refusal>) -> Value {
-    Value::Object(members(&parameter(reading, &Commands::any())))
-}
-
-pub fn refusal_json(refusal: &Refusal) -> Map<String, Value> {
-    members(&parameter(&Err(*refusal), &Commands::any()))
 }

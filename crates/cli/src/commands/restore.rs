@@ -3,20 +3,20 @@
 use std::path::{Path, PathBuf};
 
 use client::backup::{Backup, Pattern};
-use client::change::{Change, ChangeSet, Choice, Plan, Saved, Skip, Skipped, Step, TaskChange};
+use client::change::{Change, ChangeSet, Choice, Plan, Saved, Skip, Skipped, Step};
 use client::{Drive, Error, Wait, describe};
 use network::files::StateFile;
+use profidrive::report::RestoreReport;
 use profile::catalogue::Role;
 use profile::model::Model;
 use profile::parameter::Saving;
 use profile::value::Reading;
-use serde_json::{Map, Value};
 
 use super::backup;
+use crate::advice::Commands;
 use crate::args::Interface;
 use crate::connect::{self, Live, Need};
 use crate::failure::{Exit, Failure};
-use crate::fields;
 use crate::output::Output;
 use crate::render::table::{Table, clean};
 use crate::render::{number, value};
@@ -88,9 +88,7 @@ pub fn run(args: &Args, interface: &Interface, output: &Output) -> Result<(), Fa
     }
     if args.dry_run {
         session.close().wait()?;
-        if output.json() {
-            output.document("restore", document(&drive, args, &plan, None));
-        }
+        output.json_report(&document(&drive, args, &plan, None));
         output.say("dry run: nothing was written");
         return refused(&plan, &drive);
     }
@@ -98,9 +96,8 @@ pub fn run(args: &Args, interface: &Interface, output: &Output) -> Result<(), Fa
     // the connection of a drive that is lost ends by itself
     let closed = session.close().wait();
     let file = (plan.set.total() > 0 && way_back.exists()).then_some(way_back.as_path());
-    if output.json() {
-        output.document("restore", document(&drive, args, &plan, file));
-    } else {
+    output.json_report(&document(&drive, args, &plan, file));
+    if !output.json() {
         results(&plan.set, output);
     }
     report(&plan.set, file, &drive, args, output);
@@ -445,57 +442,10 @@ fn refused(plan: &Plan, drive: &Drive) -> Result<(), Failure> {
     ))
 }
 
-fn document(drive: &Drive, args: &Args, plan: &Plan, file: Option<&Path>) -> Map<String, Value> {
-    let set = &plan.set;
-    let change = |change: &Change| {
-        let limits = set.limits(change);
-        Value::Object(fields! {
-            "pnu": change.new.pnu, "index": change.new.index, "name": change.new.name,
-            "old": old(change).map(value::json), "new": value::json(&change.new),
-            "minimum": limits.map(|limits| limits.0), "maximum": limits.map(|limits| limits.1),
-            "saved": change.storable, "step": word(change.step), "error": error(change.step),
-        })
-    };
-    let task = |task: &TaskChange| {
-        Value::Object(fields! {
-            "number": task.number, "step": word(task.step), "error": error(task.step),
-            "old": backup::task_json(&task.old), "new": backup::task_json(&task.new),
-        })
-    };
-    let skipped = |one: &Skipped| {
-        Value::Object(fields! {
-            "why": one.why.to_string(), "refused": one.why.is_refusal(), "file": value::json(&one.reading),
-        })
-    };
-    fields! {
-        "drive": drive.label(), "file": args.file.display().to_string(), "dry_run": args.dry_run,
-        "complete": set.is_complete(), "saved": set.saved() == Saved::Yes,
-        "way_back": file.map(|file| file.display().to_string()),
-        "changes": set.changes().iter().map(change).collect::<Vec<_>>(),
-        "skipped": plan.skipped.iter().map(skipped).collect::<Vec<_>>(),
-        "tasks": set.tasks().iter().map(task).collect::<Vec<_>>(), "tasks_left_out": plan.tasks_left_out.as_deref(),
-    }
-}
-
-/// The number that the drive refused it with.
-fn error(step: Step) -> Option<u16> {
-    match step {
-        Step::Refused(refusal) => refusal.received(),
-        _ => None,
-    }
-}
-
-fn word(step: Step) -> &'static str {
-    match step {
-        Step::Same => "same",
-        Step::NotWritten => "not written",
-        Step::InDoubt => "in doubt",
-        Step::Written => "written",
-        Step::ReadBack => "read back",
-        Step::Differs => "differs",
-        Step::Refused(refusal) if refusal.is_unsent() => "not carried",
-        Step::Refused(_) => "refused",
-    }
+fn document(drive: &Drive, args: &Args, plan: &Plan, file: Option<&Path>) -> RestoreReport {
+    let text = |path: &Path| path.display().to_string();
+    let (source, way_back) = (text(&args.file), file.map(text));
+    RestoreReport::new(drive, plan, source, args.dry_run, way_back, &Commands::any())
 }
 
 #[cfg(test)]

@@ -4,10 +4,10 @@ use std::time::Duration;
 
 use client::AxisStatus;
 use client::axis::SpeedUnit;
-use profile::state::{Mode, bits};
-use profile::value::Beyond;
 use profidrive::motion::AxisState;
 use profidrive::report::Quantity;
+use profile::state::{Mode, bits};
+use profile::value::Beyond;
 
 use super::{hex16, nibbles, words};
 use crate::output::{Colour, Output};

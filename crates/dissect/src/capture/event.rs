@@ -11,20 +11,34 @@ use serde_json::{Map, Value};
 use crate::Weight;
 
 /// One end of a frame, by its addresses.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
+#[cfg_attr(
+    feature = "schema",
+    derive(schemars::JsonSchema),
+    schemars(rename = "CaptureParty")
+)]
 pub struct Party {
     /// Ethernet address; `None` for multicast.
+    #[serde(serialize_with = "option_text")]
+    #[cfg_attr(feature = "schema", schemars(with = "Option<String>"))]
     pub mac: Option<MacAddress>,
     /// IP address of a datagram.
     pub ip: Option<Ipv4Addr>,
 }
 
 /// One thing that happened.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(
+    feature = "schema",
+    derive(schemars::JsonSchema),
+    schemars(rename = "CaptureEvent")
+)]
 pub struct Event {
     /// Number of the frame in the capture, from 1, as Wireshark counts.
     pub frame: u64,
-    /// Time since the first frame.
+    /// Time since the first frame, in seconds.
+    #[serde(rename = "time", serialize_with = "seconds")]
+    #[cfg_attr(feature = "schema", schemars(with = "f64"))]
     pub at: Duration,
     /// Name or address of the sender.
     pub from: String,
@@ -41,6 +55,7 @@ pub struct Event {
     /// How much it matters.
     pub weight: Weight,
     /// What happened, in numbers.
+    #[serde(flatten)]
     pub detail: Detail,
 }
 
@@ -53,6 +68,11 @@ impl Event {
 
 /// What happened, in numbers: one struct for each kind of event.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(
+    feature = "schema",
+    derive(schemars::JsonSchema),
+    schemars(rename = "CaptureDetail")
+)]
 #[serde(tag = "kind", content = "data", rename_all = "snake_case")]
 pub enum Detail {
     /// A control or status word changed.
@@ -81,6 +101,11 @@ pub enum Detail {
 
 /// A control or status word.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(
+    feature = "schema",
+    derive(schemars::JsonSchema),
+    schemars(rename = "CaptureState")
+)]
 pub struct State {
     /// Slot of the drive.
     pub slot: u16,
@@ -100,6 +125,11 @@ pub struct State {
 
 /// A value in cyclic data.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(
+    feature = "schema",
+    derive(schemars::JsonSchema),
+    schemars(rename = "CaptureSample")
+)]
 pub struct Sample {
     /// Slot of the drive.
     pub slot: u16,
@@ -120,6 +150,11 @@ pub struct Sample {
 
 /// A parameter request or response.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(
+    feature = "schema",
+    derive(schemars::JsonSchema),
+    schemars(rename = "CaptureJob")
+)]
 pub struct Job {
     /// `record` (base mode parameter access) or `pkw` (parameter channel in cyclic data).
     pub channel: &'static str,
@@ -133,6 +168,11 @@ pub struct Job {
 
 /// A DCP service.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
+#[cfg_attr(
+    feature = "schema",
+    derive(schemars::JsonSchema),
+    schemars(rename = "CaptureDcp")
+)]
 pub struct Dcp {
     /// `identify`, `get`, `set` or `hello`.
     pub service: &'static str,
@@ -157,6 +197,11 @@ pub struct Dcp {
 
 /// The answer to one block of a DCP Set.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[cfg_attr(
+    feature = "schema",
+    derive(schemars::JsonSchema),
+    schemars(rename = "CaptureDcpResult")
+)]
 pub struct DcpResult {
     /// Option.
     pub option: u8,
@@ -168,6 +213,11 @@ pub struct DcpResult {
 
 /// A step of a connection.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
+#[cfg_attr(
+    feature = "schema",
+    derive(schemars::JsonSchema),
+    schemars(rename = "CaptureConnect")
+)]
 pub struct Connect {
     /// `request`, `iocr`, `module`, `response`, `diff`, `control`, `release` or `earlier`.
     pub step: &'static str,
@@ -223,6 +273,11 @@ pub struct Connect {
 
 /// A submodule of a connect.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[cfg_attr(
+    feature = "schema",
+    derive(schemars::JsonSchema),
+    schemars(rename = "CaptureConnectSubmodule")
+)]
 pub struct ConnectSubmodule {
     /// Subslot.
     pub subslot: u16,
@@ -241,6 +296,11 @@ pub struct ConnectSubmodule {
 
 /// A record read or written.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
+#[cfg_attr(
+    feature = "schema",
+    derive(schemars::JsonSchema),
+    schemars(rename = "CaptureRecord")
+)]
 pub struct Record {
     /// `read` or `write`.
     pub service: &'static str,
@@ -267,6 +327,11 @@ pub struct Record {
 
 /// An alarm, its acknowledgement, or the end of a connection by an error PDU.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
+#[cfg_attr(
+    feature = "schema",
+    derive(schemars::JsonSchema),
+    schemars(rename = "CaptureAlarm")
+)]
 pub struct Alarm {
     /// `notification`, `acknowledgement`, `nack` or `abort`.
     pub step: &'static str,
@@ -298,6 +363,11 @@ pub struct Alarm {
 
 /// One diagnosis of a channel.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[cfg_attr(
+    feature = "schema",
+    derive(schemars::JsonSchema),
+    schemars(rename = "CaptureDiagnosis")
+)]
 pub struct Diagnosis {
     /// UserStructureIdentifier.
     pub usi: u16,
@@ -321,6 +391,11 @@ pub struct Diagnosis {
 
 /// Status of cyclic data.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
+#[cfg_attr(
+    feature = "schema",
+    derive(schemars::JsonSchema),
+    schemars(rename = "CaptureCyclic")
+)]
 pub struct Cyclic {
     /// DataStatus octet.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -344,6 +419,11 @@ pub struct Cyclic {
 
 /// A neighbour reported by LLDP.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
+#[cfg_attr(
+    feature = "schema",
+    derive(schemars::JsonSchema),
+    schemars(rename = "CaptureNeighbour")
+)]
 pub struct Neighbour {
     /// Name of the port.
     pub port: String,
@@ -357,6 +437,11 @@ pub struct Neighbour {
 
 /// Something that should not happen.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[cfg_attr(
+    feature = "schema",
+    derive(schemars::JsonSchema),
+    schemars(rename = "CaptureTrouble")
+)]
 #[serde(tag = "problem", rename_all = "snake_case")]
 pub enum Trouble {
     /// A PDU that cannot be decoded.
@@ -372,6 +457,7 @@ pub enum Trouble {
         sent: u32,
         /// From the first request until it was given up, in seconds.
         #[serde(serialize_with = "seconds")]
+        #[cfg_attr(feature = "schema", schemars(with = "f64"))]
         waited: Duration,
     },
     /// An answer whose request is not in the capture.
@@ -387,6 +473,7 @@ pub enum Trouble {
         sent: u32,
         /// From the first request to the answer, in seconds.
         #[serde(serialize_with = "seconds")]
+        #[cfg_attr(feature = "schema", schemars(with = "f64"))]
         waited: Duration,
     },
     /// Two stations have the same name of station.
@@ -395,12 +482,15 @@ pub enum Trouble {
         name: String,
         /// One of them.
         #[serde(serialize_with = "text")]
+        #[cfg_attr(feature = "schema", schemars(with = "String"))]
         mac: MacAddress,
         /// The other.
         #[serde(serialize_with = "text")]
+        #[cfg_attr(feature = "schema", schemars(with = "String"))]
         other: MacAddress,
         /// Time since the other was seen with this name, in seconds.
         #[serde(serialize_with = "seconds")]
+        #[cfg_attr(feature = "schema", schemars(with = "f64"))]
         ago: Duration,
     },
     /// Two stations have the same IP address, or a station reports a conflict.
@@ -409,9 +499,11 @@ pub enum Trouble {
         ip: Ipv4Addr,
         /// One of them.
         #[serde(serialize_with = "text")]
+        #[cfg_attr(feature = "schema", schemars(with = "String"))]
         mac: MacAddress,
         /// The other; `None` where the station reports the conflict itself.
         #[serde(serialize_with = "option_text")]
+        #[cfg_attr(feature = "schema", schemars(with = "Option<String>"))]
         other: Option<MacAddress>,
     },
     /// Far more ARP frames than a network of this kind needs.
@@ -428,9 +520,11 @@ pub enum Trouble {
     Silent {
         /// Time without a frame, in seconds.
         #[serde(serialize_with = "seconds")]
+        #[cfg_attr(feature = "schema", schemars(with = "f64"))]
         gap: Duration,
         /// Watchdog, in seconds.
         #[serde(serialize_with = "seconds")]
+        #[cfg_attr(feature = "schema", schemars(with = "f64"))]
         watchdog: Duration,
     },
     /// A call was refused by the RPC layer.

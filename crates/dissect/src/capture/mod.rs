@@ -38,6 +38,7 @@ use profinet::MacAddress;
 use profinet::wire::DecodeError;
 use profinet::wire::ethernet::{Frame, FrameKind};
 use profinet::wire::lldp;
+use serde::Serialize;
 
 use crate::Weight;
 use alarms::Alarms;
@@ -55,7 +56,8 @@ pub use names::seconds;
 pub use summary::{DeviceSummary, StreamSummary};
 
 /// What was seen, in numbers.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Counts {
     /// All frames.
     pub frames: u64,

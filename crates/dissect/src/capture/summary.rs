@@ -11,11 +11,13 @@ use super::{Party, Walker};
 
 /// A device with cyclic connections.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct DeviceSummary {
     /// Name or address.
     pub device: String,
     /// Ethernet address.
     #[serde(serialize_with = "text")]
+    #[cfg_attr(feature = "schema", schemars(with = "String"))]
     pub mac: MacAddress,
     /// IP address, where the capture shows it.
     pub ip: Option<Ipv4Addr>,
@@ -44,6 +46,7 @@ impl DeviceSummary {
 
 /// The cyclic frames of one direction. Times are in seconds.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct StreamSummary {
     /// Name or address of the sender.
     pub from: String,
@@ -55,12 +58,15 @@ pub struct StreamSummary {
     pub frames: u64,
     /// Time between two frames as agreed, or as the cycle counter shows.
     #[serde(serialize_with = "seconds")]
+    #[cfg_attr(feature = "schema", schemars(with = "f64"))]
     pub cycle: Duration,
     /// Deviation from the cycle that half of the frames do not exceed.
     #[serde(serialize_with = "option_seconds")]
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub jitter_p50: Option<Duration>,
     /// Deviation from the cycle that 99 % of the frames do not exceed.
     #[serde(serialize_with = "option_seconds")]
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub jitter_p99: Option<Duration>,
     /// Frames missing by the cycle counter.
     pub lost: u64,
@@ -68,6 +74,7 @@ pub struct StreamSummary {
     pub repeated: u64,
     /// Longest time between two frames of one connection.
     #[serde(serialize_with = "seconds")]
+    #[cfg_attr(feature = "schema", schemars(with = "f64"))]
     pub longest_gap: Duration,
 }
 

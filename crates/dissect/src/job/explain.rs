@@ -3,9 +3,8 @@
 use profile::model::Model;
 use profile::parameter::{CodeSpace, ErrorNames, ErrorNumber, Format};
 use profile::pkw::PkwErrorNames;
-use serde_json::{Map, Value};
 
-use crate::fields;
+use crate::meaning::Meaning;
 
 /// Vendors with error numbers of their own, in parameter jobs and in a parameter channel.
 const VENDORS: [(&str, ErrorNames, PkwErrorNames); 2] = [
@@ -15,7 +14,7 @@ const VENDORS: [(&str, ErrorNames, PkwErrorNames); 2] = [
 
 /// Returns an error number of the parameter manager in words: those of the model's make, or of all. What the same
 /// number says in a parameter channel (PKW) comes with it where it is another thing.
-pub fn explain_error(number: u16, model: Option<Model>, output: &mut Vec<String>) -> Map<String, Value> {
+pub fn explain_error(number: u16, model: Option<Model>, output: &mut Vec<String>) -> Meaning {
     let error = ErrorNumber(number);
     let own = model.map(|model| model.dialect.error_names);
     let vendors = || {
@@ -30,15 +29,15 @@ pub fn explain_error(number: u16, model: Option<Model>, output: &mut Vec<String>
         |info| format!("0x{number:02X} {}", info.meaning),
     );
     output.push(format!("parameter error {meaning}"));
-    let mut fields = fields! { "as": "error", "raw": number, "meaning": meaning };
-    if let Some(info) = known.or_else(|| error.info(ErrorNames::Profile)) {
+    let general = known.or_else(|| error.info(ErrorNames::Profile));
+    if let Some(info) = general {
         output.push(format!("  do     {}", info.remedy));
-        fields.insert("remedy".into(), info.remedy.into());
     }
-    for (vendor, names, _) in vendors().filter(|_| number >= OWN && known.is_none()) {
+    let mut in_channel = None;
+    let others = || vendors().filter(|_| number >= OWN && known.is_none());
+    for (vendor, names, _) in others() {
         if let Some(info) = error.info(*names) {
             output.push(format!("  {vendor:<6} {}", info.meaning));
-            fields.insert(vendor.to_lowercase(), info.meaning.into());
         }
     }
     for (vendor, _, names) in vendors() {
@@ -48,17 +47,29 @@ pub fn explain_error(number: u16, model: Option<Model>, output: &mut Vec<String>
                 "  in a parameter channel (PKW) of {vendor}: {}; {}",
                 row.meaning, row.remedy
             ));
-            fields.insert("channel".into(), row.meaning.into());
+            in_channel = Some(row.meaning);
         }
     }
-    fields
+    let of = |names: ErrorNames| {
+        let vendor = others().find(|(_, own, _)| *own == names);
+        Some(error.info(vendor?.1)?.meaning)
+    };
+    Meaning::Error {
+        r#as: "error",
+        raw: number,
+        meaning,
+        remedy: general.map(|info| info.remedy),
+        danfoss: of(ErrorNames::Danfoss),
+        vacon: of(ErrorNames::Vacon),
+        channel: in_channel,
+    }
 }
 
 /// From this number on error numbers are the vendor's.
 const OWN: u16 = 0x65;
 
 /// Describes a format code: as defined by the vendor of the model, or by the current profile.
-pub fn explain_format(code: u8, model: Option<Model>, output: &mut Vec<String>) -> Map<String, Value> {
+pub fn explain_format(code: u8, model: Option<Model>, output: &mut Vec<String>) -> Meaning {
     let name = |space| Format(code).info(space).map(|row| row.name);
     let (v4, v3) = (name(CodeSpace::V4), name(CodeSpace::V3));
     let today = ("PROFIdrive V4", v4);
@@ -76,5 +87,10 @@ pub fn explain_format(code: u8, model: Option<Model>, output: &mut Vec<String>) 
     if v3 != v4 {
         output.push(format!("  in {}: {}", second.0, second.1.unwrap_or("unknown")));
     }
-    fields! { "as": "format", "raw": code, "v4": v4, "v3": v3 }
+    Meaning::Format {
+        r#as: "format",
+        raw: code,
+        v4,
+        v3,
+    }
 }

@@ -12,6 +12,7 @@ use uss::Protocol;
 use super::{Decoded, JobDrive, description};
 use crate::Weight;
 use crate::fields;
+use crate::meaning::Meaning;
 use crate::value;
 
 /// PKE, IND and PWE of a parameter block, as far as it has them, and the characters of a text block (AK 15), which stand in
@@ -292,7 +293,7 @@ fn quoted(text: &[u8]) -> String {
 }
 
 /// AK and parameter number of a PKE, as both sides may mean it. With bit 11 set the carrier decides over the number.
-pub fn pke(drive: &JobDrive, pke: u16) -> Decoded {
+pub fn pke(drive: &JobDrive, pke: u16) -> (Vec<String>, Meaning) {
     let pkw = Pkw { pke, ind: 0, pwe: 0 };
     let [high, _] = pke.to_be_bytes();
     let ak = high >> 4;
@@ -308,15 +309,16 @@ pub fn pke(drive: &JobDrive, pke: u16) -> Decoded {
     }
     texts.push(format!("  request    {}", RequestCode(ak)));
     texts.push(format!("  reply      {}", ReplyCode(ak)));
-    let fields = fields! {
-        "as": "pke", "raw": pke, "ak": ak, "pnu": number(&line), "pnu_ppo": number(ppo),
-        "request": RequestCode(ak).info().name, "reply": ReplyCode(ak).info().name,
+    let meaning = Meaning::Pke {
+        r#as: "pke",
+        raw: pke,
+        ak,
+        pnu: number(&line),
+        pnu_ppo: number(ppo),
+        request: RequestCode(ak).info().name,
+        reply: ReplyCode(ak).info().name,
     };
-    let lines = texts.into_iter().map(|text| (Weight::Normal, text));
-    Decoded {
-        lines: lines.collect(),
-        fields,
-    }
+    (texts, meaning)
 }
 
 #[cfg(test)]
@@ -486,8 +488,8 @@ mod tests {
     }
 
     fn pke_text(drive: &JobDrive, word: u16) -> String {
-        let lines = pke(drive, word).lines.into_iter();
-        lines.map(|(_, line)| line + "\n").collect()
+        let (lines, _) = pke(drive, word);
+        lines.into_iter().map(|line| line + "\n").collect()
     }
 
     /// Bit 11 of PKE is part of the number over FC and USS, and not in the words of a PPO.
@@ -499,8 +501,9 @@ mod tests {
             "{text}"
         );
         assert!(text.contains("13-65 (PNU 1365) in a PPO"), "{text}");
-        let fields = pke(&vlt(), 0x1D55).fields;
-        assert_eq!((&fields["pnu"], &fields["pnu_ppo"]), (&3413.into(), &1365.into()));
+        let (_, meaning) = pke(&vlt(), 0x1D55);
+        let numbers = (3413, 1365);
+        assert!(matches!(meaning, Meaning::Pke { pnu, pnu_ppo, .. } if (pnu, pnu_ppo) == numbers));
         assert!(!pke_text(&vlt(), 0x1555).contains("PPO"));
     }
 

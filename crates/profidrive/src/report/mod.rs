@@ -13,6 +13,7 @@
 //! Times are in seconds. With the feature `schema` each report has a JSON schema.
 
 mod backup;
+mod change;
 mod drive;
 mod gsdml;
 #[cfg(feature = "schema")]
@@ -26,16 +27,20 @@ mod tables;
 pub use dissect::report::{DriveState, Parameter, ParameterContent, ParameterError, Word};
 
 pub use backup::{BackupReport, DiffReport, Difference, MotionTask, NumberedTask, TaskDifference};
+pub use change::{MotionTaskChange, RestoreReport, SettingChange, SkippedSetting, WriteReport};
 pub use drive::{
     FaultsReport, Identity, InfoReport, LogEntry, Module, MonitorReading, Neighbour, ParametersReport,
     ScanReport, Submodule,
 };
-pub use gsdml::{GsdmlCheckReport, GsdmlExportReport, GsdmlProblem};
+pub use gsdml::{
+    GsdmlAccessPoint, GsdmlCheckReport, GsdmlExportReport, GsdmlItem, GsdmlModule, GsdmlProblem,
+    GsdmlShowReport, GsdmlSubmodule,
+};
 pub use shapes::{
     Action, Controller, DriveWords, Error, Fault, LossReaction, Quantity, Station, Warning, Wording,
     parameter, parameter_error,
 };
-pub use simulation::{InjectKey, InjectReport, SimulationEvent};
+pub use simulation::{DemoEvent, DemoStep, InjectKey, InjectReport, SimulationEvent};
 pub use station::{BlinkReport, IpReport, NameReport, ResetReport};
 pub use status::{StatusNote, StatusReport};
 pub use tables::{

@@ -1,14 +1,17 @@
 //! JSON schemas of all documents, one for each command, with shared definitions.
 
+use dissect::meaning::Meaning;
+use dissect::report::DecodeReport;
 use schemars::generate::SchemaSettings;
 use schemars::{JsonSchema, SchemaGenerator};
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
 use super::{
-    BackupReport, BlinkReport, DescribeReport, DiffReport, Error, FaultsReport, GsdmlCheckReport,
-    GsdmlExportReport, InfoReport, InjectReport, IpReport, ListReport, MonitorReading, NameReport,
-    ParametersReport, ResetReport, ScanReport, SimulationEvent, StatusReport,
+    BackupReport, BlinkReport, DemoEvent, DescribeReport, DiffReport, Error, FaultsReport, GsdmlCheckReport,
+    GsdmlExportReport, GsdmlShowReport, InfoReport, InjectReport, IpReport, ListReport, MonitorReading,
+    NameReport, ParametersReport, ResetReport, RestoreReport, ScanReport, SimulationEvent, StatusReport,
+    WriteReport,
 };
 use crate::motion::{JogPlan, Message, MoveReport, RunPlan, StopReport};
 
@@ -25,15 +28,21 @@ const COMMANDS: &[(&str, Describe)] = &[
     ("read", of::<ParametersReport>),
     ("list", of::<ListReport>),
     ("describe", of::<DescribeReport>),
+    ("write", of::<WriteReport>),
     ("backup", of::<BackupReport>),
+    ("restore", of::<RestoreReport>),
     ("diff", of::<DiffReport>),
     ("gsdml check", of::<GsdmlCheckReport>),
+    ("gsdml show", of::<GsdmlShowReport>),
     ("gsdml export", of::<GsdmlExportReport>),
     ("name", of::<NameReport>),
     ("ip", of::<IpReport>),
     ("blink", of::<BlinkReport>),
     ("reset", of::<ResetReport>),
+    ("explain", of::<Meaning>),
+    ("decode", of::<DecodeReport<'_>>),
     ("simulate", of::<SimulationEvent>),
+    ("demo", of::<DemoEvent>),
     ("inject", of::<InjectReport>),
     ("status", of::<StatusReport>),
     ("faults", of::<FaultsReport>),

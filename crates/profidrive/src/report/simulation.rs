@@ -2,6 +2,36 @@
 
 use serde::Serialize;
 
+use crate::motion::AxisState;
+
+/// What the demonstration shows: an axis that moves, and what was done at the end.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(untagged)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub enum DemoEvent {
+    /// An axis at one moment.
+    Axis(Box<AxisState>),
+    /// The demonstration has ended; nothing follows.
+    Ended {
+        /// True.
+        end: bool,
+        /// What was done, in order.
+        steps: Vec<DemoStep>,
+    },
+}
+
+/// A step of the demonstration.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct DemoStep {
+    /// What was to be done.
+    pub step: &'static str,
+    /// Whether it was.
+    pub ok: bool,
+    /// What came of it.
+    pub text: String,
+}
+
 /// Something that happened to a virtual drive.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]

@@ -7,16 +7,15 @@ use std::time::Duration;
 
 use dissect::Weight;
 use dissect::capture::{Counts, DeviceSummary, Event, StreamSummary, Walker, seconds};
+use dissect::report::DecodeReport;
 use indicatif::ProgressBar;
 use network::ethernet::Capture;
 use network::pcap::{ReadError, Reader};
 use network::system::Stop;
-use serde_json::{Map, Value, json};
 
 use super::painted;
 use crate::args::{Decode, Only};
 use crate::failure::{Exit, Failure};
-use crate::fields;
 use crate::output::{Output, bytes};
 
 /// Decodes a capture file, or what comes through standard input.
@@ -255,28 +254,10 @@ fn progress(size: u64, output: &Output) -> ProgressBar {
 
 fn print(event: &Event, output: &Output) {
     if output.json() {
-        output.event("decode", event_json(event));
+        output.json_event(&DecodeReport::Event(event));
     } else {
         output.line(&line(event, output));
     }
-}
-
-/// Returns an event for programs: the frame, who, the words, and the numbers under `data`, whose form `kind` names.
-fn event_json(event: &Event) -> Map<String, Value> {
-    let mut fields = fields! {
-        "frame": event.frame, "time": event.at.as_secs_f64(), "from": event.from.as_str(), "to": event.to.as_str(),
-        "topic": event.topic, "text": event.text.as_str(), "weight": json!(event.weight),
-    };
-    for (name, party) in [("source", event.source), ("target", event.target)] {
-        fields.insert(
-            name.into(),
-            json!({ "mac": party.mac.map(|mac| mac.to_string()), "ip": party.ip }),
-        );
-    }
-    if let Value::Object(detail) = json!(event.detail) {
-        fields.extend(detail);
-    }
-    fields
 }
 
 fn line(event: &Event, output: &Output) -> String {
@@ -305,17 +286,16 @@ fn time(at: Duration) -> String {
 /// What was seen: for each device how regular its frames are, and the numbers of frames.
 fn summary(devices: &[DeviceSummary], counts: Counts, damage: Option<&str>, output: &Output) {
     if output.json() {
-        for device in devices {
-            let mut fields = fields! { "kind": "summary" };
-            fields.insert("data".into(), json!(device));
-            output.event("decode", fields);
+        for data in devices {
+            let kind = "summary";
+            output.json_event(&DecodeReport::Device { kind, data });
         }
-        let mut fields = fields! { "kind": "end", "end": true };
-        fields.extend(counts_json(counts));
-        if let Some(damage) = damage {
-            fields.insert("damage".into(), damage.into());
-        }
-        output.event("decode", fields);
+        output.json_event(&DecodeReport::End {
+            kind: "end",
+            end: true,
+            counts,
+            damage,
+        });
         return;
     }
     for device in devices {
@@ -385,13 +365,6 @@ fn counts_text(counts: Counts) -> String {
         text = format!("{text}; {} malformed", counts.malformed);
     }
     text
-}
-
-fn counts_json(counts: Counts) -> Map<String, Value> {
-    fields! {
-        "frames": counts.frames, "cyclic": counts.cyclic, "cyclic_unknown": counts.cyclic_unknown,
-        "dcp": counts.dcp, "rpc": counts.rpc, "alarms": counts.alarms, "malformed": counts.malformed,
-    }
 }
 
 #[cfg(test)]

@@ -5,6 +5,7 @@ mod capture;
 use dissect::Weight;
 use dissect::job::{Decoded, Side};
 use dissect::octets::{self, Kind, NotDecoded};
+use dissect::report::DecodeReport;
 use uss::Protocol;
 
 use crate::args::{Decode, Octets, Sender};
@@ -24,9 +25,8 @@ pub fn run(args: &Decode, interface: Option<&str>, output: &Output) -> Result<()
         (Some(file), _) => capture::file(file, args, output),
         (None, Some(hex)) => {
             let decoded = octets(&parse_hex(hex)?, args)?;
-            if output.json() {
-                output.document("decode", decoded.fields);
-            } else {
+            output.json_report(&DecodeReport::Octets(&decoded.fields));
+            if !output.json() {
                 for (weight, line) in decoded.lines {
                     output.line(&painted(weight, &line, output));
                 }

@@ -19,17 +19,16 @@ use network::host::{Host, StationId};
 use network::pcap::Writer;
 use network::segment::{Pace, Segment, SegmentMedium};
 use network::system::Stop;
+use profidrive::report::{DemoEvent, DemoStep};
 use profile::value::{Assignment, Reading, Selection};
 use profinet::controller::ControllerConfig;
 use profinet::device::Stored;
 use profinet::{IpSuite, MacAddress};
-use serde_json::Value;
 use virtual_drive::model;
 use virtual_drive::station::{Station, StationConfig};
 
 use crate::args::Demo;
 use crate::failure::{Exit, Failure};
-use crate::fields;
 use crate::output::{Colour, Output, Shared};
 use crate::render::live::LiveView;
 use crate::render::table::Table;
@@ -523,18 +522,15 @@ impl Show {
     fn summary(&self) {
         self.view.lock().leave();
         if self.output.json() {
-            let steps: Vec<Value> = self
-                .steps
-                .iter()
-                .map(|step| {
-                    let (ok, text) = match &step.result {
-                        Ok(text) => (true, text),
-                        Err(text) => (false, text),
-                    };
-                    Value::Object(fields! { "step": step.what, "ok": ok, "text": text.as_str() })
-                })
-                .collect();
-            self.output.event("demo", fields! { "end": true, "steps": steps });
+            let steps = self.steps.iter().map(|step| DemoStep {
+                step: step.what,
+                ok: step.result.is_ok(),
+                text: step.result.clone().unwrap_or_else(|reason| reason),
+            });
+            self.output.json_event(&DemoEvent::Ended {
+                end: true,
+                steps: steps.collect(),
+            });
             return;
         }
         self.output

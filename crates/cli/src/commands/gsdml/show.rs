@@ -2,12 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use gsdml::{AccessPoint, Gsdml, Module, ModuleInfo, Submodule, TextId, ValueList};
-use serde_json::{Map, Value};
+use gsdml::{AccessPoint, Gsdml, Interface, Module, ModuleInfo, Submodule, TextId, ValueList};
+use profidrive::report::{GsdmlAccessPoint, GsdmlItem, GsdmlModule, GsdmlShowReport, GsdmlSubmodule};
 
 use crate::args::GsdmlShow;
 use crate::failure::Failure;
-use crate::fields;
 use crate::output::{Colour, Output};
 use crate::render::number;
 use crate::render::table::{Table, clean};
@@ -30,7 +29,7 @@ pub fn run(args: &GsdmlShow, output: &Output) -> Result<(), Failure> {
     }
     let view = View::new(&description, args.language.as_deref());
     if output.json() {
-        output.document("gsdml show", view.json());
+        output.json_report(&view.report());
         return Ok(());
     }
     view.identity(output);
@@ -289,112 +288,108 @@ impl<'a> View<'a> {
         table
     }
 
-    fn json(&self) -> Map<String, Value> {
+    fn report(&self) -> GsdmlShowReport {
         let gsdml = self.gsdml;
         let identity = &gsdml.identity;
-        let points: Vec<Value> = gsdml
-            .access_points
-            .iter()
-            .map(|point| self.point_json(point).into())
-            .collect();
-        let modules: Vec<Value> = gsdml.modules.iter().map(|m| self.module_json(m).into()).collect();
-        let language = |texts: &gsdml::Language| -> Map<String, Value> {
-            let pairs = texts
+        let language = |texts: &gsdml::Language| {
+            let pairs = texts.iter();
+            pairs.map(|(id, text)| (id.to_string(), text.clone())).collect()
+        };
+        let languages = gsdml.texts.languages.iter();
+        GsdmlShowReport {
+            schema_version: gsdml.schema_version.map(|version| version.to_string()),
+            vendor_id: identity.vendor_id,
+            device_id: identity.device_id,
+            vendor: identity.vendor.clone(),
+            info: self.text(identity.info.as_ref()).to_owned(),
+            main_family: gsdml.family.main.clone(),
+            product_family: gsdml.family.product.clone(),
+            access_points: gsdml
+                .access_points
                 .iter()
-                .map(|(id, text)| (id.to_string(), text.as_str().into()));
-            pairs.collect()
-        };
-        let languages: Map<String, Value> = gsdml
-            .texts
-            .languages
-            .iter()
-            .map(|(tag, texts)| (tag.clone(), language(texts).into()))
-            .collect();
-        fields! {
-            "schema_version": gsdml.schema_version.map(|version| version.to_string()),
-            "vendor_id": identity.vendor_id, "device_id": identity.device_id, "vendor": identity.vendor.as_str(),
-            "info": self.text(identity.info.as_ref()), "main_family": gsdml.family.main.as_str(),
-            "product_family": gsdml.family.product.clone(), "access_points": points, "modules": modules,
-            "texts": language(&gsdml.texts.primary), "languages": languages,
+                .map(|point| self.point(point))
+                .collect(),
+            modules: gsdml.modules.iter().map(|module| self.module(module)).collect(),
+            texts: language(&gsdml.texts.primary),
+            languages: languages
+                .map(|(tag, texts)| (tag.clone(), language(texts)))
+                .collect(),
         }
     }
 
-    fn point_json(&self, point: &AccessPoint) -> Map<String, Value> {
-        let submodules: Vec<Value> = point
-            .virtual_submodules
-            .iter()
-            .map(|s| {
-                self.submodule_json(&s.fixed_in_subslots.to_string(), false, s)
-                    .into()
-            })
-            .chain(
-                point
-                    .interface
-                    .iter()
-                    .map(|i| system_json(i.subslot, i.ident).into()),
-            )
-            .chain(point.ports.iter().map(|p| system_json(p.subslot, p.ident).into()))
-            .collect();
-        let modules: Vec<&str> = point
-            .modules
-            .iter()
-            .map(|module| module.target.as_str())
-            .collect();
+    fn point(&self, point: &AccessPoint) -> GsdmlAccessPoint {
+        let own = point.virtual_submodules.iter();
+        let own = own.map(|one| self.submodule(one.fixed_in_subslots.to_string(), false, one));
+        let interface = point.interface.iter().map(|one| (one.subslot, one.ident));
+        let ports = point.ports.iter().map(|one| (one.subslot, one.ident));
+        let system = interface.chain(ports).map(|(subslot, ident)| GsdmlSubmodule {
+            subslots: subslot.to_string(),
+            ident,
+            ..GsdmlSubmodule::default()
+        });
         let info = &point.info;
-        let mut map = fields! {
-            "id": point.id.as_str(), "name": self.name(info, &point.id), "order_number": info.order_number.clone(),
-            "hardware": info.hardware.clone(), "software": info.software.clone(),
-            "module_ident": point.module_ident, "slots": point.physical_slots.to_string(),
-            "min_device_interval": point.min_device_interval, "instance": point.object_instance,
-            "reset_modes": point.reset_modes.to_string(), "max_input": point.io_limits.input,
-            "max_output": point.io_limits.output, "submodules": submodules, "modules": modules,
+        let listed = |list: fn(&Interface) -> &Vec<String>| {
+            let interface = point.interface.as_ref();
+            interface.map(|one| list(one).clone()).unwrap_or_default()
         };
-        if let Some(interface) = &point.interface {
-            map.insert("rt_classes".into(), interface.rt_classes.clone().into());
-            map.insert("start_up".into(), interface.start_up.clone().into());
-            map.insert("protocols".into(), interface.protocols.clone().into());
-        }
-        map
-    }
-
-    fn module_json(&self, module: &'a Module) -> Map<String, Value> {
-        let places = self.places(module);
-        let submodules: Vec<Value> = places
-            .iter()
-            .map(|place| {
-                self.submodule_json(&place.subslots, place.pluggable, place.submodule)
-                    .into()
-            })
-            .collect();
-        fields! {
-            "id": module.id.as_str(), "name": self.name(&module.info, &module.id), "ident": module.ident,
-            "info": self.text(module.info.info.as_ref()), "slots": self.slots(module), "submodules": submodules,
+        GsdmlAccessPoint {
+            id: point.id.clone(),
+            name: self.name(info, &point.id).to_owned(),
+            order_number: info.order_number.clone(),
+            hardware: info.hardware.clone(),
+            software: info.software.clone(),
+            module_ident: point.module_ident,
+            slots: point.physical_slots.to_string(),
+            min_device_interval: point.min_device_interval,
+            instance: point.object_instance,
+            reset_modes: point.reset_modes.to_string(),
+            max_input: point.io_limits.input,
+            max_output: point.io_limits.output,
+            submodules: own.chain(system).collect(),
+            modules: point.modules.iter().map(|module| module.target.clone()).collect(),
+            rt_classes: listed(|interface| &interface.rt_classes),
+            start_up: listed(|interface| &interface.start_up),
+            protocols: listed(|interface| &interface.protocols),
         }
     }
 
-    fn submodule_json(&self, subslots: &str, pluggable: bool, submodule: &Submodule) -> Map<String, Value> {
+    fn module(&self, module: &'a Module) -> GsdmlModule {
+        let places = self.places(module).into_iter();
+        let submodules = places.map(|place| self.submodule(place.subslots, place.pluggable, place.submodule));
+        GsdmlModule {
+            id: module.id.clone(),
+            name: self.name(&module.info, &module.id).to_owned(),
+            ident: module.ident,
+            info: self.text(module.info.info.as_ref()).to_owned(),
+            slots: self.slots(module),
+            submodules: submodules.collect(),
+        }
+    }
+
+    fn submodule(&self, subslots: String, pluggable: bool, submodule: &Submodule) -> GsdmlSubmodule {
         let (input, output) = submodule.lengths();
         let name = self.text(submodule.info.as_ref().and_then(|info| info.name.as_ref()));
-        let items = |data: &Option<gsdml::DataDescription>| -> Vec<Value> {
+        let items = |data: &Option<gsdml::DataDescription>| {
             let items = data.iter().flat_map(|data| &data.items);
             items
-                .map(|item| {
-                    let item = fields! {
-                        "type": item.data_type.name(), "octets": item.octets(),
-                        "name": self.text(item.text.as_ref()),
-                    };
-                    item.into()
+                .map(|item| GsdmlItem {
+                    data_type: item.data_type.name().to_owned(),
+                    octets: item.octets(),
+                    name: self.text(item.text.as_ref()).to_owned(),
                 })
                 .collect()
         };
-        fields! {
-            "id": submodule.id.as_str(), "name": name, "subslots": subslots, "pluggable": pluggable,
-            "ident": submodule.ident, "api": submodule.api, "input": input, "output": output,
-            "input_items": items(&submodule.io.input), "output_items": items(&submodule.io.output),
+        GsdmlSubmodule {
+            id: Some(submodule.id.clone()),
+            name: Some(name.to_owned()),
+            subslots,
+            pluggable,
+            ident: submodule.ident,
+            api: submodule.api,
+            input,
+            output,
+            input_items: items(&submodule.io.input),
+            output_items: items(&submodule.io.output),
         }
     }
-}
-
-fn system_json(subslot: u16, ident: u32) -> Map<String, Value> {
-    fields! { "subslots": subslot.to_string(), "ident": ident, "api": 0, "input": 0, "output": 0 }
 }

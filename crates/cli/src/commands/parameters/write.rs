@@ -2,15 +2,15 @@
 
 use client::Wait;
 use client::change::{Change, ChangeSet, Saved, Step};
+use profidrive::report::{Controller, WriteReport};
 use profile::parameter::Saving;
 use profile::value::{Assignment, Content};
-use serde_json::{Map, Value};
 
-use super::{last_failure, reading_json, refusal_json, refused_failure};
+use super::{last_failure, refused_failure};
+use crate::advice::Commands;
 use crate::args::{Interface, Write};
 use crate::connect::{self, Need};
 use crate::failure::{Exit, Failure};
-use crate::fields;
 use crate::output::Output;
 use crate::render::table::{Table, clean};
 use crate::render::{number, value};
@@ -22,14 +22,14 @@ pub fn write(args: &Write, interface: &Interface, output: &Output) -> Result<(),
         .map(|text| text.parse().map_err(Failure::from))
         .collect::<Result<_, _>>()?;
     let (mut session, mut drive) = connect::drive(interface, Need::Records, &args.drive, output)?;
-    let controller = session.owner(&drive).wait()?.flatten();
+    let controller = session.owner(&drive).wait()?;
     let mut set = session.plan_write(&mut drive, &assignments, args.save).wait()?;
     if !args.dry_run {
         session.apply(&mut drive, &mut set).wait()?;
     }
     session.close().wait()?;
     let label = drive.label();
-    if let Some(name) = &controller
+    if let Some(Some(name)) = &controller
         && all(&set).any(|change| change.step.is_written())
     {
         output.warn(&format!(
@@ -37,15 +37,14 @@ pub fn write(args: &Write, interface: &Interface, output: &Output) -> Result<(),
             clean(name),
         ));
     }
-    if output.json() {
-        let changes: Vec<Value> = all(&set)
-            .map(|change| Value::Object(change_json(&set, change)))
-            .collect();
-        output.document(
-            "write",
-            fields! { "drive": label.as_str(), "dry_run": args.dry_run, "changes": changes, "controller": controller },
-        );
-    } else {
+    output.json_report(&WriteReport::new(
+        label.clone(),
+        &set,
+        args.dry_run,
+        Controller::of(controller.as_ref()),
+        &Commands::any(),
+    ));
+    if !output.json() {
         for (assignment, change) in assignments.iter().zip(set.changes()) {
             let remark = raw_note(assignment, change)
                 .or_else(|| rounded(assignment, change))
@@ -259,35 +258,6 @@ fn with_text(value: String, text: Option<&str>) -> String {
         Some(text) => format!("{value} ({text})"),
         None => value,
     }
-}
-
-fn change_json(set: &ChangeSet, change: &Change) -> Map<String, Value> {
-    let selection = &change.selection;
-    let sent = !matches!(change.step, Step::Same | Step::NotWritten) && !change.step.is_not_carried();
-    let mut fields = fields! {
-        "pnu": selection.pnu, "index": selection.shown(0).index,
-        "name": selection.parameter.map(|parameter| parameter.name),
-        "sent": sent, "written": change.step.is_written(), "differs": change.step == Step::Differs,
-        "same": change.step == Step::Same, "can_be_kept": change.storable, "saved": set.is_saved(change),
-    };
-    fields.extend(match (&change.rounding, &change.new.content) {
-        (Some(value), _) => fields! {
-            "value": value.engineering, "asked": value.asked, "rounded": value.is_rounded(), "raw": value.raw,
-            "unit": value.unit,
-        },
-        (None, Content::Text(text)) => fields! { "value": text.as_str(), "asked": text.as_str() },
-        (None, _) => Map::new(),
-    });
-    if let Some(old) = &change.old {
-        fields.insert("old".into(), reading_json(old));
-    }
-    if let Some(new) = &change.read_back {
-        fields.insert("new".into(), reading_json(new));
-    }
-    if let Some(refusal) = change.refusal() {
-        fields.insert("error".into(), Value::Object(refusal_json(refusal)));
-    }
-    fields
 }
 
 #[cfg(test)]
