@@ -18,15 +18,13 @@ use std::time::Duration;
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 use profile::notation::Quantity;
 
-pub use drives::{Backup, Diff, Faults, Status};
+pub use drives::{Backup, Diff, Faults, Restore, Status};
 pub use explain::{Decode, Explain, Octets, Only, Sender};
 pub use gsdml::{Gsdml, GsdmlCheck, GsdmlCommand, GsdmlExport, GsdmlShow};
-pub use motion::{Ack, Consent, Cyclic, Home, Jog, Move, Run, SetMode, Stop, Task};
+pub use motion::{Ack, Cyclic, Enabling, Home, InMode, Jog, Move, Run, Stop, Task};
 pub use parameters::{Describe, List, Read, Write};
 pub use simulate::{DcpInOperation, Demo, Inject, Protocol, Simulate, simulated};
 pub use stations::{Blink, Ip, Name, Network, Reset, ResetMode, Scan};
-
-use crate::commands::Restore;
 
 /// PROFIdrive and PROFINET drives: find, address, read, write, run, simulate, explain.
 #[derive(Debug, Parser)]

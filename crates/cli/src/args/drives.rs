@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use client::backup::Pattern;
 
 #[derive(Debug, Args)]
 pub struct Status {
@@ -42,4 +43,36 @@ pub struct Diff {
     /// A backup file or a drive
     #[arg(value_name = "B")]
     pub right: String,
+}
+
+#[derive(Debug, Args)]
+pub struct Restore {
+    /// Station name, IP address, MAC address, or fc:PORT/ADDRESS or uss:PORT/ADDRESS
+    pub drive: String,
+    /// The backup
+    pub file: PathBuf,
+    /// Only these parameters: a name with * for any part (MOTOR.*) or a number; may be given several times
+    #[arg(long, value_name = "PATTERN")]
+    pub only: Vec<Pattern>,
+    /// Show what would be written, but write nothing
+    #[arg(long)]
+    pub dry_run: bool,
+    /// Let the drive keep the values over power-off (DRV.NVSAVE), once all are written and read back
+    #[arg(long)]
+    pub save: bool,
+    /// Where to write the values that the drive has before; FILE.before-1, -2, .. when left out
+    #[arg(long, value_name = "PATH")]
+    pub way_back: Option<PathBuf>,
+    /// Leave out what the drive cannot keep over power-off
+    #[arg(long)]
+    pub saved_only: bool,
+    /// Also what belongs to the connection: telegram, command source, way to get an address
+    #[arg(long)]
+    pub network: bool,
+    /// Also values outside the limits that are known; the drive then decides
+    #[arg(long)]
+    pub beyond_limits: bool,
+    /// Also to a drive of another model, or while a controller is connected
+    #[arg(long)]
+    pub force: bool,
 }

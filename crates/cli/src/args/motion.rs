@@ -20,20 +20,24 @@ pub struct Cyclic {
 
 /// Options of commands that enable an axis.
 #[derive(Debug, Args)]
-pub struct Consent {
+pub struct Enabling {
     /// Move a drive that may run on when this program is killed or the line breaks, because a setting of the drive says so
     /// (VLT 8-04, Vacon ID 733); without it the command refuses such a drive
     #[arg(long)]
     pub may_run_on: bool,
+    #[command(flatten)]
+    pub cyclic: Cyclic,
 }
 
 /// Options of commands that need the drive in one mode.
 #[derive(Debug, Args)]
-pub struct SetMode {
+pub struct InMode {
     /// Put the drive into the mode this needs (PNU 930) and put mode and telegram (PNU 922) back afterwards; without it
     /// the command refuses a drive in another mode
     #[arg(long)]
     pub set_mode: bool,
+    #[command(flatten)]
+    pub enabling: Enabling,
 }
 
 #[derive(Debug, Args)]
@@ -71,11 +75,7 @@ pub struct Run {
     #[arg(long)]
     pub dry_run: bool,
     #[command(flatten)]
-    pub mode: SetMode,
-    #[command(flatten)]
-    pub consent: Consent,
-    #[command(flatten)]
-    pub cyclic: Cyclic,
+    pub control: InMode,
 }
 
 #[derive(Debug, Args)]
@@ -102,9 +102,7 @@ pub struct Jog {
     #[arg(long)]
     pub dry_run: bool,
     #[command(flatten)]
-    pub consent: Consent,
-    #[command(flatten)]
-    pub cyclic: Cyclic,
+    pub control: Enabling,
 }
 
 #[derive(Debug, Args)]
@@ -115,11 +113,7 @@ pub struct Home {
     #[arg(long, value_name = "TIME", default_value = "60s", value_parser = duration)]
     pub timeout: Duration,
     #[command(flatten)]
-    pub mode: SetMode,
-    #[command(flatten)]
-    pub consent: Consent,
-    #[command(flatten)]
-    pub cyclic: Cyclic,
+    pub control: InMode,
 }
 
 #[derive(Debug, Args)]
@@ -151,11 +145,7 @@ pub struct Move {
     #[arg(long)]
     pub dry_run: bool,
     #[command(flatten)]
-    pub mode: SetMode,
-    #[command(flatten)]
-    pub consent: Consent,
-    #[command(flatten)]
-    pub cyclic: Cyclic,
+    pub control: InMode,
 }
 
 #[derive(Debug, Args)]
@@ -169,11 +159,7 @@ pub struct Task {
     #[arg(long, value_name = "TIME", default_value = "60s", value_parser = duration)]
     pub timeout: Duration,
     #[command(flatten)]
-    pub mode: SetMode,
-    #[command(flatten)]
-    pub consent: Consent,
-    #[command(flatten)]
-    pub cyclic: Cyclic,
+    pub control: InMode,
 }
 
 #[derive(Debug, Args)]

@@ -12,7 +12,7 @@ use profile::state::Mode;
 use profinet::cyclic::{CyclicStatistics, Timing};
 
 use crate::advice::{self, Commands};
-use crate::args::{Consent, Cyclic, Interface, SetMode};
+use crate::args::{Cyclic, Enabling, InMode, Interface};
 use crate::connect::{self, Live, Need};
 use crate::failure::{self, Exit, Failure};
 use crate::output::Output;
@@ -34,11 +34,7 @@ pub fn in_unit(quantity: &Quantity, unit: &str, what: &str) -> Result<f64, Failu
 
 /// The settings that all motions have in common. An update time that no connection can have is refused before anything is
 /// opened.
-pub fn control(
-    cyclic: &Cyclic,
-    consent: Option<&Consent>,
-    mode: Option<&SetMode>,
-) -> Result<Control, Failure> {
+pub fn control(cyclic: &Cyclic) -> Result<Control, Failure> {
     if let Some(cycle) = cyclic
         .cycle
         .filter(|&cycle| Timing::for_interval(cycle).is_none())
@@ -52,8 +48,23 @@ pub fn control(
     Ok(Control {
         cycle: cyclic.cycle,
         watchdog: cyclic.watchdog,
-        may_run_on: consent.is_some_and(|consent| consent.may_run_on),
-        set_mode: mode.is_some_and(|mode| mode.set_mode),
+        ..Control::default()
+    })
+}
+
+/// The same for a command that enables the axis.
+pub fn enabling(args: &Enabling) -> Result<Control, Failure> {
+    Ok(Control {
+        may_run_on: args.may_run_on,
+        ..control(&args.cyclic)?
+    })
+}
+
+/// The same for a command that needs the drive in one mode.
+pub fn in_mode(args: &InMode) -> Result<Control, Failure> {
+    Ok(Control {
+        set_mode: args.set_mode,
+        ..enabling(&args.enabling)?
     })
 }
 

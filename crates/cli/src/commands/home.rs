@@ -13,7 +13,7 @@ use crate::render::value;
 pub fn run(args: &Home, interface: &Interface, output: &Output) -> Result<(), Failure> {
     let wanted = motion::Home {
         timeout: args.timeout,
-        control: axis::control(&args.cyclic, Some(&args.consent), Some(&args.mode))?,
+        control: axis::in_mode(&args.control)?,
     };
     axis::with_drive(interface, Need::Cyclic, &args.drive, output, |session, drive| {
         let start =

@@ -18,7 +18,7 @@ pub fn run(args: &Jog, interface: &Interface, output: &Output) -> Result<(), Fai
     let speed = speed
         .map(|quantity| axis::rpm(quantity, "--velocity"))
         .transpose()?;
-    let control = axis::control(&args.cyclic, Some(&args.consent), None)?;
+    let control = axis::enabling(&args.control)?;
     if let Some(speed) = speed.filter(|_| args.real_time) {
         let wanted = RealTimeJog {
             speed,

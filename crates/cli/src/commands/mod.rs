@@ -28,8 +28,6 @@ mod stop;
 mod task;
 pub mod vendor;
 
-pub use restore::Args as Restore;
-
 use crate::args::{Cli, Command, Interface, OnDrive};
 use crate::failure::Failure;
 use crate::output::Output;

@@ -18,7 +18,7 @@ use crate::output::Output;
 use crate::render::{hex16, value, words};
 
 pub fn ack(args: &Ack, interface: &Interface, output: &Output) -> Result<(), Failure> {
-    let control = axis::control(&args.cyclic, None, None)?;
+    let control = axis::control(&args.cyclic)?;
     let need = if args.by_parameter {
         Need::Records
     } else {

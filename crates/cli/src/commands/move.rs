@@ -18,7 +18,7 @@ pub fn run(args: &Move, interface: &Interface, output: &Output) -> Result<(), Fa
         order,
         limit: axis::rpm(&args.limit, "--limit")?.abs(),
         timeout: args.timeout,
-        control: axis::control(&args.cyclic, Some(&args.consent), Some(&args.mode))?,
+        control: axis::in_mode(&args.control)?,
     };
     wanted.check()?;
     let relative = wanted.order.relative;

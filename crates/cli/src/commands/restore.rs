@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use client::backup::{Backup, Pattern};
+use client::backup::Backup;
 use client::change::{Change, ChangeSet, Choice, Plan, Saved, Skip, Skipped, Step};
 use client::{Drive, Error, Wait, describe};
 use network::files::StateFile;
@@ -14,47 +14,14 @@ use profile::value::Reading;
 
 use super::backup;
 use crate::advice::Commands;
-use crate::args::Interface;
+use crate::args::{Interface, Restore};
 use crate::connect::{self, Live, Need};
 use crate::failure::{Exit, Failure};
 use crate::output::Output;
 use crate::render::table::{Table, clean};
 use crate::render::{number, value};
 
-/// Arguments of `restore`.
-#[derive(Debug, clap::Args)]
-pub struct Args {
-    /// Station name, IP address, MAC address, or fc:PORT/ADDRESS or uss:PORT/ADDRESS
-    pub drive: String,
-    /// The backup
-    pub file: PathBuf,
-    /// Only these parameters: a name with * for any part (MOTOR.*) or a number; may be given several times
-    #[arg(long, value_name = "PATTERN")]
-    pub only: Vec<Pattern>,
-    /// Show what would be written, but write nothing
-    #[arg(long)]
-    pub dry_run: bool,
-    /// Let the drive keep the values over power-off (DRV.NVSAVE), once all are written and read back
-    #[arg(long)]
-    pub save: bool,
-    /// Where to write the values that the drive has before; FILE.before-1, -2, .. when left out
-    #[arg(long, value_name = "PATH")]
-    pub way_back: Option<PathBuf>,
-    /// Leave out what the drive cannot keep over power-off
-    #[arg(long)]
-    pub saved_only: bool,
-    /// Also what belongs to the connection: telegram, command source, way to get an address
-    #[arg(long)]
-    pub network: bool,
-    /// Also values outside the limits that are known; the drive then decides
-    #[arg(long)]
-    pub beyond_limits: bool,
-    /// Also to a drive of another model, or while a controller is connected
-    #[arg(long)]
-    pub force: bool,
-}
-
-pub fn run(args: &Args, interface: &Interface, output: &Output) -> Result<(), Failure> {
+pub fn run(args: &Restore, interface: &Interface, output: &Output) -> Result<(), Failure> {
     let wanted = backup::read(&args.file)?;
     let way_back = way_back(args)?;
     let (mut session, mut drive) = connect::drive(interface, Need::Records, &args.drive, output)?;
@@ -107,7 +74,7 @@ pub fn run(args: &Args, interface: &Interface, output: &Output) -> Result<(), Fa
 }
 
 /// Where the way back goes: never over anything.
-fn way_back(args: &Args) -> Result<PathBuf, Failure> {
+fn way_back(args: &Restore) -> Result<PathBuf, Failure> {
     if let Some(path) = &args.way_back {
         return if path.exists() {
             Err(Failure::usage(format!(
@@ -342,7 +309,7 @@ fn unsaved_words(model: &Model, drive: &str) -> String {
     }
 }
 
-fn report(set: &ChangeSet, file: Option<&Path>, drive: &Drive, args: &Args, output: &Output) {
+fn report(set: &ChangeSet, file: Option<&Path>, drive: &Drive, args: &Restore, output: &Output) {
     if set.total() > 0 {
         output.say(&set.summary());
     }
@@ -390,7 +357,7 @@ fn failed(error: Error, set: &ChangeSet, file: Option<&Path>, drive: &Drive) -> 
     failure
 }
 
-fn ended(plan: &Plan, drive: &Drive, args: &Args) -> Result<(), Failure> {
+fn ended(plan: &Plan, drive: &Drive, args: &Restore) -> Result<(), Failure> {
     let set = &plan.set;
     let refused = set.count(Step::is_refused);
     let label = drive.label();
@@ -442,7 +409,7 @@ fn refused(plan: &Plan, drive: &Drive) -> Result<(), Failure> {
     ))
 }
 
-fn document(drive: &Drive, args: &Args, plan: &Plan, file: Option<&Path>) -> RestoreReport {
+fn document(drive: &Drive, args: &Restore, plan: &Plan, file: Option<&Path>) -> RestoreReport {
     let text = |path: &Path| path.display().to_string();
     let (source, way_back) = (text(&args.file), file.map(text));
     RestoreReport::new(drive, plan, source, args.dry_run, way_back, &Commands::any())

@@ -58,7 +58,7 @@ fn wanted(args: &Run) -> Result<motion::Run, Failure> {
         reference_speed: reference.transpose()?,
         telegram: args.telegram,
         time: args.time,
-        control: axis::control(&args.cyclic, Some(&args.consent), Some(&args.mode))?,
+        control: axis::in_mode(&args.control)?,
         ..usual
     };
     wanted.check()?;

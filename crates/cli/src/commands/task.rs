@@ -14,7 +14,7 @@ pub fn run(args: &Task, interface: &Interface, output: &Output) -> Result<(), Fa
     let wanted = motion::Task {
         number,
         timeout: args.timeout,
-        control: axis::control(&args.cyclic, Some(&args.consent), Some(&args.mode))?,
+        control: axis::in_mode(&args.control)?,
     };
     axis::with_drive(interface, Need::Cyclic, &args.drive, output, |session, drive| {
         let start = Box::new(move |_: &_, telegram| {
