@@ -49,7 +49,8 @@ pub use network::Network;
 pub use session::{
     AtWork, Authority, Axis, AxisPlan, AxisSettings, AxisStatus, ClosedRoute, Described, Enabled, FaultEntry,
     FaultReport, Identity, Info, JogSpeed, Keep, LocalControl, LoggedFault, LossAction, LossReaction,
-    ModeBefore, Peer, PutBack, ReportedLimits, Rest, Route, RouteNotice, Samples, Session, Snapshot,
-    StopHandle, StopMeans, StopOutcome, StopWay, WarningEntry, WarningWatcher, Watcher, WriteMode,
+    ModeChange, Peer, PutBack, ReportedLimits, Rest, Route, RouteNotice, Samples, Session, Snapshot,
+    StopHandle, StopMeans, StopOutcome, StopWay, TemporaryChange, WarningEntry, WarningWatcher, Watcher,
+    WriteMode,
 };
 pub use wire::Wire;

@@ -72,6 +72,20 @@ impl Plant {
         self.with_drive(|drive| !drive.is_enabled() && drive.axis().speed().abs() < 0.1)
     }
 
+    /// Mode, telegram and jog speeds, read at the drive itself: without a client.
+    fn settings(&self) -> [Vec<u8>; 4] {
+        [930_u16, 922, 1004, 1005].map(|pnu| {
+            let [high, low] = pnu.to_be_bytes();
+            let request = [1, 1, 0, 1, 0x10, 1, high, low, 0, 0];
+            let mut answer = [0; 64];
+            let length = self
+                .with_drive(|drive| drive.serve(&request, &mut answer))
+                .unwrap();
+            assert_eq!(answer[1], 1, "PNU {pnu} cannot be read");
+            answer[4..length].to_vec()
+        })
+    }
+
     fn value(&mut self, name: &str) -> f64 {
         let selection = self.drive.select(name).unwrap();
         let reading = self.network.read_one(&mut self.drive, &selection).wait().unwrap();
@@ -283,6 +297,7 @@ fn a_jog_speed_is_put_back_after_a_failure_too() {
 fn a_caller_that_stops_a_motion_finds_it_at_rest_and_put_back() {
     let mut plant = Plant::new(&model::AKD);
     plant.write("930=2");
+    let before = plant.settings();
     let stop = Arc::new(AtomicBool::new(false));
     let flag = Arc::clone(&stop);
     plant.network.interrupt_with(move || flag.load(Ordering::SeqCst));
@@ -301,35 +316,140 @@ fn a_caller_that_stops_a_motion_finds_it_at_rest_and_put_back() {
     let error = plant.run(&wanted, &observer).unwrap_err();
     assert_eq!(error.kind(), ErrorKind::Interrupted, "{error}");
     assert!(plant.is_at_rest());
-    plant.network.interrupt_with(|| false);
-    assert_eq!(plant.value("930"), 2.0);
+    assert_eq!(plant.settings(), before);
 }
 
-/// A future that is dropped leaves the stop to the network.
-#[test]
-fn a_motion_that_is_dropped_brings_the_axis_to_rest() {
-    let plant = Plant::new(&model::AKD);
-    let (mut network, mut drive) = (plant.network.clone(), plant.drive.clone());
-    let wanted = Run::at(300.0);
-    let observer = Observer::default();
-    {
-        let mut motion = std::pin::pin!(motion::run(&mut network, &mut drive, &wanted, &observer));
-        let session = plant.network.clone();
-        let until = session.now() + 2 * SECOND;
-        let both = std::future::poll_fn(|context| {
-            let polled = motion.as_mut().poll(context);
-            assert!(polled.is_pending(), "a run without an end");
-            if session.now() < until {
-                context.waker().wake_by_ref();
-                return std::task::Poll::Pending;
-            }
-            std::task::Poll::Ready(())
-        });
-        both.wait();
-        assert!(plant.with_drive(|drive| drive.axis().speed().abs() > 100.0));
+/// Polls a motion for so long, and drops it then if it has not ended.
+fn dropped_after(session: &client::Session, motion: impl Future<Output: Send>, time: Duration) {
+    let mut motion = std::pin::pin!(motion);
+    let until = session.now() + time;
+    let both = std::future::poll_fn(|context| {
+        if motion.as_mut().poll(context).is_ready() || session.now() >= until {
+            return std::task::Poll::Ready(());
+        }
+        context.waker().wake_by_ref();
+        std::task::Poll::Pending
+    });
+    both.wait();
+}
+
+const SET_MODE: Control = Control {
+    cycle: None,
+    watchdog: None,
+    may_run_on: false,
+    set_mode: true,
+};
+
+/// A motion that changes settings of the drive, by its number.
+async fn changing(session: &mut client::Session, drive: &mut Drive, motion: usize, observer: &Observer) {
+    let _ = match motion {
+        0 => {
+            let wanted = Home {
+                timeout: 60 * SECOND,
+                control: SET_MODE,
+            };
+            motion::home(session, drive, &wanted, observer).await
+        }
+        1 => {
+            let order = client::axis::Move::by(profile::notation::Position::Turns(5.0), 300.0);
+            let wanted = Move {
+                control: SET_MODE,
+                ..Move::by(order)
+            };
+            motion::move_to(session, drive, &wanted, observer).await
+        }
+        2 => {
+            let wanted = Jog {
+                speed: Some(90.0),
+                ..Jog::lasting(SECOND)
+            };
+            motion::jog(session, drive, &wanted, observer).await
+        }
+        _ => {
+            let wanted = Run {
+                control: SET_MODE,
+                ..for_a_second(300.0)
+            };
+            motion::run(session, drive, &wanted, observer).await
+        }
+    };
+}
+
+/// A homed drive for motion `motion` of [`changing`], in the mode in which that has to change something.
+fn prepared(motion: usize) -> Plant {
+    let mut plant = Plant::new(&model::AKD);
+    let (mut session, mut drive) = (plant.network.clone(), plant.drive.clone());
+    changing(&mut session, &mut drive, 0, &Observer::default()).wait();
+    if motion == 3 {
+        plant.write("930=2");
     }
-    network.settled().wait().unwrap();
-    assert!(plant.is_at_rest());
+    plant
+}
+
+/// A future that is dropped leaves stop, release and what is to be put back to the network.
+#[test]
+fn a_motion_that_is_dropped_at_any_moment_leaves_nothing_behind() {
+    let mut moments = 0x2545_F491_4F6C_DD1D_u64;
+    let mut found_changed = [false; 4];
+    for round in 0..48 {
+        moments = moments.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+        let time = Duration::from_micros((moments >> 33) % 1_500_000);
+        let motion = round % 4;
+        let mut plant = prepared(motion);
+        let before = plant.settings();
+        let (mut session, mut drive) = (plant.network.clone(), plant.drive.clone());
+        let observer = Observer::default();
+        let changing = changing(&mut session, &mut drive, motion, &observer);
+        dropped_after(&plant.network, changing, time);
+        found_changed[motion] |= plant.settings() != before;
+        let leaves = round % 8 < 4;
+        if leaves {
+            // the program ends
+            let other = Plant::new(&model::AKD);
+            drop(std::mem::replace(&mut plant.network, other.network));
+        } else {
+            plant.network.settled().wait().unwrap();
+        }
+        let what = format!("motion {motion} dropped after {time:?}, network left: {leaves}");
+        assert!(plant.is_at_rest(), "{what}");
+        assert_eq!(plant.settings(), before, "{what}");
+    }
+    assert_eq!(found_changed, [true; 4]);
+}
+
+#[test]
+fn a_motion_whose_caller_panics_leaves_nothing_behind() {
+    for motion in [1, 2] {
+        let mut plant = prepared(motion);
+        let before = plant.settings();
+        let (mut session, mut drive) = (plant.network.clone(), plant.drive.clone());
+        let observer = Observer::new(|event| {
+            if let Event::Sample(status) = event {
+                let speed = status.view.seen.map(|seen| seen.zsw1);
+                assert!(speed.is_none() || status.time < SECOND / 2, "the caller fails");
+            }
+        });
+        let caller = std::panic::AssertUnwindSafe(|| {
+            changing(&mut session, &mut drive, motion, &observer).wait();
+        });
+        assert!(std::panic::catch_unwind(caller).is_err());
+        plant.network.settled().wait().unwrap();
+        assert!(plant.is_at_rest());
+        assert_eq!(plant.settings(), before, "motion {motion}");
+    }
+}
+
+/// The next motion begins with the settings of the drive, not with those of the one before it.
+#[test]
+fn a_motion_waits_until_the_one_before_it_is_put_back() {
+    let mut plant = prepared(1);
+    let (mut session, mut drive) = (plant.network.clone(), plant.drive.clone());
+    let observer = Observer::default();
+    let moving = changing(&mut session, &mut drive, 1, &observer);
+    dropped_after(&plant.network, moving, SECOND);
+    assert!(!plant.is_at_rest());
+    plant.run(&for_a_second(60.0), &Observer::default()).unwrap();
+    assert_eq!(plant.value("930"), 1.0);
 }
 
 #[test]

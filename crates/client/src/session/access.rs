@@ -1,5 +1,6 @@
 //! Records: over the connection of an axis where there is one, else on the first [way](super::Route) that is open.
 
+use std::sync::Arc;
 use std::time::Duration;
 
 use profinet::controller::{ArId, CallId, LostCause, Misuse, RecordAddress, Resolve, ServiceError, Target};
@@ -10,6 +11,7 @@ use std::net::Ipv4Addr;
 use super::Session;
 use super::axis::Place;
 use super::route::{Route, RouteNotice, Routes, is_no_service, refusal};
+use super::temporary::Work;
 use crate::engine::{Queues, Turn};
 use crate::line::Answered;
 use crate::{Client, Connection, Drive, Error, Link};
@@ -37,21 +39,39 @@ pub(crate) struct Records {
     pub(super) reference: u8,
     /// The axes that were taken.
     pub(super) axes: Vec<Place>,
+    /// Settings that are changed for some piece of work.
+    pub(super) temporary: Vec<Arc<Work>>,
     /// Queued callers of each drive.
     pub(crate) queues: Queues,
 }
 
 impl Records {
-    /// Returns whether an axis of this drive is being brought to rest.
-    pub(super) fn ends_axis(&mut self, drive: &Drive) -> bool {
-        self.axes.retain(|axis| !axis.is_over());
+    /// Returns whether an axis of this drive is being brought to rest, or settings of it are being put back.
+    pub(super) fn ends_work(&mut self, drive: &Drive) -> bool {
+        self.forget_ended();
         self.axes.iter().any(|axis| axis.is_of(drive) && axis.is_ending())
+            || self
+                .temporary
+                .iter()
+                .any(|work| work.is_of(drive) && work.is_ending())
     }
 
-    /// Returns whether an axis is being brought to rest.
-    pub(super) fn ends_axes(&mut self) -> bool {
+    /// Returns whether an axis is being brought to rest, or settings are being put back.
+    pub(super) fn ends_any_work(&mut self) -> bool {
+        self.forget_ended();
+        self.axes.iter().any(Place::is_ending) || self.temporary.iter().any(|work| work.is_ending())
+    }
+
+    /// Returns whether an axis of this drive is being brought to rest; while the network is left, every axis is going to be.
+    pub(super) fn holds_axis(&mut self, drive: &Drive, closing: bool) -> bool {
+        self.forget_ended();
+        let mut own = self.axes.iter().filter(|axis| axis.is_of(drive));
+        own.any(|axis| axis.is_ending() || closing && !axis.is_done())
+    }
+
+    fn forget_ended(&mut self) {
         self.axes.retain(|axis| !axis.is_over());
-        self.axes.iter().any(Place::is_ending)
+        self.temporary.retain(|work| !work.is_done());
     }
 }
 

@@ -32,6 +32,7 @@ mod status;
 mod stop;
 mod takeover;
 mod tasks;
+mod temporary;
 mod unread;
 mod warnings;
 
@@ -62,10 +63,11 @@ pub use faults::{FaultEntry, FaultReport, LoggedFault, WarningEntry};
 pub use info::{Identity, Info, Peer};
 pub use jog::JogSpeed;
 pub use loss::{LossAction, LossReaction};
-pub use mode::{ModeBefore, PutBack};
+pub use mode::ModeChange;
 pub use monitor::Snapshot;
 pub use route::{ClosedRoute, Route, RouteNotice};
 pub use stop::{StopMeans, StopOutcome, StopWay};
+pub use temporary::{PutBack, TemporaryChange};
 
 /// How often a caller's wish to stop is looked at while nothing happens.
 const GLANCE: Duration = Duration::from_millis(50);

@@ -4,38 +4,30 @@ use profile::parameter::pnu;
 use profile::state::Mode;
 
 use super::Session;
+use super::temporary::{Before, PutBack, TemporaryChange};
 use crate::axis::ReportedTelegram;
 use crate::error::mode_words;
 use crate::{Drive, Error, WriteMode};
 use profile::value::Reading;
 
-/// What a drive had before it was put into a mode for one piece of work: see [`Session::enter_mode`].
-#[derive(Debug, Clone, PartialEq)]
-pub struct ModeBefore {
-    /// Mode; `None` if it was neither speed control nor positioning.
-    pub mode: Option<Mode>,
+/// A mode for one piece of work: see [`Session::enter_mode`]. Dropping it puts back what the work has changed.
+#[derive(Debug)]
+pub struct ModeChange {
+    /// Mode before; `None` if it was neither speed control nor positioning.
+    pub before: Option<Mode>,
     /// The mode is another one now.
     pub changed: bool,
-    /// Mode, telegram and mapping as they were read.
-    values: Vec<Reading>,
+    settings: TemporaryChange,
 }
 
-impl ModeBefore {
-    fn of(&self, numbers: &[u16]) -> Vec<Reading> {
-        let own = self.values.iter().filter(|value| numbers.contains(&value.pnu));
-        own.cloned().collect()
+impl ModeChange {
+    /// Puts mode, telegram and mapping back: see [`TemporaryChange::put_back`].
+    ///
+    /// # Errors
+    /// When what the drive has now cannot be read; a value that is refused is reported in the list.
+    pub async fn put_back(self) -> Result<Vec<PutBack>, Error> {
+        self.settings.put_back().await
     }
-}
-
-/// A setting that was put back, or could not be: see [`Session::leave_mode`].
-#[derive(Debug)]
-pub struct PutBack {
-    /// PNU.
-    pub number: u16,
-    /// The value before, to which it was put back.
-    pub value: u16,
-    /// How that ended.
-    pub result: Result<(), Error>,
 }
 
 impl Session {
@@ -86,67 +78,40 @@ impl Session {
         })
     }
 
-    /// Puts a drive into the mode that a piece of work needs. [`leave_mode`](Self::leave_mode) puts back what this and
-    /// the work have changed, whatever became of the work.
+    /// Puts a drive into the mode that a piece of work needs. When what this returns goes, the engine puts back what this and
+    /// the work have changed, whatever became of the work: the mode, the telegram (PNU 922) and the mapping of a free one
+    /// (PNU 915, 916).
     ///
     /// # Errors
     /// In local operation, as [`set_operating_mode`](Self::set_operating_mode), and when it cannot be reached.
-    pub async fn enter_mode(&mut self, drive: &mut Drive, needed: Mode) -> Result<ModeBefore, Error> {
+    pub async fn enter_mode(&mut self, drive: &mut Drive, needed: Mode) -> Result<ModeChange, Error> {
         self.check_control(drive).await?;
+        self.ended(drive).await?;
         let values = self.mode_values(drive).await?;
-        let mode = number_of(&values, pnu::OPERATING_MODE).and_then(|number| mode_of(number.into()));
-        let changed = mode != Some(needed);
+        let of = |numbers: &[u16]| -> Vec<Reading> {
+            let own = values.iter().filter(|value| numbers.contains(&value.pnu));
+            own.cloned().collect()
+        };
+        let before = number_of(&values, pnu::OPERATING_MODE).and_then(|number| mode_of(number.into()));
+        let changed = before != Some(needed);
+        // a mode that is neither of the two is not put back
+        let mode = of(&[pnu::OPERATING_MODE]);
+        let mode = mode.into_iter().filter(|_| changed && before.is_some());
+        let mode = mode.map(|value| (value, Vec::new()));
+        // the telegram brings its own mapping with it, unless it is a free one
+        let mapping = of(&[pnu::SETPOINT_SIGNALS, pnu::ACTUAL_SIGNALS]);
+        let telegram = of(&[pnu::TELEGRAM]).into_iter();
+        let telegram = telegram.map(|value| (value, mapping.clone()));
+        let settings = mode.chain(telegram).map(|(value, with)| Before { value, with });
+        let settings = self.change_for_work(drive, settings.collect())?;
         if changed {
             self.set_operating_mode(drive, needed).await?;
         }
-        Ok(ModeBefore {
-            mode,
+        Ok(ModeChange {
+            before,
             changed,
-            values,
+            settings,
         })
-    }
-
-    /// Puts back what [`enter_mode`](Self::enter_mode) and the work after it have changed: the mode, the telegram
-    /// (PNU 922) and the mapping of a free one (PNU 915, 916). Returns what was put back. A caller's wish to stop does
-    /// not interrupt it.
-    ///
-    /// # Errors
-    /// When what the drive has now cannot be read; a value that is refused is reported in the list.
-    pub async fn leave_mode(
-        &mut self,
-        drive: &mut Drive,
-        before: &ModeBefore,
-    ) -> Result<Vec<PutBack>, Error> {
-        let _meanwhile = self.unstoppable();
-        self.ended(drive).await?;
-        self.put_back_mode(drive, before).await
-    }
-
-    async fn put_back_mode(&mut self, drive: &mut Drive, before: &ModeBefore) -> Result<Vec<PutBack>, Error> {
-        let mut done = Vec::new();
-        if let Some(mode) = before.mode.filter(|_| before.changed) {
-            done.push(PutBack {
-                number: pnu::OPERATING_MODE,
-                value: mode_number(mode),
-                result: self.set_operating_mode(drive, mode).await,
-            });
-        }
-        let mut set = self.plan_values(drive, &before.of(&[pnu::TELEGRAM])).await?;
-        let Some(number) = number_of(&before.values, pnu::TELEGRAM).filter(|_| !set.is_done()) else {
-            return Ok(done);
-        };
-        let mut result = self.apply(drive, &mut set).await.and_then(|()| set.accepted());
-        if result.is_ok() {
-            // the telegram brings its own mapping with it, unless it is a free one
-            let mapping = before.of(&[pnu::SETPOINT_SIGNALS, pnu::ACTUAL_SIGNALS]);
-            result = self.put_values_back(drive, &mapping).await;
-        }
-        done.push(PutBack {
-            number: pnu::TELEGRAM,
-            value: number,
-            result,
-        });
-        Ok(done)
     }
 
     /// The number in PNU 930 and what the drive reports about its telegram.

@@ -89,7 +89,7 @@ fn mode_telegram_and_mapping_are_put_back_however_the_work_ends() {
                 .enter_mode(&mut drive, Mode::Position)
                 .wait()
                 .expect("its mode");
-            assert!(entered.changed && entered.mode == Some(Mode::Velocity));
+            assert!(entered.changed && entered.before == Some(Mode::Velocity));
             let (interrupted, enabled) = (stop.clone(), Shared::new(0));
             session.interrupt_with(move || {
                 enabled.set(enabled.get() + 1);
@@ -99,7 +99,7 @@ fn mode_telegram_and_mapping_are_put_back_however_the_work_ends() {
             assert_eq!(result.is_ok(), end == End::Well, "{before} {end:?}: {result:?}");
             // the wish to stop is still there
             stop.set(true);
-            let done = session.leave_mode(&mut drive, &entered).wait().expect("put back");
+            let done = entered.put_back().wait().expect("put back");
             stop.set(false);
             session.interrupt_with(|| false);
             assert!(
@@ -134,10 +134,12 @@ fn the_telegram_is_put_back_where_the_mode_was_right_already() {
     let axis = session.take_axis(&mut drive, settings).wait().expect("connected");
     axis.release().wait().expect("released");
     assert_eq!(telegram(&mut session, &mut drive), 9);
-    let done = session.leave_mode(&mut drive, &entered).wait().expect("put back");
+    let done = entered.put_back().wait().expect("put back");
     assert_eq!(
-        done.iter().map(|one| (one.number, one.value)).collect::<Vec<_>>(),
-        [(922, 7)]
+        done.iter()
+            .map(|one| (one.value.pnu, one.value.raw()))
+            .collect::<Vec<_>>(),
+        [(922, Some(7))]
     );
     assert_eq!(telegram(&mut session, &mut drive), 7);
 }
@@ -152,7 +154,7 @@ fn a_drive_that_was_homed_for_once_jogs_afterwards() {
         .wait()
         .expect("its mode");
     home(&mut session, &mut drive, ids[0], End::Well).expect("homed");
-    session.leave_mode(&mut drive, &entered).wait().expect("put back");
+    entered.put_back().wait().expect("put back");
     let mut axis = session
         .take_axis(&mut drive, AxisSettings::for_purpose(Purpose::Jog))
         .wait()

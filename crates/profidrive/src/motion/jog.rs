@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use client::axis::{Jog as Setpoint, Purpose, SpeedUnit};
-use client::{Axis, Drive, Enabled, Error, JogSpeed, Session, WriteMode};
+use client::{Axis, Drive, Enabled, Error, JogSpeed, Session, TemporaryChange, WriteMode};
 use profile::notation::{Number, ParameterReference, Quantity};
 use profile::value::{Assignment, Content, Parameters, Reading, Selection};
 
@@ -104,23 +104,19 @@ pub async fn jog(
 ) -> Result<Report, MotionError> {
     wanted.check()?;
     let setting = session.jog_speed(drive, wanted.setpoint).await?;
-    let mut before = None;
-    let result = with_setting(session, drive, wanted, &setting, &mut before, observer).await;
-    if let Some(reading) = before {
-        let number = setting.number;
-        let back = session
-            .uninterrupted(async |session: &mut Session| put_back(session, drive, number, &reading).await);
-        let back = back.await;
+    // dropped after the axis: a change of the speed is put back once that is at rest
+    let mut change = None;
+    let result = with_setting(session, drive, wanted, &setting, &mut change, observer).await;
+    if let Some(SpeedChange { before, change }) = change {
+        let done = change.put_back().await;
+        let refused = done.map(|done| done.into_iter().find_map(|one| one.result.err()));
         let setting = Setting::Reading {
             parameter: setting.selection.label(),
-            reading: Box::new(reading),
+            reading: Box::new(before),
         };
-        observer.report(&match back {
-            Ok(()) => {
-                Note::of(drive, number).clear();
-                Event::PutBack(setting)
-            }
-            Err(error) => Event::NotPutBack {
+        observer.report(&match refused {
+            Ok(None) => Event::PutBack(setting),
+            Ok(Some(error)) | Err(error) => Event::NotPutBack {
                 setting: Some(setting),
                 cause: error.to_string(),
             },
@@ -238,12 +234,18 @@ pub async fn plan_jog_in_real_time(
     })
 }
 
+/// A jog speed that is changed for a jog, and its value before.
+struct SpeedChange {
+    before: Reading,
+    change: TemporaryChange,
+}
+
 async fn with_setting(
     session: &mut Session,
     drive: &mut Drive,
     wanted: &Jog,
     setting: &JogSpeed,
-    before: &mut Option<Reading>,
+    change: &mut Option<SpeedChange>,
     observer: &Observer,
 ) -> Result<Report, MotionError> {
     check_controller_loss(session, drive, &wanted.control, observer).await?;
@@ -253,7 +255,7 @@ async fn with_setting(
     }
     let settings = wanted.control.settings(Purpose::Jog, wanted.limit);
     let mut axis = session.take_axis(drive, settings).await?;
-    let reading = prepared(&mut axis, wanted, setting, before, observer).await?;
+    let reading = prepared(&mut axis, wanted, setting, change, observer).await?;
     let speed = setting.rpm(&reading).unwrap_or(0.0);
     within(speed, wanted.limit, SpeedUnit::Rpm)?;
     limit::jog(speed, &facts, drive)?;
@@ -279,7 +281,7 @@ async fn prepared(
     axis: &mut Axis,
     wanted: &Jog,
     setting: &JogSpeed,
-    before: &mut Option<Reading>,
+    change: &mut Option<SpeedChange>,
     observer: &Observer,
 ) -> Result<Reading, MotionError> {
     let (session, drive) = axis.session();
@@ -323,8 +325,12 @@ async fn prepared(
         let setting = Setting::Reading { parameter, reading };
         observer.report(&Event::NotNoted { setting, cause });
     }
-    // put back at the end, whatever happens
-    *before = Some(speed);
+    let noted = session.temporarily(drive, std::slice::from_ref(&speed))?;
+    noted.once_restored(move || note.clear());
+    *change = Some(SpeedChange {
+        before: speed,
+        change: noted,
+    });
     set_speed(session, drive, number, &quantity).await?;
     Ok(session.read_one(drive, &selection).await?)
 }
@@ -385,18 +391,6 @@ fn brief(
     };
     let rounded = (0..9).find_map(|digits| same(format!("{number:.digits$}{unit}")));
     rounded.or_else(|| format!("{number}{unit}").parse().ok())
-}
-
-/// The speed of the drive as it was, to the last bit.
-async fn put_back(session: &mut Session, drive: &mut Drive, pnu: u16, before: &Reading) -> Result<(), Error> {
-    let Some(number) = before.number() else {
-        return Ok(());
-    };
-    let quantity = Quantity {
-        number: Number::Decimal(number),
-        unit: None,
-    };
-    set_speed(session, drive, pnu, &quantity).await
 }
 
 async fn set_speed(

@@ -17,8 +17,9 @@
 //! the drive says about itself.
 //!
 //! However a call ends, by its end, an error, a wish to stop ([`Session::interrupt_with`](client::Session::interrupt_with)) or a panic, the axis is ramped
-//! down and released. A future that is dropped early leaves that to the network, as the drop of an
-//! [`Axis`](client::Axis) does; mode, telegram and jog speed are put back by a call that ends only.
+//! down and released, then mode, telegram and jog speed are put back. A future that is dropped early leaves all of that to
+//! the network, as the drop of an [`Axis`](client::Axis) does: [`Session::settled`](client::Session::settled) and the drop
+//! of the network wait for it.
 //!
 //! ```
 //! # use std::net::Ipv4Addr;

@@ -90,9 +90,9 @@ pub async fn move_to(
 ) -> Result<Report, MotionError> {
     wanted.check()?;
     check_mode(session, drive, &wanted.control).await?;
-    let before = mode::enter(session, drive, Mode::Position, &wanted.control, observer).await?;
+    let change = mode::enter(session, drive, Mode::Position, &wanted.control, observer).await?;
     let result = travel(session, drive, wanted, observer).await;
-    mode::leave(session, drive, before, observer).await;
+    mode::leave(change, observer).await;
     result
 }
 
@@ -192,9 +192,9 @@ pub async fn task(
     wanted: &Task,
     observer: &Observer,
 ) -> Result<Report, MotionError> {
-    let before = mode::enter(session, drive, Mode::Position, &wanted.control, observer).await?;
+    let change = mode::enter(session, drive, Mode::Position, &wanted.control, observer).await?;
     let result = carry_out(session, drive, wanted, observer).await;
-    mode::leave(session, drive, before, observer).await;
+    mode::leave(change, observer).await;
     result
 }
 
@@ -244,9 +244,9 @@ pub async fn home(
     wanted: &Home,
     observer: &Observer,
 ) -> Result<Report, MotionError> {
-    let before = mode::enter(session, drive, Mode::Position, &wanted.control, observer).await?;
+    let change = mode::enter(session, drive, Mode::Position, &wanted.control, observer).await?;
     let result = set_home(session, drive, wanted, observer).await;
-    mode::leave(session, drive, before, observer).await;
+    mode::leave(change, observer).await;
     result
 }
 

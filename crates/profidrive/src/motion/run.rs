@@ -124,9 +124,9 @@ pub async fn run(
     observer: &Observer,
 ) -> Result<Report, MotionError> {
     wanted.check()?;
-    let before = mode::enter(session, drive, Mode::Velocity, &wanted.control, observer).await?;
+    let change = mode::enter(session, drive, Mode::Velocity, &wanted.control, observer).await?;
     let result = turn(session, drive, wanted, observer).await;
-    mode::leave(session, drive, before, observer).await;
+    mode::leave(change, observer).await;
     result
 }
 

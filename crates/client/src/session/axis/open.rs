@@ -210,20 +210,21 @@ impl Session {
         Ok(loss)
     }
 
-    /// Waits until every axis that was dropped is at rest, or cannot be reached any more.
+    /// Waits until every axis that was dropped is at rest, or cannot be reached any more, and what was changed for its motion
+    /// is put back.
     ///
     /// # Errors
     /// When the wire fails or the caller wants to stop.
     pub async fn settled(&mut self) -> Result<(), Error> {
-        while self.engine.records().ends_axes() {
+        while self.engine.records().ends_any_work() {
             self.look_again().await?;
         }
         Ok(())
     }
 
-    /// Waits for the end of an axis of this drive that is being brought to rest.
+    /// Waits for the end of an axis of this drive that is being brought to rest, and until its settings are put back.
     pub(in crate::session) async fn ended(&mut self, drive: &Drive) -> Result<(), Error> {
-        while self.engine.records().ends_axis(drive) {
+        while self.engine.records().ends_work(drive) {
             self.look_again().await?;
         }
         Ok(())

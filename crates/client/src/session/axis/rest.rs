@@ -123,6 +123,12 @@ impl Place {
         ending.is_some_and(|ending| ending.is_reported() && !ending.done.load(Ordering::Acquire))
     }
 
+    /// It is at rest and its connection is closed, or cannot be reached any more.
+    pub(in crate::session) fn is_done(&self) -> bool {
+        let ending = self.ending.upgrade();
+        ending.is_none_or(|ending| ending.done.load(Ordering::Acquire))
+    }
+
     pub(in crate::session) fn is_over(&self) -> bool {
         self.ending.strong_count() == 0
     }
