@@ -285,7 +285,7 @@ const fn of_trouble(trouble: &Trouble) -> &'static str {
 
 /// What to do when no drive answers at a line, by what was heard there.
 fn of_silence(telegrams: u64, noise: u64) -> String {
-    let (address, rate) = (Part::LineAddress, Part::LineBaudRate);
+    let address = Part::LineAddress;
     match (telegrams, noise) {
         (0, 0) => format!(
             "check that the drive is on, its protocol and address{}, A and B of the wire",
@@ -294,7 +294,7 @@ fn of_silence(telegrams: u64, noise: u64) -> String {
         (_, 0) => format!("check the address of the drive{}", in_models(&[address])),
         _ => format!(
             "check parity and baud rate{}, and the termination of the line",
-            in_models(&[rate])
+            in_models(&[Part::LineBaudRate, Part::LineParity])
         ),
     }
 }
@@ -370,6 +370,14 @@ mod tests {
         let hint = error.advice().unwrap().to_string();
         assert!(hint.starts_with("[home] sets the home position; [read"), "{hint}");
         assert_eq!(hint.matches("SWLS.LIMIT1").count(), 1, "{hint}");
+    }
+
+    #[test]
+    fn a_silent_line_names_the_settings_of_the_models_that_have_them() {
+        let noise = of_silence(0, 12);
+        assert!(noise.contains("(VLT: 8-32, 8-33)"), "{noise}");
+        let nothing = of_silence(0, 0);
+        assert!(nothing.contains("(VLT: 8-30, 8-31)"), "{nothing}");
     }
 
     #[test]

@@ -556,6 +556,8 @@ pub enum Part {
     LineAddress,
     /// Baud rate at the serial line.
     LineBaudRate,
+    /// Parity and stop bits at the serial line.
+    LineParity,
 }
 
 impl Part {
@@ -837,5 +839,6 @@ impl Part {
         Self::LineProtocol,
         Self::LineAddress,
         Self::LineBaudRate,
+        Self::LineParity,
     ];
 }

@@ -57,6 +57,7 @@ pub static BACKUP: &[BackupRule] = &[
     BackupRule { pnu: 810, base: None, role: Role::Setting, phase: Phase::Mode, why: "" },
     BackupRule { pnu: 831, base: None, role: Role::Network, phase: Phase::Value, why: "the address on the serial line" },
     BackupRule { pnu: 832, base: None, role: Role::Network, phase: Phase::Value, why: "the speed of the serial line" },
+    BackupRule { pnu: 833, base: None, role: Role::Network, phase: Phase::Value, why: "parity and stop bits of the serial line" },
     BackupRule { pnu: 840, base: None, role: Role::Network, phase: Phase::Value, why: "the words of the process data on the serial line" },
     BackupRule { pnu: 900, base: None, role: Role::Setpoint, phase: Phase::Value, why: "" },
     BackupRule { pnu: 915, base: None, role: Role::Network, phase: Phase::Value, why: "the words of the process data belong to the connection" },

@@ -597,6 +597,14 @@ pub static P832_CHOICES: &[Meaning] = &[
 ];
 
 #[rustfmt::skip]
+pub static P833_CHOICES: &[Meaning] = &[
+    Meaning { value: 0, text: "Even Parity, 1 Stop Bit" },
+    Meaning { value: 1, text: "Odd Parity, 1 Stop Bit" },
+    Meaning { value: 2, text: "No Parity, 1 Stop Bit" },
+    Meaning { value: 3, text: "No Parity, 2 Stop Bits" },
+];
+
+#[rustfmt::skip]
 pub static P840_CHOICES: &[Meaning] = &[
     Meaning { value: 1, text: "Standard telegram 1" },
     Meaning { value: 101, text: "PPO 1" },

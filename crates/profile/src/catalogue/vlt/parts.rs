@@ -160,4 +160,5 @@ pub static PARTS: &[PartRow] = &[
     PartRow { part: Part::LineProtocol, pnu: 830, base: None, values: &[] },
     PartRow { part: Part::LineAddress, pnu: 831, base: None, values: &[] },
     PartRow { part: Part::LineBaudRate, pnu: 832, base: None, values: &[] },
+    PartRow { part: Part::LineParity, pnu: 833, base: None, values: &[] },
 ];
