@@ -12,7 +12,9 @@ use futures::future::{join, join_all};
 use network::host::{Host, StationId};
 use network::segment::Conditions;
 use profidrive_client::axis::{Purpose, Trouble};
-use profidrive_client::{Axis, DriveAddress, Enabled, Error, Session, StopHandle, StopWay, Wait, World};
+use profidrive_client::{
+    Axis, AxisSettings, DriveAddress, Enabled, Error, Session, StopHandle, StopWay, Wait, World,
+};
 use profinet::device::Stored;
 use profinet::{Instant, MacAddress};
 use testbench::shared::Shared;
@@ -249,6 +251,39 @@ fn a_run_of_many_callers_is_the_same_every_time() {
         join_all(callers).wait()
     };
     assert_eq!(run(), run());
+}
+
+/// One axis is refused: its caller fails, and so does the test that it is in.
+#[test]
+fn a_caller_that_panics_ends_the_run_of_all() {
+    let (network, ids) = plant();
+    let world = network.world();
+    let lossy = Conditions {
+        loss: 0.05,
+        ..Conditions::default()
+    };
+    network.medium().segment_mut().set_all_conditions(lossy);
+    let callers = (1..=AXES).map(|number| {
+        let mut session = Session::clone(&network);
+        async move {
+            if number == 7 {
+                let address: DriveAddress = name(number).parse().expect("an address");
+                let mut drive = session.find(&address).await.expect("there");
+                let axis = session.take_axis(&mut drive, AxisSettings::default()).await;
+                panic!("{:?}", axis.map(|axis| axis.telegram()));
+            }
+            let mut axis = taken(&mut session, number).await;
+            drop(runs(&mut axis).await);
+            axis.release().await.expect("along its ramp");
+        }
+    });
+    let callers: Vec<_> = callers.collect();
+    let run = AssertUnwindSafe(|| {
+        join_all(callers).wait();
+        drop(network);
+    });
+    assert!(std::panic::catch_unwind(run).is_err());
+    assert!(ids.iter().all(|id| !exchanging(&world, *id)));
 }
 
 /// Every input is there, in order, with what was lost between counted.
