@@ -50,10 +50,12 @@ const ALLOWED: &[(&str, &[&str])] = &[
         &[
             "profidrive-client",
             "profidrive-dissect",
+            "profidrive-gsdml",
             "profidrive-network",
             "profidrive-profile",
             "profidrive-profinet",
             "profidrive-uss",
+            "profidrive-virtual-drive",
         ],
     ),
     (

@@ -16,6 +16,7 @@
 //! | to | use |
 //! |---|---|
 //! | open a network interface, UDP alone or a serial line | [`open`], [`Opening`], [`open_line`] |
+//! | open the way to a drive and find it, in one call | [`Opening::drive`] |
 //! | end waiting calls and stop axes by Ctrl-C | [`Stop`] with [`Opening::stopped_by`] |
 //! | know whether both sides can reach each other | [`reach`](reach()) |
 //! | find, read, write | [`Network`], which is a [`client::Session`] |
@@ -23,6 +24,9 @@
 #![forbid(unsafe_code)]
 
 mod carrier;
+#[cfg(feature = "gsdml")]
+mod description;
+mod drive;
 mod driver;
 pub mod motion;
 mod open;
@@ -31,6 +35,9 @@ pub mod report;
 
 pub use carrier::{CarrierError, serial_settings};
 pub use client::Wait;
+#[cfg(feature = "gsdml")]
+pub use description::{DescriptionError, describe};
+pub use drive::{DriveError, FindEvent, FindObserver};
 pub use network::system::{ForcedExit, Stop};
 pub use open::{Access, Network, OpenError, Opening, Way, interface, open, open_line};
 pub use reach::{OtherSubnet, Reach, far, reach};

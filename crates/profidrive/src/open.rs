@@ -4,10 +4,11 @@ use std::net::Ipv4Addr;
 use std::ops::{Deref, DerefMut};
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use client::{Client, LineAddress, LineConfig, Session};
+use client::{Client, ErrorKind, LineAddress, LineConfig, Session};
 use network::ethernet::{self, PacketMedium};
 use network::serial::{self, Line, Port};
 use network::system::{Error as NetworkError, InterfaceInfo, ServerPort, Stop, UdpMedium};
+use profile::model::Model;
 use profinet::controller::ControllerConfig;
 use profinet::{IpSuite, MacAddress};
 
@@ -83,6 +84,8 @@ pub enum Access {
     Discovery,
     /// Records too. The controller's port is used where it is free.
     Records,
+    /// Records of a device that need not be a drive.
+    Identity,
     /// Cyclic data too: devices call back on the controller's port when a connection becomes ready.
     #[default]
     Cyclic,
@@ -113,6 +116,15 @@ pub enum OpenError {
 }
 
 impl OpenError {
+    /// What kind of error it is.
+    #[must_use]
+    pub const fn kind(&self) -> ErrorKind {
+        match self {
+            Self::NoInterface { .. } => ErrorKind::Usage,
+            _ => ErrorKind::Unreachable,
+        }
+    }
+
     /// That there is no interface to take without asking, with those that there are.
     #[must_use]
     pub fn no_interface() -> Self {
@@ -153,10 +165,13 @@ pub fn interface() -> Result<Option<String>, OpenError> {
 /// How a network is opened.
 #[derive(Debug, Clone)]
 pub struct Opening {
-    access: Access,
-    interface: Option<String>,
+    pub(crate) access: Access,
+    pub(crate) interface: Option<String>,
     by_ip: bool,
-    stop: Option<Stop>,
+    pub(crate) stop: Option<Stop>,
+    pub(crate) model: Option<Model>,
+    #[cfg(feature = "gsdml")]
+    pub(crate) description: Option<std::sync::Arc<gsdml::Gsdml>>,
 }
 
 impl Opening {
@@ -168,6 +183,9 @@ impl Opening {
             interface: None,
             by_ip: false,
             stop: None,
+            model: None,
+            #[cfg(feature = "gsdml")]
+            description: None,
         }
     }
 
@@ -183,6 +201,21 @@ impl Opening {
     #[must_use]
     pub const fn by_ip(mut self, by_ip: bool) -> Self {
         self.by_ip = by_ip;
+        self
+    }
+
+    /// Takes the drive as this model, whatever it says that it is: see [`find`](Self::find).
+    #[must_use]
+    pub const fn as_model(mut self, model: Model) -> Self {
+        self.model = Some(model);
+        self
+    }
+
+    /// Takes modules and timings from the device description of the vendor: see [`find`](Self::find).
+    #[cfg(feature = "gsdml")]
+    #[must_use]
+    pub fn described_by(mut self, description: gsdml::Gsdml) -> Self {
+        self.description = Some(std::sync::Arc::new(description));
         self
     }
 
@@ -268,7 +301,7 @@ pub fn open_line(at: &LineAddress, stop: Option<Stop>) -> Result<Network, OpenEr
 const fn server_port(access: Access) -> ServerPort {
     match access {
         Access::Cyclic => ServerPort::Required,
-        Access::Records => ServerPort::IfFree,
+        Access::Records | Access::Identity => ServerPort::IfFree,
         Access::Stop => ServerPort::Shared,
         // left to a controller that starts meanwhile
         Access::Discovery => ServerPort::None,

@@ -9,7 +9,7 @@ mod demo;
 mod diff;
 mod explain;
 mod faults;
-mod gsdml;
+pub mod gsdml;
 mod home;
 mod info;
 mod inject;
@@ -26,7 +26,6 @@ mod simulate;
 mod status;
 mod stop;
 mod task;
-pub mod vendor;
 
 use crate::args::{Cli, Command, Interface, OnDrive};
 use crate::failure::Failure;

@@ -13,7 +13,7 @@ use crate::render::Page;
 use crate::render::table::Table;
 
 pub fn run(args: &Scan, interface: &Interface, output: &Output) -> Result<(), Failure> {
-    let mut session = connect::session(interface, Need::Discovery, None, output)?;
+    let mut session = connect::session(interface, Need::Discovery, output)?;
     let spinner = connect::spinner(output, format!("listening for {} ms", args.time.as_millis()));
     let stations = session.scan(args.time).wait();
     spinner.finish_and_clear();

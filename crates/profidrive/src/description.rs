@@ -1,47 +1,73 @@
-//! What a client takes from a vendor's device description: the ident numbers of its modules and its update times.
+//! What a client takes from a vendor's device description: the ident numbers of its modules, its update times, and whether it
+//! accepts connections for records.
 
 use std::collections::BTreeMap;
-use std::path::Path;
 
-use client::{Drive, VendorModule};
-use gsdml::AccessPoint;
+use client::{Drive, ErrorKind, VendorModule};
+use gsdml::{AccessPoint, Gsdml};
 use profinet::controller::{ModuleConfig, SubmoduleConfig};
 use profinet::cyclic::{TICK, Timing};
-use virtual_drive::description::{Description, TelegramModule};
+use virtual_drive::description::{Description, ImportError, TelegramModule};
 use virtual_drive::model;
 
-use crate::failure::{Exit, Failure};
-use crate::render::table::clean;
+/// Why a device description does not fit a drive.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum DescriptionError {
+    /// It is a description of another vendor.
+    #[error("the device description is of vendor 0x{described:04X}, {drive} is of vendor 0x{vendor:04X}")]
+    OtherVendor {
+        /// The drive.
+        drive: String,
+        /// Its vendor.
+        vendor: u16,
+        /// Vendor of the description.
+        described: u16,
+    },
+    /// No model says which telegrams the drive has.
+    #[error("which telegrams {drive} has is not known")]
+    UnknownTelegrams {
+        /// The drive.
+        drive: String,
+    },
+    /// Its modules do not carry the telegrams of the model.
+    #[error(transparent)]
+    Modules(#[from] ImportError),
+}
 
-/// Applies a device description to the drive: the modules of its telegrams, its update times, and whether it accepts
-/// connections for records.
-pub fn describe(path: &Path, drive: &mut Drive) -> Result<(), Failure> {
-    let file = super::gsdml::read(path)?;
-    let (name, vendor) = (path.display(), file.identity.vendor_id);
-    if vendor != drive.station.vendor_id {
-        return Err(Failure::usage(format!(
-            "{name} is of vendor 0x{vendor:04X}, {} is of vendor 0x{:04X}",
-            drive.label(),
-            drive.station.vendor_id
-        )));
+impl DescriptionError {
+    /// What kind of error it is.
+    #[must_use]
+    pub const fn kind(&self) -> ErrorKind {
+        match self {
+            Self::OtherVendor { .. } | Self::UnknownTelegrams { .. } => ErrorKind::Usage,
+            Self::Modules(_) => ErrorKind::Unsupported,
+        }
+    }
+}
+
+/// Applies a device description to a drive.
+///
+/// # Errors
+/// When it is of another vendor, the model of the drive is not known, or no module carries a telegram of it.
+pub fn describe(description: &Gsdml, drive: &mut Drive) -> Result<(), DescriptionError> {
+    let described = description.identity.vendor_id;
+    if described != drive.station.vendor_id {
+        return Err(DescriptionError::OtherVendor {
+            drive: drive.label(),
+            vendor: drive.station.vendor_id,
+            described,
+        });
     }
     let catalogue = drive.model.catalogue;
-    let model = model::ALL
+    let known = model::ALL
         .into_iter()
-        .find(|model| catalogue.is_some_and(|own| own.model == model.catalogue.model))
-        .ok_or_else(|| {
-            Failure::usage(format!("which telegrams {} has is not known", drive.label()))
-                .hint("--model akd|vlt|vacon takes it for one of the known drives")
-        })?;
-    let import = Description::under_the_name_of(&file, model, None).map_err(|error| {
-        let message = format!("{name}: {}", clean(&error.to_string()));
-        Failure::new(Exit::Failed, message).hint(format!(
-            "`profidrive gsdml show {name}` shows access points and modules"
-        ))
-    })?;
+        .find(|model| catalogue.is_some_and(|own| own.model == model.catalogue.model));
+    let model = known.ok_or_else(|| DescriptionError::UnknownTelegrams { drive: drive.label() })?;
+    let import = Description::under_the_name_of(description, model, None)?;
     drive.vendor_modules = import.description.telegrams.iter().map(of).collect();
-    drive.vendor_timings = timings(&file.access_points);
-    drive.device_access = device_access(&file.access_points);
+    drive.vendor_timings = timings(&description.access_points);
+    drive.device_access = device_access(&description.access_points);
     Ok(())
 }
 
@@ -96,8 +122,11 @@ fn of(telegram: &TelegramModule) -> VendorModule {
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
-    use super::*;
+    use std::path::Path;
+
     use profinet::controller::Station;
+
+    use super::*;
 
     #[test]
     fn telegrams_of_a_vendor_file() {
@@ -109,6 +138,7 @@ mod tests {
             ..Station::default()
         };
         let mut drive = Drive::new(station);
+        let file = gsdml::parse(&std::fs::read(file).unwrap()).unwrap();
         describe(&file, &mut drive).unwrap();
         assert_eq!(drive.device_access, None, "the file says nothing");
         let mut modules = drive.vendor_modules.iter();
@@ -121,8 +151,8 @@ mod tests {
             vendor_id: 0x1234,
             ..drive.station.clone()
         };
-        let failure = describe(&file, &mut Drive::new(other)).unwrap_err();
-        assert_eq!(failure.exit, Exit::Usage);
-        assert!(failure.message.contains("0x0105"), "{}", failure.message);
+        let error = describe(&file, &mut Drive::new(other)).unwrap_err();
+        assert_eq!(error.kind(), ErrorKind::Usage);
+        assert!(error.to_string().contains("0x0105"), "{error}");
     }
 }
