@@ -44,6 +44,7 @@ impl<'a> ValueBlock<'a> {
     ///
     /// # Errors
     /// When the format is unknown or the values run past the end.
+    #[inline]
     pub fn parse(bytes: &'a [u8], offset: usize, space: CodeSpace) -> Result<(Self, usize), DecodeError> {
         let rest = bytes.get(offset..).unwrap_or(&[]);
         let &[format, count, ref data @ ..] = rest else {

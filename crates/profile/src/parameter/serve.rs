@@ -179,8 +179,8 @@ struct Job<'a> {
     dialect: &'a Dialect,
     id: RequestId,
     out: BlockWriter<'a>,
-    /// Values so far, of all parameters.
-    values: u16,
+    /// Values so far, of all parameters. Wider than the limit: beside `failed`, half a register is slow to pass on.
+    values: u32,
     failed: bool,
 }
 
@@ -223,6 +223,7 @@ impl Job<'_> {
     }
 
     /// Room for a value block of `data` octets, header and pad octet done.
+    #[inline]
     fn block(&mut self, format: Format, count: u8, data: usize, left: usize) -> Result<&mut [u8], Denial> {
         let too_long = Forbidden::Long.refused(ErrorNumber::TOO_LONG);
         let whole = 2 + data + (data & 1);
@@ -349,7 +350,7 @@ impl Job<'_> {
     /// Counts values against the limit of all parameters together.
     fn count(&mut self, values: u8, number: ErrorNumber) -> Result<(), Denial> {
         let sum = self.values.saturating_add(values.into());
-        if sum > self.dialect.served_values {
+        if sum > self.dialect.served_values.into() {
             return Err(Forbidden::Long.refused(number));
         }
         self.values = sum;
@@ -357,6 +358,7 @@ impl Job<'_> {
     }
 
     /// Returns the format in which values of a parameter are sent.
+    #[inline]
     fn form(&self, facts: &Attributes) -> Result<Form, Denial> {
         let narrow = Forbidden::NoDoubleWord.refused(ErrorNumber::DATA_TYPE);
         let own = Form {
