@@ -234,6 +234,17 @@ fn the_reserved_signal_reads_0() {
     assert_eq!(write(&mut bus, 107, 0x42, 0), Some(0x01));
 }
 
+/// 5.6: DRV.TYPE, FBUS.TYPE and DRV.NVCHECK_32 are names and sizes only. They read 0 and cannot be written.
+#[test]
+fn codes_without_values_read_0() {
+    let mut bus = Bus::new();
+    bus.connect(1);
+    for (pnu, format) in [(2138, 0x41), (2182, 0x41), (2521, 0x43)] {
+        assert_eq!(bus.read(pnu, 0), 0, "{pnu}");
+        assert_eq!(write(&mut bus, pnu, format, 0), Some(0x01), "{pnu}");
+    }
+}
+
 /// 5.11.9: the third and fourth actual word of telegram 354 are printed as "-". The drive sends two words.
 #[test]
 fn telegram_354_has_two_actual_words() {

@@ -178,8 +178,13 @@ mod tests {
         );
         assert_eq!(
             describe("AKTSATZ", 0x8000),
-            ["Motion task that runs: 0", "The MDI task runs"]
+            ["Motion task that runs: none of 1 to 128", "The MDI task runs"]
         );
+        assert_eq!(
+            describe("AKTSATZ", 0),
+            ["Motion task that runs: none of 1 to 128"]
+        );
+        assert_eq!(describe("AKTSATZ", 5), ["Motion task that runs: 5"]);
         assert_eq!(
             describe("MDI_MOD", 0x8001),
             ["Absolute positioning, else relative", "Reserved"]

@@ -30,7 +30,11 @@ impl Drive {
         if !self.is_running() {
             // Without valid data from a controller nothing keeps the drive on: it ramps down, and then needs OFF and ON.
             inputs.silent = true;
-            inputs.stw1 = self.machine.word().without(Stw1::ON);
+            // The word of local operation is not a controller's: where DRV.DIS ends it, none is in force.
+            inputs.stw1 = match inputs.local {
+                Some(_) => Stw1::default(),
+                None => self.machine.word().without(Stw1::ON),
+            };
             if !before.pulses() && inputs.local.is_none() {
                 self.machine.forget_word();
                 inputs.stw1 = Stw1::default();

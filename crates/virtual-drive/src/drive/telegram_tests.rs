@@ -310,7 +310,7 @@ fn the_status_word_follows_each_write_without_a_tick() {
         (2111, 1, 0x0240), // DRV.CLRFAULTS
         (2113, 0, 0x0240), // DRV.CMDSOURCE
         (2127, 1, 0x0537), // DRV.EN: the service channel has the axis, so that no control is requested
-        (2118, 1, 0x0260), // DRV.DIS, a coast stop
+        (2118, 1, 0x0240), // DRV.DIS: no word is in force any more, as before DRV.EN
     ] {
         drive.write(pnu, 0, raw, Keep::Volatile).unwrap();
         assert_eq!(

@@ -463,9 +463,14 @@ fn commands_while_the_controller_runs_it() {
     bench.run(1638);
     bench.write("DRV.DISMODE", 0).unwrap();
     bench.write("DRV.DIS", 1).unwrap();
-    bench.send(0x047F, 1638, 1);
+    assert_eq!(
+        bench.send(0x047F, 1638, 1) & MASK,
+        0x0060,
+        "OFF2 by the drive, the word has no OFF3"
+    );
     assert_eq!(bench.drive.state(), State::S1);
     assert!(bench.read("VL.FB_32") > 400_000, "coasts");
+    assert_eq!(bench.send(0x047F, 1638, 1) & MASK, 0x0070);
 }
 
 #[test]

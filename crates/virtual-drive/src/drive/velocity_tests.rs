@@ -163,6 +163,20 @@ fn ramp_enable_freeze_and_setpoint_enable() {
     );
 }
 
+/// 5.4 bit 3: without it the drive goes from S4 to S3 and the axis coasts; with it again the drive takes over at that speed.
+#[test]
+fn without_operation_enabled_the_axis_coasts_in_s3() {
+    let mut bench = Bench::new();
+    bench.run(1638);
+    bench.write("DRV.DEC", 10_000_000).unwrap(); // a ramp stop would take one cycle
+    let zsw1 = bench.send(0x0477, 1638, 5);
+    assert_eq!((bench.drive.state(), zsw1 & 0x0277), (State::S3, 0x0233));
+    assert!(bench.read("VL.FB_32") > 300_000, "{}", bench.read("VL.FB_32"));
+    bench.send(0x047F, 1638, 1);
+    assert_eq!(bench.drive.state(), State::S4);
+    assert!(bench.read("VL.FB_32") > 300_000, "{}", bench.read("VL.FB_32"));
+}
+
 #[test]
 fn in_current_mode_the_setpoint_is_il_cmd_fieldbus() {
     let mut drive = Drive::new(&crate::model::AKD);

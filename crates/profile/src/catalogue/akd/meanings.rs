@@ -8,6 +8,11 @@ pub static AKTSATZ_BITS: &[Meaning] = &[
 ];
 
 #[rustfmt::skip]
+pub static AKTSATZ_CHOICE_0_14: &[Meaning] = &[
+    Meaning { value: 0, text: "none of 1 to 128" },
+];
+
+#[rustfmt::skip]
 pub static AOUT_MODE_CHOICES: &[Meaning] = &[
     Meaning { value: 0, text: "User value" },
     Meaning { value: 1, text: "Actual velocity" },

@@ -8,7 +8,7 @@ pub static WORDS: &[Word] = &[
     Word { pnu: 1, base: None, kind: WordKind::Control, bits: &[], fields: &[] },
     Word { pnu: 2, base: None, kind: WordKind::Status, bits: &[], fields: &[] },
     Word { pnu: 32, base: None, kind: WordKind::Own, bits: SATZANW_BITS, fields: &[Field { first: 0, last: 14, name: "Motion task", choices: &[] }, ] },
-    Word { pnu: 33, base: None, kind: WordKind::Own, bits: AKTSATZ_BITS, fields: &[Field { first: 0, last: 14, name: "Motion task that runs", choices: &[] }, ] },
+    Word { pnu: 33, base: None, kind: WordKind::Own, bits: AKTSATZ_BITS, fields: &[Field { first: 0, last: 14, name: "Motion task that runs", choices: AKTSATZ_CHOICE_0_14 }, ] },
     Word { pnu: 38, base: None, kind: WordKind::Own, bits: MDI_MOD_BITS, fields: &[] },
     Word { pnu: 105, base: None, kind: WordKind::Own, bits: DRV_MOTIONSTAT_BITS, fields: &[] },
     Word { pnu: 106, base: None, kind: WordKind::Own, bits: DRIVE_INPUTS_BITS, fields: &[] },
