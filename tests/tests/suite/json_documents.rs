@@ -5,7 +5,7 @@ use std::io::Write as _;
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
-use system_tests::{Finished, Lab, Side, built, client, peer, python, root, simulate};
+use system_tests::{Lab, Running, Side, built, peer, python, root, simulate};
 
 const PLANT: &str = r#"
     [[drive]]
@@ -21,8 +21,18 @@ const PLANT: &str = r#"
     ip = "192.168.77.53/24"
 "#;
 
-/// What is called for each drive: a parameter of its vendor stands for `PARAM`. With the exit codes that may be.
-const OF_DRIVES: &[(&str, &[i32])] = &[
+/// A call and the exit codes that it may end with.
+type Call = (&'static str, &'static [i32]);
+
+/// Each drive with a parameter and a fault of its vendor (`PARAM`, `FAULT`) and the name of another drive (`DOUBLE`).
+const DRIVES: [[&str; 4]; 3] = [
+    ["akd-1", "DRV.ACC", "vlt-1", "439"],
+    ["vlt-1", "3-41", "akd-1", "2"],
+    ["vacon-1", "ID103", "akd-1", "1"],
+];
+
+/// What is called for each drive.
+const OF_DRIVES: &[Call] = &[
     ("info", &[0]),
     ("status", &[0, 5]),
     ("status --short", &[0, 5]),
@@ -44,7 +54,7 @@ const OF_DRIVES: &[(&str, &[i32])] = &[
     ("name Not_Valid", &[2]),
     ("name DOUBLE", &[1]),
     ("ip 192.168.77.60/24 --dry-run", &[0]),
-    ("ip 192.168.77.50/24 --gateway 192.168.77.1 --force", &[0, 1]),
+    ("ip 192.168.77.50/24 --gateway 192.168.77.1 --force", &[0]),
     ("read", &[2]),
     ("monitor PARAM 64999 --for 10ms", &[0]),
     ("run --velocity 60rpm --dry-run", &[0, 6]),
@@ -59,10 +69,22 @@ const OF_DRIVES: &[(&str, &[i32])] = &[
     ("task 1 --set-mode", &[0, 1, 3, 6]),
     ("stop", &[0]),
     ("ack", &[0]),
+    ("backup -o FILE", &[0, 1]),
+    ("write PARAM=7", &[0]),
+    ("restore FILE --dry-run", &[0]),
+    ("restore FILE --only PARAM", &[0]),
+    ("restore FILE", &[0, 5]),
+    ("inject fault=FAULT", &[0]),
+    ("status", &[5]),
+    ("status --short", &[5]),
+    ("faults", &[0]),
+    ("run --velocity 60rpm --may-run-on --for 100ms", &[1, 3]),
+    ("ack", &[0]),
+    ("faults --history", &[0]),
 ];
 
 /// What is called besides.
-const OTHERS: &[(&str, &[i32])] = &[
+const OTHERS: &[Call] = &[
     ("scan", &[0]),
     ("diff akd-1 akd-1", &[0]),
     ("diff akd-1 vlt-1", &[2]),
@@ -74,6 +96,7 @@ const OTHERS: &[(&str, &[i32])] = &[
     ("inject akd-1 fault=439", &[0]),
     ("ack akd-1", &[0]),
     ("ack vlt-1 --by-parameter", &[1]),
+    ("home akd-1 --set-mode", &[0]),
     (
         "move akd-1 --to 1rev --relative --velocity 300rpm --set-mode",
         &[0],
@@ -83,11 +106,9 @@ const OTHERS: &[(&str, &[i32])] = &[
     ("status akd-1", &[5]),
     ("info akd-1", &[0]),
     ("info nobody", &[4]),
-    ("backup akd-1 -o BACKUP", &[0, 1]),
     ("write akd-1 DRV.DEC=1234.567rpm/s MT.NUM=0 AIN.ZERO=1", &[3]),
-    ("restore akd-1 BACKUP --dry-run", &[0, 5]),
-    ("restore akd-1 BACKUP --only DRV.*", &[0, 5]),
-    ("restore vlt-1 BACKUP", &[6]),
+    ("backup akd-1 -o FOLDER/akd-1.txt", &[0, 1]),
+    ("restore vlt-1 FOLDER/akd-1.txt", &[6]),
     ("status nobody", &[4]),
     ("read nobody 922", &[4]),
     ("reset akd-1 --mode communication", &[6]),
@@ -96,7 +117,7 @@ const OTHERS: &[(&str, &[i32])] = &[
 ];
 
 /// What is called without any drive.
-const WITHOUT_DRIVES: &[(&str, &[i32])] = &[
+const WITHOUT_DRIVES: &[Call] = &[
     ("explain 0x047F --as stw1", &[0]),
     ("explain 0x0337 --as zsw1 --mode position", &[0]),
     ("explain 0x047C --as ctw-fc", &[0]),
@@ -126,24 +147,43 @@ const WITHOUT_DRIVES: &[(&str, &[i32])] = &[
         "gsdml check ROOT/tests/descriptions/GSDML-V2.1-KOLLMORGEN-AKDLIKE-20140301.xml",
         &[0, 1, 5],
     ),
+    (
+        "simulate ROOT/examples/plants/first.toml --virtual-time --for 5s",
+        &[0],
+    ),
 ];
 
-/// Calls the program on the network of the laboratory and returns the documents that it prints.
-#[track_caller]
-fn documents(lab: &Lab, line: &str, codes: &[i32]) -> String {
-    checked(line, client(lab, &arguments(line)), codes)
-}
+/// What stands before a call that uses the network.
+const NETWORK: &[&str] = &["--json", "-i", Side::Controller.interface()];
 
-fn arguments(line: &str) -> Vec<&str> {
-    std::iter::once("--json").chain(line.split(' ')).collect()
-}
-
+/// Returns how the documents of these calls violate their schemas. `values` replaces words of the calls, `before` stands
+/// before each.
 #[track_caller]
-fn checked(line: &str, finished: Finished, codes: &[i32]) -> String {
-    let code = finished.code.unwrap_or(-1);
-    assert!(codes.contains(&code), "{line}: {code} {finished:?}");
-    assert!(finished.out.ends_with("}\n"), "{line}: {finished:?}");
-    finished.out
+fn judged(
+    lab: &Lab,
+    before: &[&str],
+    calls: impl IntoIterator<Item = (String, &'static [i32])>,
+    values: &[(&str, &str)],
+) -> String {
+    let mut printed = String::new();
+    for (line, codes) in calls {
+        let line = values
+            .iter()
+            .fold(line, |line, (word, value)| line.replace(word, value));
+        let mut arguments = before.to_vec();
+        arguments.extend(line.split(' '));
+        let finished = lab.run(
+            Side::Controller,
+            built("profidrive"),
+            arguments,
+            Duration::from_secs(20),
+        );
+        let code = finished.code.unwrap_or(-1);
+        assert!(codes.contains(&code), "{line}: {code} {finished:?}");
+        assert!(finished.out.ends_with("}\n"), "{line}: {finished:?}");
+        printed += &finished.out;
+    }
+    complaints(&printed)
 }
 
 /// Returns the violations of their schemas by documents.
@@ -166,49 +206,57 @@ fn complaints(documents: &str) -> String {
     String::from_utf8(output.stdout).unwrap()
 }
 
-#[test]
-fn every_document_is_what_its_schema_says() {
-    let lab = Lab::new("json-documents");
+/// Returns a laboratory with the drives of [`PLANT`].
+fn plant(name: &str) -> (Lab, Running) {
+    let lab = Lab::new(&format!("json-documents-{name}"));
     let plant = lab.folder().join("plant.toml");
     std::fs::write(&plant, PLANT).unwrap();
     let drives = simulate(&lab, &[plant.to_str().unwrap()]);
-    let mut printed = String::new();
-    for (drive, parameter, other) in [
-        ("akd-1", "DRV.ACC", "vlt-1"),
-        ("vlt-1", "3-41", "akd-1"),
-        ("vacon-1", "ID103", "akd-1"),
-    ] {
-        for (line, codes) in OF_DRIVES {
-            let line = line.replace("PARAM", parameter).replace("DOUBLE", other);
-            let (verb, rest) = line.split_once(' ').unwrap_or((&line, ""));
-            let whole = format!("{verb} {drive} {rest}");
-            printed += &documents(&lab, whole.trim_end(), codes);
+    (lab, drives)
+}
+
+/// Calls what is called for each drive, and returns the violations.
+fn of_drive([drive, parameter, other, fault]: [&str; 4]) -> String {
+    let (lab, _drives) = plant(drive);
+    let calls = OF_DRIVES.iter().map(|(line, codes)| {
+        let (verb, rest) = line.split_once(' ').unwrap_or((line, ""));
+        (format!("{verb} {drive} {rest}").trim_end().to_owned(), *codes)
+    });
+    let file = format!("{}/{drive}.txt", lab.folder().display());
+    let values = [
+        ("PARAM", parameter),
+        ("DOUBLE", other),
+        ("FAULT", fault),
+        ("FILE", &file),
+    ];
+    judged(&lab, NETWORK, calls, &values)
+}
+
+#[test]
+fn documents_of_every_vendor_are_what_their_schemas_say() {
+    // a laboratory each, beside each other: most of the time of a call is waiting
+    std::thread::scope(|scope| {
+        for drive in DRIVES.map(|drive| scope.spawn(move || of_drive(drive))) {
+            let found = drive.join().unwrap();
+            assert!(found.is_empty(), "{found}");
         }
-    }
-    let backup = lab.folder().join("akd-1.txt");
-    for (line, codes) in OTHERS {
-        let line = line.replace("BACKUP", backup.to_str().unwrap());
-        printed += &documents(&lab, &line, codes);
-    }
-    drop(drives);
-    for (line, codes) in WITHOUT_DRIVES {
-        let line = line.replace("ROOT", root().to_str().unwrap());
-        let line = line.replace("FOLDER", lab.folder().to_str().unwrap());
-        let line = line.replace("FILE", lab.folder().join("demo.pcapng").to_str().unwrap());
-        let finished = lab.run(
-            Side::Controller,
-            built("profidrive"),
-            arguments(&line),
-            Duration::from_secs(20),
-        );
-        printed += &checked(&line, finished, codes);
-    }
-    let plant = root().join("examples/plants/first.toml");
-    let virtual_time = format!("simulate {} --virtual-time --for 5s", plant.display());
-    printed += &documents(&lab, &virtual_time, &[0]);
-    assert!(printed.lines().count() > 70, "{printed}");
-    let complaints = complaints(&printed);
-    assert!(complaints.is_empty(), "{complaints}");
+    });
+}
+
+#[test]
+fn documents_of_all_other_calls_are_what_their_schemas_say() {
+    let (lab, _drives) = plant("others");
+    let (root, folder) = (root(), lab.folder().to_str().unwrap());
+    let capture = format!("{folder}/demo.pcapng");
+    let values = [
+        ("ROOT", root.to_str().unwrap()),
+        ("FOLDER", folder),
+        ("FILE", &capture),
+    ];
+    let own = |&(line, codes): &Call| (line.to_owned(), codes);
+    let mut found = judged(&lab, NETWORK, OTHERS.iter().map(own), &values);
+    found += &judged(&lab, &["--json"], WITHOUT_DRIVES.iter().map(own), &values);
+    assert!(found.is_empty(), "{found}");
 }
 
 /// A judge that accepts everything would be none.
