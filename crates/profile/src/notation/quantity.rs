@@ -64,7 +64,9 @@ pub struct Quantity {
 #[non_exhaustive]
 pub enum QuantityError {
     /// Nothing there.
-    #[error("no value given: write a number, with its unit if you like (50rpm, 2s, 0x047F)")]
+    #[error(
+        "no value given: write a number, with its unit if you like (50rpm, 2s, 0x047F), or \"\" for an empty text"
+    )]
     Empty,
     /// Does not start with a number.
     #[error("`{text}` does not start with a number (50rpm, -1.5A, 0x047F)")]

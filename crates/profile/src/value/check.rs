@@ -44,14 +44,15 @@ impl FromStr for Assignment {
     type Err = ParameterProblem;
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
-        let (reference, value) = text
+        let (name, value) = text
             .split_once('=')
             .ok_or_else(|| ParameterProblem::NoAssignment {
                 text: text.to_owned(),
             })?;
-        let reference: ParameterReference = reference.parse()?;
+        let reference: ParameterReference = name.parse()?;
         let value = Given::of(value).map_err(|problem| ParameterProblem::Quantity {
-            parameter: reference.to_string(),
+            // as the caller writes it: only a drive knows the notation of its vendor
+            parameter: name.trim().to_owned(),
             problem,
         })?;
         Ok(Self { reference, value })

@@ -16,6 +16,8 @@ use crate::model::AKD;
 pub(super) const READY: u16 = 0x043F;
 /// The same with bit 6.
 pub(super) const START: u16 = 0x047F;
+/// Without bit 0.
+const OFF: u16 = 0x043E;
 /// With bit 11.
 const HOME: u16 = 0x0C3F;
 /// A drive in position mode with a telegram.
@@ -198,6 +200,9 @@ fn program_mode_of_manual_5_10_1() {
     assert!((bench.turns() - 3.0).abs() < 0.002, "{}", bench.turns());
     assert_eq!(bench.status(), 0x2F37);
     assert_eq!(bench.read("PL.CMD"), 3 * 65_536);
+    bench.send(OFF, 5);
+    let reached = bench.read("DRV.MOTIONSTAT") & 1 << 11;
+    assert_eq!((bench.status() & 0x0400, reached), (0, 0), "in S4 only");
 }
 
 #[test]
