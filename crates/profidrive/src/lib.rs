@@ -21,6 +21,7 @@
 //! | know whether both sides can reach each other | [`reach`](reach()) |
 //! | find, read, write | [`Network`], which is a [`client::Session`] |
 //! | move an axis, with every safety rule | [`motion`] |
+//! | restore settings, with a way back | [`settings`] |
 #![forbid(unsafe_code)]
 
 mod carrier;
@@ -32,6 +33,7 @@ pub mod motion;
 mod open;
 mod reach;
 pub mod report;
+pub mod settings;
 
 pub use carrier::{CarrierError, serial_settings};
 pub use client::Wait;

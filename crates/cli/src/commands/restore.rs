@@ -2,11 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use client::backup::Backup;
 use client::change::{Change, ChangeSet, Choice, Plan, Saved, Skip, Skipped, Step};
-use client::{Drive, Error, Wait, describe};
-use network::files::StateFile;
+use client::{Drive, Error, Wait};
 use profidrive::report::RestoreReport;
+use profidrive::settings::{self, RestoreError};
 use profile::catalogue::Role;
 use profile::model::Model;
 use profile::parameter::Saving;
@@ -16,9 +15,9 @@ use super::backup;
 use crate::advice::Commands;
 use crate::args::{Interface, Restore};
 use crate::connect::{self, Live, Need};
-use crate::failure::{Exit, Failure};
+use crate::failure::{self, Exit, Failure};
 use crate::output::Output;
-use crate::render::table::{Table, clean};
+use crate::render::table::Table;
 use crate::render::{number, value};
 
 pub fn run(args: &Restore, interface: &Interface, output: &Output) -> Result<(), Failure> {
@@ -26,9 +25,9 @@ pub fn run(args: &Restore, interface: &Interface, output: &Output) -> Result<(),
     let way_back = way_back(args)?;
     let (mut session, mut drive) = connect::drive(interface, Need::Records, &args.drive, output)?;
     if !args.force {
-        fits(&wanted, &drive)?;
+        settings::check_fit(&wanted, &drive)?;
         if !args.dry_run {
-            check_no_controller(&mut session, &drive)?;
+            settings::check_no_controller(&mut session, &drive).wait()?;
         }
     }
     let choice = Choice {
@@ -75,51 +74,32 @@ pub fn run(args: &Restore, interface: &Interface, output: &Output) -> Result<(),
 
 /// Where the way back goes: never over anything.
 fn way_back(args: &Restore) -> Result<PathBuf, Failure> {
-    if let Some(path) = &args.way_back {
-        return if path.exists() {
-            Err(Failure::usage(format!(
-                "--way-back: {} is there already",
-                path.display()
-            )))
-        } else {
-            Ok(path.clone())
-        };
-    }
-    let beside = |number: u32| {
-        let mut name = args.file.file_name().unwrap_or_default().to_owned();
-        name.push(format!(".before-{number}"));
-        args.file.with_file_name(name)
-    };
-    (1..10_000)
-        .map(beside)
-        .find(|path| !path.exists())
-        .ok_or_else(|| {
+    match &args.way_back {
+        Some(path) if path.exists() => Err(Failure::usage(format!(
+            "--way-back: {} is there already",
+            path.display()
+        ))),
+        Some(path) => Ok(path.clone()),
+        None => settings::way_back(&args.file).ok_or_else(|| {
             Failure::usage("there are 9999 ways back beside the file; give one with --way-back PATH")
-        })
-}
-
-fn fits(wanted: &Backup, drive: &Drive) -> Result<(), Failure> {
-    match wanted.header.misfit(drive) {
-        Some(misfit) => Err(Failure::new(Exit::Safety, misfit)
-            .hint("--force goes on all the same: names and numbers can mean something else there")),
-        None => Ok(()),
+        }),
     }
 }
 
-/// A controller could switch the axis on at any moment.
-fn check_no_controller(session: &mut Live, drive: &Drive) -> Result<(), Failure> {
-    let Some(Some(name)) = session.owner(drive).wait()? else {
-        return Ok(());
-    };
-    session.close().wait()?;
-    let message = format!(
-        "nothing is written to {}: controller \"{}\" is running it",
-        describe(&drive.station),
-        clean(&name)
-    );
-    Err(Failure::new(Exit::Safety, message).hint(
-        "it can switch the axis on while values change; stop it first, or --force goes on while the axis is off",
-    ))
+/// What speaks against it, in the words of this program.
+impl From<RestoreError> for Failure {
+    fn from(error: RestoreError) -> Self {
+        let failure = Self::new(failure::exit_of(error.kind()), error.to_string());
+        match error {
+            RestoreError::Client(error) => error.into(),
+            RestoreError::Misfit(_) => {
+                failure.hint("--force goes on all the same: names and numbers can mean something else there")
+            }
+            _ => failure.hint(
+                "it can switch the axis on while values change; stop it first, or --force goes on while the axis is off",
+            ),
+        }
+    }
 }
 
 fn show(plan: &Plan, output: &Output) {
@@ -235,19 +215,9 @@ fn carry_out(
     way_back: &Path,
     output: &Output,
 ) -> Result<(), Error> {
-    let file = StateFile::document(way_back);
     let bar = connect::bar(output, set.total(), "writing");
-    let result = session
-        .apply_kept(drive, set, &mut |set| {
-            let done = set.count(|step| !matches!(step, Step::NotWritten | Step::InDoubt));
-            bar.set_position(done as u64);
-            if set.total() == 0 {
-                // nothing changes, so there is no way back
-                return Ok(());
-            }
-            file.replace(set.to_string().as_bytes()).map_err(Into::into)
-        })
-        .wait();
+    let progress = |done| bar.set_position(done as u64);
+    let result = settings::apply_with_way_back(session, drive, set, way_back, progress).wait();
     bar.finish_and_clear();
     result
 }
@@ -418,6 +388,8 @@ fn document(drive: &Drive, args: &Restore, plan: &Plan, file: Option<&Path>) -> 
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
+    use client::backup::Backup;
+
     use super::*;
 
     #[test]
