@@ -59,13 +59,6 @@ struct View<'a> {
     submodules: BTreeMap<&'a str, &'a Submodule>,
 }
 
-/// A submodule of a module with where it may be.
-struct Place<'a> {
-    subslots: String,
-    pluggable: bool,
-    submodule: &'a Submodule,
-}
-
 impl<'a> View<'a> {
     fn new(gsdml: &'a Gsdml, language: Option<&'a str>) -> Self {
         let mut slots: BTreeMap<&str, Vec<String>> = BTreeMap::new();
@@ -211,20 +204,15 @@ impl<'a> View<'a> {
     }
 
     /// Submodules of a module: those that are always there, then those that can be plugged.
-    fn places(&self, module: &'a Module) -> Vec<Place<'a>> {
-        let fixed = module.virtual_submodules.iter().map(|submodule| Place {
-            subslots: submodule.fixed_in_subslots.to_string(),
-            pluggable: false,
-            submodule,
-        });
+    fn submodules(&self, module: &'a Module) -> Vec<GsdmlSubmodule> {
+        let fixed = module.virtual_submodules.iter();
+        let fixed = fixed.map(|one| self.submodule(one.fixed_in_subslots.to_string(), false, one));
         let pluggable = module.submodules.iter().filter_map(|reference| {
             let lists = [&reference.fixed, &reference.used, &reference.allowed];
             let subslots = lists.into_iter().find(|list| !list.is_empty());
-            Some(Place {
-                subslots: subslots.map(ValueList::to_string).unwrap_or_default(),
-                pluggable: reference.fixed.is_empty(),
-                submodule: self.submodules.get(reference.target.as_str()).copied()?,
-            })
+            let subslots = subslots.map(ValueList::to_string).unwrap_or_default();
+            let submodule = self.submodules.get(reference.target.as_str())?;
+            Some(self.submodule(subslots, reference.fixed.is_empty(), submodule))
         });
         fixed.chain(pluggable).collect()
     }
@@ -247,41 +235,27 @@ impl<'a> View<'a> {
             ">input",
             ">output",
         ]);
-        for module in &self.gsdml.modules {
-            let name = self.name(&module.info, &module.id);
-            let head = [
-                name.to_owned(),
-                format!("0x{:08X}", module.ident),
-                self.slots(module),
-            ];
-            let places = self.places(module);
-            if places.is_empty() {
+        for module in self.gsdml.modules.iter().map(|module| self.module(module)) {
+            let ident = format!("0x{:08X}", module.ident);
+            let mut head = [module.name.clone(), ident, module.slots];
+            if module.submodules.is_empty() {
                 table.row(head.clone());
             }
-            for (number, place) in places.iter().enumerate() {
-                let submodule = place.submodule;
-                let own = submodule
-                    .info
-                    .as_ref()
-                    .map_or(submodule.id.as_str(), |info| self.name(info, &submodule.id));
-                let own = match (own == name, place.pluggable) {
+            for submodule in module.submodules {
+                let name = submodule.name.filter(|name| !name.is_empty());
+                let own = name.or(submodule.id).unwrap_or_default();
+                let own = match (own == module.name, submodule.pluggable) {
                     (true, _) => String::new(),
                     (false, true) => format!("+ {own}"),
-                    (false, false) => own.to_owned(),
+                    (false, false) => own,
                 };
-                let (input, output) = submodule.lengths();
-                let head = if number == 0 {
-                    head.clone()
-                } else {
-                    Default::default()
-                };
-                table.row(head.into_iter().chain([
-                    place.subslots.clone(),
+                table.row(std::mem::take(&mut head).into_iter().chain([
+                    submodule.subslots,
                     own,
                     format!("0x{:08X}", submodule.ident),
                     format!("0x{:04X}", submodule.api),
-                    input.to_string(),
-                    output.to_string(),
+                    submodule.input.to_string(),
+                    submodule.output.to_string(),
                 ]));
             }
         }
@@ -354,15 +328,13 @@ impl<'a> View<'a> {
     }
 
     fn module(&self, module: &'a Module) -> GsdmlModule {
-        let places = self.places(module).into_iter();
-        let submodules = places.map(|place| self.submodule(place.subslots, place.pluggable, place.submodule));
         GsdmlModule {
             id: module.id.clone(),
             name: self.name(&module.info, &module.id).to_owned(),
             ident: module.ident,
             info: self.text(module.info.info.as_ref()).to_owned(),
             slots: self.slots(module),
-            submodules: submodules.collect(),
+            submodules: self.submodules(module),
         }
     }
 
