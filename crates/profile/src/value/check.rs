@@ -1,7 +1,7 @@
 //! Values checked before they are sent.
 
 use alloc::borrow::ToOwned;
-use alloc::string::{String, ToString};
+use alloc::string::String;
 use core::str::FromStr;
 
 use crate::catalogue::{Access, Parameter, Scale};
@@ -338,6 +338,8 @@ pub(super) const fn sign_extend(raw: u64, bits: u32) -> i64 {
 
 #[cfg(test)]
 mod tests {
+    use alloc::string::ToString;
+
     use super::*;
     use crate::catalogue::{AKD, Scaling};
     use crate::unit::UnitChoice;
