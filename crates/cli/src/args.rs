@@ -102,18 +102,21 @@ pub struct Interface {
     /// Network interface towards the drives; else that of the variable PROFIDRIVE_INTERFACE, else the only one
     #[arg(short, long, value_name = "IFACE")]
     pub interface: Option<String>,
-    /// What the drive is to be taken for, where the person said so
-    #[arg(skip)]
-    pub model: Option<profile::model::Model>,
-    /// The device description of the drive's vendor, where the person has one
-    #[arg(skip)]
-    pub gsdml: Option<PathBuf>,
+}
+
+impl Interface {
+    /// Returns the way to this drive, taken for what it says it is.
+    pub fn to(&self, drive: &str) -> Towards {
+        let kind = Kind::default();
+        let interface = self.clone();
+        Way { interface, kind }.to(drive)
+    }
 }
 
 /// What a drive is taken for.
 #[derive(Debug, Clone, Default, Args)]
 pub struct Kind {
-    /// Takes the drive for an `akd`, `vlt` or `vacon` whatever it says it is, or by the profile alone: `standard`
+    /// Treat the drive as an `akd`, `vlt` or `vacon` whatever it identifies itself as, or by the profile alone: `standard`
     #[arg(long, value_name = "MODEL", value_parser = model)]
     pub model: Option<profile::model::Model>,
     /// Device description of the vendor: ident numbers of modules that are not in the tables, and whether the drive accepts
@@ -122,15 +125,51 @@ pub struct Kind {
     pub gsdml: Option<PathBuf>,
 }
 
-/// A command that speaks to a drive.
-#[derive(Debug, Args)]
-pub struct OnDrive<T: Args> {
-    #[command(flatten)]
-    pub args: T,
+/// The interface towards a drive, and what the drive is taken for.
+#[derive(Debug, Clone, Default, Args)]
+pub struct Way {
     #[command(flatten)]
     pub interface: Interface,
     #[command(flatten)]
     pub kind: Kind,
+}
+
+impl Way {
+    /// Returns the way to this drive.
+    pub fn to(&self, drive: &str) -> Towards {
+        Towards {
+            drive: drive.to_owned(),
+            way: self.clone(),
+        }
+    }
+}
+
+/// A drive and the way to it.
+#[derive(Debug)]
+pub struct Towards {
+    /// The drive as the user called it.
+    pub drive: String,
+    pub way: Way,
+}
+
+/// A command for one drive.
+#[derive(Debug, Args)]
+pub struct OnDrive<T: Args> {
+    /// Station name, IP address, MAC address, or fc:PORT/ADDRESS or uss:PORT/ADDRESS
+    pub drive: String,
+    #[command(flatten)]
+    pub args: T,
+    #[command(flatten)]
+    pub way: Way,
+}
+
+/// A command that has several drives, or files in their place, among its arguments.
+#[derive(Debug, Args)]
+pub struct OnDrives<T: Args> {
+    #[command(flatten)]
+    pub args: T,
+    #[command(flatten)]
+    pub way: Way,
 }
 
 /// A command that uses the network.
@@ -148,10 +187,10 @@ pub struct Global {
     /// Print data as JSON ("schema": "profidrive/1")
     #[arg(long, global = true)]
     pub json: bool,
-    /// Print data only, no talk
+    /// Print data only, without messages
     #[arg(short, long, global = true)]
     pub quiet: bool,
-    /// Also say how the drive is reached: which connection it accepts and which it refuses
+    /// Also print how the drive is reached: which connection it accepts and which it refuses
     #[arg(short, long, global = true, conflicts_with = "quiet")]
     pub verbose: bool,
 }
@@ -169,10 +208,10 @@ pub enum Command {
     /// Reset a station to factory values (asks first); `blink` first shows which one it is
     Reset(OnNetwork<Reset>),
     /// Show who a drive is and in which state
-    Info(OnDrive<Drive>),
+    Info(OnDrive<NoArguments>),
     /// Read parameters
     Read(OnDrive<Read>),
-    /// Write parameters: limits first, then old and new value, then read back
+    /// Write parameters: check limits, print old and new value, write, verify
     Write(OnDrive<Write>),
     /// List the parameters of a drive
     List(OnDrive<List>),
@@ -206,12 +245,12 @@ pub enum Command {
     /// Save the settings of a drive as text, one parameter a line
     Backup(OnDrive<Backup>),
     /// Compare the settings of two files, two drives, or a file and a drive
-    Diff(OnDrive<Diff>),
-    /// Bring saved settings back: shows its plan, writes a way back first, reads back
+    Diff(OnDrives<Diff>),
+    /// Restore saved settings: prints a plan, saves the present values first, writes, verifies
     Restore(OnDrive<Restore>),
-    /// Say in words what a number means
+    /// Explain what a number means
     Explain(Explain),
-    /// Say in words what a parameter job or a capture file contains
+    /// Explain what a parameter job or a capture file contains
     Decode(Decode),
     /// Device descriptions (GSDML): write that of a virtual drive, show one, check one
     Gsdml(Gsdml),
@@ -231,11 +270,9 @@ pub enum Command {
     Schema,
 }
 
+/// A command that needs its drive and nothing else.
 #[derive(Debug, Args)]
-pub struct Drive {
-    /// Station name, IP address, MAC address, or fc:PORT/ADDRESS or uss:PORT/ADDRESS
-    pub drive: String,
-}
+pub struct NoArguments {}
 
 /// What every command says that takes the axis.
 const CYCLIC: &str = "It takes the one cyclic connection of the drive, as a controller does: while a controller has it the \
@@ -245,8 +282,6 @@ this command there; end it first (Ctrl-C), then `stop`.";
 
 #[derive(Debug, Args)]
 pub struct Monitor {
-    /// Station name, IP address, MAC address, or fc:PORT/ADDRESS or uss:PORT/ADDRESS
-    pub drive: String,
     /// Parameters to watch besides the state
     #[arg(value_name = "PARAM")]
     pub parameters: Vec<String>,

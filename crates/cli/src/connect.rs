@@ -4,7 +4,7 @@ use client::{Drive, DriveAddress, Wait};
 use network::system::{Error as NetworkError, ForcedExit, Stop};
 use profidrive::{DescriptionError, DriveError, FindEvent, Network, OpenError, Opening};
 
-use crate::args::Interface;
+use crate::args::{Interface, Kind, Towards};
 use crate::commands::gsdml;
 use crate::failure::{Exit, Failure, exit_of};
 use crate::output::Output;
@@ -25,21 +25,16 @@ pub fn session(interface: &Interface, need: Need, output: &Output) -> Result<Liv
 }
 
 /// Opens the way to a drive and finds it.
-pub fn drive(
-    interface: &Interface,
-    need: Need,
-    text: &str,
-    output: &Output,
-) -> Result<(Live, Drive), Failure> {
-    let address: DriveAddress = text.parse().map_err(|error: client::DriveAddressError| {
+pub fn drive(to: &Towards, need: Need, output: &Output) -> Result<(Live, Drive), Failure> {
+    let address: DriveAddress = to.drive.parse().map_err(|error: client::DriveAddressError| {
         Failure::usage(error.to_string())
             .hint("DRIVE is a station name (akd-1), an IP address, a MAC address, or fc:PORT/ADDRESS or uss:PORT/ADDRESS at a serial line")
     })?;
-    let (mut opening, stop) = opening(interface, need)?;
-    if let Some(model) = interface.model {
+    let (mut opening, stop) = opening(&to.way.interface, need)?;
+    if let Some(model) = to.way.kind.model {
         opening = opening.as_model(model);
     }
-    if let Some(file) = &interface.gsdml {
+    if let Some(file) = &to.way.kind.gsdml {
         opening = opening.described_by(gsdml::read(file)?);
     }
     let session = opening.open_to(&address).map_err(without_right)?;
@@ -65,7 +60,7 @@ pub fn drive(
     if let Some(bar) = shown {
         bar.finish_and_clear();
     }
-    Ok((session, found.map_err(|error| failed(error, interface))?))
+    Ok((session, found.map_err(|error| failed(error, &to.way.kind))?))
 }
 
 fn opening(interface: &Interface, need: Need) -> Result<(Opening, Stop), Failure> {
@@ -115,7 +110,7 @@ fn without_right(error: OpenError) -> Failure {
 }
 
 /// Words the failure of a drive that was not found, or cannot be worked with.
-fn failed(error: DriveError, interface: &Interface) -> Failure {
+fn failed(error: DriveError, taken_for: &Kind) -> Failure {
     let kind = error.kind();
     match error {
         DriveError::Open(error) => without_right(error),
@@ -123,7 +118,7 @@ fn failed(error: DriveError, interface: &Interface) -> Failure {
         DriveError::Far { error, subnets } => Failure::from(*error).hint(subnets),
         DriveError::Subnet(error) => error.into(),
         DriveError::Description(error) => {
-            let file = interface
+            let file = taken_for
                 .gsdml
                 .as_deref()
                 .unwrap_or_else(|| "-".as_ref())

@@ -47,12 +47,54 @@ fn misunderstood(error: &clap::Error, command: String) -> ExitCode {
     } else {
         output.styled(&error.render());
     }
-    let text = error.render().to_string();
-    let message = text.lines().next().unwrap_or_default();
-    output.fail(&Failure::usage(message.trim_start_matches("error: ")));
+    output.fail(&mistake(&error.render().to_string()));
     if let Some(failure) = output.lost() {
         output.error(&failure);
         return ExitCode::from(failure.exit as u8);
     }
     ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(Exit::Usage as u8))
+}
+
+/// Returns the failure that the reader of the command line words: a message, indented details and tips, then the usage.
+fn mistake(text: &str) -> Failure {
+    let mut lines = text
+        .lines()
+        .take_while(|line| !line.starts_with("Usage:"))
+        .map(str::trim)
+        .filter(|line| !line.is_empty() && !line.starts_with("For more information"));
+    let message = lines.next().unwrap_or_default();
+    let (tips, details): (Vec<&str>, Vec<&str>) = lines.partition(|line| line.starts_with("tip: "));
+    let hint = tips.iter().map(|tip| tip.trim_start_matches("tip: "));
+    Failure {
+        details: details.into_iter().map(str::to_owned).collect(),
+        hint: Some(hint.collect::<Vec<_>>().join("; ")).filter(|hint| !hint.is_empty()),
+        ..Failure::usage(message.trim_start_matches("error: "))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(line: &str) -> Failure {
+        match Cli::read(line.split(' ')) {
+            Ok(_) => panic!("{line}"),
+            Err(error) => mistake(&error.render().to_string()),
+        }
+    }
+
+    #[test]
+    fn a_mistake_on_the_command_line_keeps_what_is_listed_and_what_to_do() {
+        let missing = of("profidrive read");
+        assert_eq!(missing.details, ["<DRIVE>", "<PARAM>..."]);
+        assert_eq!(missing.exit, Exit::Usage);
+        let misspelt = of("profidrive raed akd-1");
+        assert_eq!(misspelt.message, "unrecognized subcommand 'raed'");
+        assert!(misspelt.hint.is_some_and(|hint| hint.contains("'read'")));
+        let choices = of("profidrive explain 1 --as nothing").details;
+        assert!(
+            choices.iter().any(|line| line.contains("possible values: stw1")),
+            "{choices:?}"
+        );
+    }
 }

@@ -57,7 +57,7 @@ pub enum Error {
         seen: String,
     },
     /// No station with this name or address answered.
-    #[error("no station {drive} answered{}", others(.drive, .heard))]
+    #[error("no answer from {drive}{}", others(.drive, .heard))]
     NotFound {
         /// Who was looked for.
         drive: DriveAddress,

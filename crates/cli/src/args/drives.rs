@@ -7,8 +7,6 @@ use client::backup::Pattern;
 
 #[derive(Debug, Args)]
 pub struct Status {
-    /// Station name, IP address, MAC address, or fc:PORT/ADDRESS or uss:PORT/ADDRESS
-    pub drive: String,
     /// Only the sentence, and what else stands in the way
     #[arg(long)]
     pub short: bool,
@@ -16,8 +14,6 @@ pub struct Status {
 
 #[derive(Debug, Args)]
 pub struct Faults {
-    /// Station name, IP address, MAC address, or fc:PORT/ADDRESS or uss:PORT/ADDRESS
-    pub drive: String,
     /// Also the faults that were acknowledged, situation by situation
     #[arg(long)]
     pub history: bool,
@@ -25,8 +21,6 @@ pub struct Faults {
 
 #[derive(Debug, Args)]
 pub struct Backup {
-    /// Station name, IP address, MAC address, or fc:PORT/ADDRESS or uss:PORT/ADDRESS
-    pub drive: String,
     /// File to write; the settings go to stdout when left out
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
@@ -47,8 +41,6 @@ pub struct Diff {
 
 #[derive(Debug, Args)]
 pub struct Restore {
-    /// Station name, IP address, MAC address, or fc:PORT/ADDRESS or uss:PORT/ADDRESS
-    pub drive: String,
     /// The backup
     pub file: PathBuf,
     /// Only these parameters: a name with * for any part (MOTOR.*) or a number; may be given several times
@@ -57,7 +49,7 @@ pub struct Restore {
     /// Show what would be written, but write nothing
     #[arg(long)]
     pub dry_run: bool,
-    /// Let the drive keep the values over power-off (DRV.NVSAVE), once all are written and read back
+    /// Let the drive keep the values over power-off (DRV.NVSAVE), once all are written and verified
     #[arg(long)]
     pub save: bool,
     /// Where to write the values that the drive has before; FILE.before-1, -2, .. when left out

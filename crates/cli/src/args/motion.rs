@@ -42,8 +42,6 @@ pub struct InMode {
 
 #[derive(Debug, Args)]
 pub struct Ack {
-    /// Station name, IP address, MAC address, or fc:PORT/ADDRESS or uss:PORT/ADDRESS
-    pub drive: String,
     /// By a parameter (DRV.CLRFAULTS) instead of the control word: takes no control, works beside a controller
     #[arg(long, conflicts_with_all = ["cycle", "watchdog"])]
     pub by_parameter: bool,
@@ -53,8 +51,6 @@ pub struct Ack {
 
 #[derive(Debug, Args)]
 pub struct Run {
-    /// Station name, IP address, MAC address, or fc:PORT/ADDRESS or uss:PORT/ADDRESS
-    pub drive: String,
     /// Speed: 60rpm, -1rps, or 20% of the reference of the drive; a bare number is in rpm
     #[arg(long, value_name = "SPEED", allow_hyphen_values = true)]
     pub velocity: Quantity,
@@ -80,8 +76,6 @@ pub struct Run {
 
 #[derive(Debug, Args)]
 pub struct Jog {
-    /// Station name, IP address, MAC address, or fc:PORT/ADDRESS or uss:PORT/ADDRESS
-    pub drive: String,
     /// Which jog setpoint of the drive: 1 (STW1 bit 8) or 2 (bit 9)
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..=2))]
     pub jog: u8,
@@ -107,8 +101,6 @@ pub struct Jog {
 
 #[derive(Debug, Args)]
 pub struct Home {
-    /// Station name, IP address, MAC address, or fc:PORT/ADDRESS or uss:PORT/ADDRESS
-    pub drive: String,
     /// Stop if homing takes longer
     #[arg(long, value_name = "TIME", default_value = "60s", value_parser = duration)]
     pub timeout: Duration,
@@ -118,8 +110,6 @@ pub struct Home {
 
 #[derive(Debug, Args)]
 pub struct Move {
-    /// Station name, IP address, MAC address, or fc:PORT/ADDRESS or uss:PORT/ADDRESS
-    pub drive: String,
     /// Where to: 10rev, -90deg, 655360 (counts); with --relative how far
     #[arg(long, value_name = "POSITION", allow_hyphen_values = true)]
     pub to: Quantity,
@@ -150,8 +140,6 @@ pub struct Move {
 
 #[derive(Debug, Args)]
 pub struct Task {
-    /// Station name, IP address, MAC address, or fc:PORT/ADDRESS or uss:PORT/ADDRESS
-    pub drive: String,
     /// Number of the motion task in the table of the drive
     #[arg(value_name = "NUMBER", value_parser = clap::value_parser!(u16).range(1..=128))]
     pub number: u16,
@@ -164,8 +152,6 @@ pub struct Task {
 
 #[derive(Debug, Args)]
 pub struct Stop {
-    /// Station name, IP address, MAC address, or fc:PORT/ADDRESS or uss:PORT/ADDRESS
-    pub drive: String,
     /// Switch the power stage off too (AKD: DRV.DIS; all others are always switched off); its controller needs OFF and ON
     /// afterwards
     #[arg(long)]

@@ -4,8 +4,6 @@ use clap::Args;
 
 #[derive(Debug, Args)]
 pub struct Read {
-    /// Station name, IP address, MAC address, or fc:PORT/ADDRESS or uss:PORT/ADDRESS
-    pub drive: String,
     /// Parameters: DRV.ACC, 930, p930, r947[0], 947[0..7], 0x3A2; of a VLT 1-20, of a Vacon ID103
     #[arg(required = true, value_name = "PARAM")]
     pub parameters: Vec<String>,
@@ -16,8 +14,6 @@ pub struct Read {
 
 #[derive(Debug, Args)]
 pub struct Write {
-    /// Station name, IP address, MAC address, or fc:PORT/ADDRESS or uss:PORT/ADDRESS
-    pub drive: String,
     /// Assignments: DRV.ACC=5000rpm/s, 930=1, p930=0x0001; of a VLT 3-41=5s, of a Vacon ID103=5s
     #[arg(required = true, value_name = "PARAM=VALUE")]
     pub assignments: Vec<String>,
@@ -31,8 +27,6 @@ pub struct Write {
 
 #[derive(Debug, Args)]
 pub struct List {
-    /// Station name, IP address, MAC address, or fc:PORT/ADDRESS or uss:PORT/ADDRESS
-    pub drive: String,
     /// Only parameters with this text in name, number or description
     #[arg(long, value_name = "TEXT")]
     pub filter: Option<String>,
@@ -46,8 +40,6 @@ pub struct List {
 
 #[derive(Debug, Args)]
 pub struct Describe {
-    /// Station name, IP address, MAC address, or fc:PORT/ADDRESS or uss:PORT/ADDRESS
-    pub drive: String,
     /// Parameter: DRV.ACC, 930, p930, 0x3A2; of a VLT 1-20, of a Vacon ID103
     #[arg(value_name = "PARAM")]
     pub parameter: String,

@@ -8,19 +8,18 @@ use network::files::StateFile;
 use profidrive::report::BackupReport;
 
 use crate::advice::Commands;
-use crate::args;
-use crate::args::Interface;
+use crate::args::{self, Towards};
 use crate::connect::{self, Need};
 use crate::failure::{Exit, Failure};
 use crate::output::Output;
 
-pub fn run(args: &args::Backup, interface: &Interface, output: &Output) -> Result<(), Failure> {
+pub fn run(args: &args::Backup, to: &Towards, output: &Output) -> Result<(), Failure> {
     // what cannot be written is reported before anything is read
     let old = match &args.output {
         Some(path) => replaceable(path, args.force)?,
         None => None,
     };
-    let (backup, drive) = whole(&args.drive, interface, output)?;
+    let (backup, drive) = whole(to, output)?;
     let label = drive.label();
     check_content(&backup, &label)?;
     let text = backup.to_string();
@@ -132,8 +131,8 @@ fn reasons(refused: &[Refusal]) -> String {
 const MOST_NAMED: usize = 3;
 
 /// Returns all settings of a drive, and the drive.
-pub fn whole(name: &str, interface: &Interface, output: &Output) -> Result<(Backup, Drive), Failure> {
-    let (mut session, mut drive) = connect::drive(interface, Need::Records, name, output)?;
+pub fn whole(to: &Towards, output: &Output) -> Result<(Backup, Drive), Failure> {
+    let (mut session, mut drive) = connect::drive(to, Need::Records, output)?;
     let bar = connect::bar(output, 0, "reading");
     let backup = session
         .backup(&mut drive, &mut |done, of| {

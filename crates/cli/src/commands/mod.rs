@@ -27,7 +27,7 @@ mod status;
 mod stop;
 mod task;
 
-use crate::args::{Cli, Command, Interface, OnDrive};
+use crate::args::{Cli, Command, Interface, OnDrive, Towards, Way};
 use crate::failure::Failure;
 use crate::output::Output;
 
@@ -46,7 +46,7 @@ pub fn run(cli: &Cli, output: &Output) -> Result<(), Failure> {
         Command::Ip(on) => address::ip(&on.args, interface(cli, &on.interface), output),
         Command::Blink(on) => address::blink(&on.args, interface(cli, &on.interface), output),
         Command::Reset(on) => address::reset(&on.args, interface(cli, &on.interface), output),
-        Command::Info(on) => info::run(&on.args, &towards(cli, on), output),
+        Command::Info(on) => info::run(&towards(cli, on), output),
         Command::Read(on) => parameters::read(&on.args, &towards(cli, on), output),
         Command::Write(on) => parameters::write(&on.args, &towards(cli, on), output),
         Command::List(on) => parameters::list(&on.args, &towards(cli, on), output),
@@ -62,7 +62,7 @@ pub fn run(cli: &Cli, output: &Output) -> Result<(), Failure> {
         Command::Monitor(on) => motion::monitor(&on.args, &towards(cli, on), output),
         Command::Faults(on) => faults::run(&on.args, &towards(cli, on), output),
         Command::Backup(on) => backup::run(&on.args, &towards(cli, on), output),
-        Command::Diff(on) => diff::run(&on.args, &towards(cli, on), output),
+        Command::Diff(on) => diff::run(&on.args, &way(cli, &on.way), output),
         Command::Restore(on) => restore::run(&on.args, &towards(cli, on), output),
         Command::Explain(args) => explain::run(args, output),
         Command::Decode(args) => {
@@ -89,23 +89,23 @@ pub fn drive(command: &Command) -> Option<&str> {
         Command::Ip(on) => &on.args.drive,
         Command::Blink(on) => &on.args.drive,
         Command::Reset(on) => &on.args.drive,
-        Command::Info(on) => &on.args.drive,
-        Command::Read(on) => &on.args.drive,
-        Command::Write(on) => &on.args.drive,
-        Command::List(on) => &on.args.drive,
-        Command::Describe(on) => &on.args.drive,
-        Command::Run(on) => &on.args.drive,
-        Command::Jog(on) => &on.args.drive,
-        Command::Move(on) => &on.args.drive,
-        Command::Task(on) => &on.args.drive,
-        Command::Home(on) => &on.args.drive,
-        Command::Stop(on) => &on.args.drive,
-        Command::Status(on) => &on.args.drive,
-        Command::Ack(on) => &on.args.drive,
-        Command::Monitor(on) => &on.args.drive,
-        Command::Faults(on) => &on.args.drive,
-        Command::Backup(on) => &on.args.drive,
-        Command::Restore(on) => &on.args.drive,
+        Command::Info(on) => &on.drive,
+        Command::Read(on) => &on.drive,
+        Command::Write(on) => &on.drive,
+        Command::List(on) => &on.drive,
+        Command::Describe(on) => &on.drive,
+        Command::Run(on) => &on.drive,
+        Command::Jog(on) => &on.drive,
+        Command::Move(on) => &on.drive,
+        Command::Task(on) => &on.drive,
+        Command::Home(on) => &on.drive,
+        Command::Stop(on) => &on.drive,
+        Command::Status(on) => &on.drive,
+        Command::Ack(on) => &on.drive,
+        Command::Monitor(on) => &on.drive,
+        Command::Faults(on) => &on.drive,
+        Command::Backup(on) => &on.drive,
+        Command::Restore(on) => &on.drive,
         Command::Inject(args) => args.drive.as_deref()?,
         Command::Scan(_)
         | Command::Diff(_)
@@ -134,12 +134,16 @@ const fn offline(command: &Command) -> Option<&'static str> {
     }
 }
 
-/// The interface of a command that speaks to a drive, and what the drive is to be taken for.
-fn towards<T: clap::Args>(cli: &Cli, on: &OnDrive<T>) -> Interface {
-    Interface {
-        model: on.kind.model,
-        gsdml: on.kind.gsdml.clone(),
-        ..interface(cli, &on.interface).clone()
+/// The drive of a command and the way to it.
+fn towards<T: clap::Args>(cli: &Cli, on: &OnDrive<T>) -> Towards {
+    way(cli, &on.way).to(&on.drive)
+}
+
+/// The way to the drives of a command.
+fn way(cli: &Cli, own: &Way) -> Way {
+    Way {
+        interface: interface(cli, &own.interface).clone(),
+        ..own.clone()
     }
 }
 

@@ -6,13 +6,13 @@ use profidrive::motion::{self, MoveReport, Start};
 use profile::notation::Quantity;
 
 use super::axis::{self, rounded};
-use crate::args::{Interface, Move};
+use crate::args::{Move, Towards};
 use crate::connect::Need;
 use crate::failure::Failure;
 use crate::output::Output;
 use crate::render::number;
 
-pub fn run(args: &Move, interface: &Interface, output: &Output) -> Result<(), Failure> {
+pub fn run(args: &Move, to: &Towards, output: &Output) -> Result<(), Failure> {
     let order = order(args)?;
     let wanted = motion::Move {
         order,
@@ -23,9 +23,9 @@ pub fn run(args: &Move, interface: &Interface, output: &Output) -> Result<(), Fa
     wanted.check()?;
     let relative = wanted.order.relative;
     if args.dry_run {
-        return try_out(args, &wanted, interface, output);
+        return try_out(&wanted, to, output);
     }
-    axis::with_drive(interface, Need::Cyclic, &args.drive, output, |session, drive| {
+    axis::with_drive(to, Need::Cyclic, output, |session, drive| {
         let start = Box::new(move |start: &_, telegram| match start {
             Start::Move(plan) => Some(format!("{}, telegram {telegram}", plan_text(plan, relative))),
             _ => None,
@@ -37,19 +37,13 @@ pub fn run(args: &Move, interface: &Interface, output: &Output) -> Result<(), Fa
 }
 
 /// Everything that `move` reads and checks; nothing is sent that changes anything.
-fn try_out(
-    args: &Move,
-    wanted: &motion::Move,
-    interface: &Interface,
-    output: &Output,
-) -> Result<(), Failure> {
-    let (plan, report) =
-        axis::with_drive(interface, Need::Records, &args.drive, output, |session, drive| {
-            let observer = axis::observer(&drive.label(), Box::new(|_, _| None), output);
-            let plan = motion::plan_move(session, drive, wanted, &observer).wait()?;
-            let report = MoveReport::of(&plan, drive);
-            Ok((plan, report))
-        })?;
+fn try_out(wanted: &motion::Move, to: &Towards, output: &Output) -> Result<(), Failure> {
+    let (plan, report) = axis::with_drive(to, Need::Records, output, |session, drive| {
+        let observer = axis::observer(&drive.label(), Box::new(|_, _| None), output);
+        let plan = motion::plan_move(session, drive, wanted, &observer).wait()?;
+        let report = MoveReport::of(&plan, drive);
+        Ok((plan, report))
+    })?;
     output.say(&format!(
         "dry run: {} {}; nothing moves",
         report.drive,

@@ -138,8 +138,11 @@ pub(super) fn others(drive: &DriveAddress, stations: &[Station]) -> String {
     let names: Vec<String> = nearest.into_iter().take(MOST_LISTED).map(describe).collect();
     let list = names.join(", ");
     match more {
-        0 => format!("; heard: {list}"),
-        _ => format!("; heard {}, the nearest: {list} and {more} more", stations.len()),
+        0 => format!("; stations that answered: {list}"),
+        _ => format!(
+            "; {} stations answered, the nearest: {list} and {more} more",
+            stations.len()
+        ),
     }
 }
 
@@ -208,13 +211,13 @@ mod tests {
             };
             let message = not_found(80).to_string();
             assert!(
-                message.contains(&format!("; heard 80, the nearest: {first}, ")),
+                message.contains(&format!("; 80 stations answered, the nearest: {first}, ")),
                 "{message}"
             );
             assert!(message.ends_with(" and 72 more"), "{message}");
             let all = not_found(8).to_string();
             assert!(
-                all.contains("; heard: akd-1 (") && all.contains("akd-8 ("),
+                all.contains("; stations that answered: akd-1 (") && all.contains("akd-8 ("),
                 "{all}"
             );
         }

@@ -8,15 +8,15 @@ use profile::value::{Parameters, Selection};
 
 use super::{name_bits, values_table};
 use crate::advice::Commands;
-use crate::args::{Interface, List};
+use crate::args::{List, Towards};
 use crate::connect::{self, Need};
 use crate::failure::{Exit, Failure};
 use crate::output::Output;
 use crate::render::Page;
 use crate::render::table::Table;
 
-pub fn list(args: &List, interface: &Interface, output: &Output) -> Result<(), Failure> {
-    let (mut session, mut drive) = connect::drive(interface, Need::Records, &args.drive, output)?;
+pub fn list(args: &List, to: &Towards, output: &Output) -> Result<(), Failure> {
+    let (mut session, mut drive) = connect::drive(to, Need::Records, output)?;
     let Some(tables) = drive.model.catalogue else {
         return list_numbers(&mut session, &mut drive, output);
     };
