@@ -121,9 +121,9 @@ fn lines(report: &StatusReport) -> Vec<String> {
     line("mode", report.operating_mode.map(mode_text));
     line(
         "setpoints",
-        report.command_source.map(|source| {
-            let text = report.command_source_text.unwrap_or("not in the tables");
-            format!("from {source}, {text} (DRV.CMDSOURCE)")
+        report.command_source.as_ref().map(|source| {
+            let text = source.meaning.as_deref().unwrap_or("not in the tables");
+            format!("from {}, {text} (DRV.CMDSOURCE)", source.number)
         }),
     );
     let torque = |allowed| {

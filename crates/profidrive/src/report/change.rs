@@ -180,7 +180,7 @@ pub struct SkippedSetting {
     /// Whether that is because the drive cannot have it.
     pub refused: bool,
     /// The setting in the file.
-    pub file: Parameter,
+    pub setting: Parameter,
 }
 
 impl From<&Skipped> for SkippedSetting {
@@ -188,7 +188,7 @@ impl From<&Skipped> for SkippedSetting {
         Self {
             why: skipped.why.to_string(),
             refused: skipped.why.is_refusal(),
-            file: Parameter::from(&skipped.reading),
+            setting: Parameter::from(&skipped.reading),
         }
     }
 }

@@ -37,16 +37,14 @@ pub struct StatusReport {
     pub telegram: Option<u16>,
     /// Operating mode (PNU 930): 1 speed control, 2 positioning.
     pub operating_mode: Option<u16>,
-    /// Where the setpoints come from: 1 is the field bus.
-    pub command_source: Option<u16>,
-    /// What that source is called.
-    pub command_source_text: Option<&'static str>,
+    /// Where the setpoints come from; `meaning` is what that source is called.
+    pub command_source: Option<Word>,
     /// What keeps the power stage off.
     pub disable_sources: Option<Word>,
     /// What keeps the axis from moving.
     pub motion_disable_sources: Option<Word>,
-    /// Status of the motion (DRV.MOTIONSTAT).
-    pub motion_status: Option<u32>,
+    /// Status of the motion.
+    pub motion_status: Option<Word>,
     /// False for safe torque off.
     pub torque_allowed: Option<bool>,
     /// Whether the axis has its home position; null in velocity mode.
@@ -97,7 +95,8 @@ impl StatusReport {
         next: Option<String>,
         wording: &dyn Wording,
     ) -> Self {
-        let word = |part, word: Option<u16>| word.map(|word| part_word(tables, part, word));
+        let word =
+            |part, word: Option<u16>| word.map(|word| part_word(tables, part, word.into(), hex16(word)));
         let notes = diagnosis.notes.iter().map(|note| StatusNote {
             cause: note.id,
             sentence: note.sentence.clone(),
@@ -127,11 +126,15 @@ impl StatusReport {
             controller: Controller::of(status.controller.as_ref()),
             telegram: status.telegram,
             operating_mode: status.mode,
-            command_source: status.command_source,
-            command_source_text: status.command_source_text,
+            command_source: word(Part::CommandSource, status.command_source).map(|word| Word {
+                meaning: status.command_source_text.map(str::to_owned),
+                ..word
+            }),
             disable_sources: word(Part::DisableSources, status.disable_sources),
             motion_disable_sources: word(Part::MotionDisableSources, status.motion_disable_sources),
-            motion_status: status.motion,
+            motion_status: status
+                .motion
+                .map(|word| part_word(tables, Part::MotionStatus, word.into(), format!("0x{word:08X}"))),
             torque_allowed: status.torque_allowed,
             homed: status
                 .zsw1
@@ -153,16 +156,16 @@ impl StatusReport {
 }
 
 /// A word whose bits the tables of a drive name.
-fn part_word(tables: Option<&Catalogue>, part: Part, word: u16) -> Word {
+fn part_word(tables: Option<&Catalogue>, part: Part, number: u64, hex: String) -> Word {
     let known = tables.and_then(|tables| {
         let parameter = tables.part(part)?;
         tables.word_at(parameter.pnu, parameter.base)
     });
     Word {
-        number: word.into(),
-        hex: hex16(word),
+        number,
+        hex,
         bits: known.map_or_else(Vec::new, |known| {
-            known.describe(word.into(), Profile::default(), Mode::default())
+            known.describe(number, Profile::default(), Mode::default())
         }),
         meaning: None,
     }

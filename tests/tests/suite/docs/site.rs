@@ -172,9 +172,12 @@ fn code(page: &Page) -> Vec<Vec<String>> {
 
 /// Returns true when the lines stand in the text in this order; others may be between them.
 fn quotes(text: &str, lines: &[String]) -> bool {
-    let mut rest = text
-        .lines()
-        .map(|line| line.trim().trim_start_matches("//!").trim());
+    let mut rest = text.lines().map(|line| {
+        line.trim()
+            .trim_start_matches("//!")
+            .trim_start_matches("///")
+            .trim()
+    });
     lines.iter().all(|line| rest.any(|other| other == line))
 }
 
