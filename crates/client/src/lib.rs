@@ -1,4 +1,4 @@
-//! What one wants of a drive: find it, know it, read and write its parameters, run it.
+//! Client for drives: finds and identifies them, reads and writes their parameters, runs their axes.
 //!
 //! The profile (`profidrive`) and the controller (`profinet::controller`) meet here. Still no I/O: a
 //! [`Medium`](profinet::Medium) carries the bytes. [`Client`] is the state machine, for programs with a loop of their own.
@@ -8,7 +8,7 @@
 //! | to | use |
 //! |---|---|
 //! | find, name, address, blink, reset | [`Session::scan`], [`Session::find`], [`Session::set_name`], [`Session::set_ip`], .. |
-//! | know | [`Session::info`], [`Session::status`] with [`status::diagnose`], [`Session::faults`], [`Session::snapshot`] |
+//! | identify and diagnose | [`Session::info`], [`Session::status`] with [`status::diagnose`], [`Session::faults`], [`Session::snapshot`] |
 //! | read and write | [`Session::read`], [`Session::write`] with [`profile::value`] |
 //! | save, compare, restore | [`backup`], [`Session::backup`], [`Session::plan`] |
 //! | change, verify, undo | [`change`], [`Session::apply`], [`Session::undo`] |

@@ -123,7 +123,7 @@ fn decode(octets: &[u8]) -> Result<Cow<'_, str>, Problem> {
                     },
                     ..unusable(
                         Rule::Encoding,
-                        "an octet that is no UTF-8, which the file says it is in".into(),
+                        "an octet is not valid UTF-8, the declared encoding of the file".into(),
                     )
                 })
             }

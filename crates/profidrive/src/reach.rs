@@ -1,4 +1,4 @@
-//! Whether a drive and this computer can speak IP with each other, known before anything is asked.
+//! Whether a drive and this computer can exchange IP packets, checked before any request is sent.
 
 use std::net::Ipv4Addr;
 
@@ -15,7 +15,7 @@ pub enum Reach {
 
 /// Two subnets and no gateway: no answer can come.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("{}: two subnets, and the drive knows no gateway: no answer can come", both(.interface, .own, .drive, *.station))]
+#[error("{}: two subnets, and the drive has no gateway: no answer can come", both(.interface, .own, .drive, *.station))]
 pub struct OtherSubnet {
     /// The drive as it is called.
     pub drive: String,
@@ -143,7 +143,7 @@ mod tests {
         let error = reach("plc", &own, "akd-1", suite([192, 168, 5, 11], 24, NONE)).unwrap_err();
         assert_eq!(
             error.to_string(),
-            "akd-1 has 192.168.5.11/24, plc has 10.0.0.1/24: two subnets, and the drive knows no gateway: no answer can come"
+            "akd-1 has 192.168.5.11/24, plc has 10.0.0.1/24: two subnets, and the drive has no gateway: no answer can come"
         );
         assert_eq!(
             (error.own_subnet(), error.subnet(), error.prefix()),

@@ -147,8 +147,8 @@ impl<'a> Request<'a> {
 /// A request that cannot be written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum EncodeError {
-    /// The drive does not know such a request, or it is of the other direction.
-    #[error("the drive knows no such request with ID 0x{:02X}", id.octet())]
+    /// The drive does not support the request, or the ID is that of a response.
+    #[error("the drive does not support request ID 0x{:02X}", id.octet())]
     Request {
         /// ID of the request.
         id: RequestId,
@@ -219,7 +219,7 @@ pub fn encode_read(
 /// Writes a read request with an ID of its own: Danfoss has [`RequestId::ReadWide`].
 ///
 /// # Errors
-/// As [`encode_read`], and when the drive knows no such read request.
+/// As [`encode_read`], and when the drive does not support the read request.
 pub fn encode_read_as(
     id: RequestId,
     reference: u8,
@@ -265,7 +265,7 @@ pub fn encode_change(
 /// Writes a change request with an ID of its own, see [`Dialect::change_id`].
 ///
 /// # Errors
-/// As [`encode_change`], and when the drive knows no such change request.
+/// As [`encode_change`], and when the drive does not support the change request.
 ///
 /// ```
 /// use profidrive_profile::parameter::{Dialect, Format, NewValue, ParameterAddress, RequestId, encode_change_as};

@@ -172,9 +172,9 @@ impl Machine {
         self.acknowledge_level = true;
     }
 
-    /// Gives OFF, as often as it takes, so that the word of `inputs` starts the motor in the next step: twice, as taking
-    /// control leads to S1 and OFF from there to S2. For who starts by a level and knows no OFF: a service channel, or a
-    /// control word profile ([`Start::ByLevel`](super::Start)). A new fault and an acknowledge in `inputs` do not count.
+    /// Gives OFF twice, so that the word of `inputs` starts the motor in the next step: taking control leads to S1, and OFF
+    /// from there to S2. For sources without an OFF command that start by a level: a service channel, or a control word
+    /// profile ([`Start::ByLevel`](super::Start)). Ignores a new fault and an acknowledge in `inputs`.
     pub fn rearm(&mut self, inputs: &Inputs) -> Path {
         let off = Inputs {
             stw1: inputs.stw1.without(Stw1::ON),

@@ -81,7 +81,7 @@ impl Drive {
         output.zsw1.0
     }
 
-    /// Returns the control word of the service channel, which knows no OFF: run. Else that of the panel.
+    /// Returns the control word of the service channel, which has no OFF command: run. Otherwise that of the panel.
     fn local_word(&mut self) -> Option<Stw1> {
         if self.service == Service::Starting {
             self.service = Service::On;

@@ -75,8 +75,8 @@ impl Drive {
         speed.filter(|_| self.external.panel.has && self.settings.mode == Mode::Speed)
     }
 
-    /// Returns the control word of local operation, if anything but the bus has the drive. The service channel knows no
-    /// OFF; a panel gives OFF first where the machine requests it.
+    /// Returns the control word of local operation, if anything but the bus has the drive. The service channel has no
+    /// OFF command; a panel gives OFF first where the machine requires it.
     pub(super) fn panel_word(&self) -> Option<Stw1> {
         let stopped = self.panel_speed().is_none() || self.state() == State::S1;
         self.is_local()

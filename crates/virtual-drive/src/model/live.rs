@@ -165,7 +165,7 @@ pub enum Quantity {
     InverterLoad,
     /// Power in the brake resistor, kW.
     BrakePower,
-    /// What the reference asks for, rpm.
+    /// Speed that the reference requests, rpm.
     Reference,
     /// The same, Hz.
     ReferenceFrequency,

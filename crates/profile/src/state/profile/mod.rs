@@ -327,7 +327,7 @@ impl Profile {
         bits::describe(self.status_bits(mode), word)
     }
 
-    /// What a control word asks for while the drive is in this state. The drive keeps it when the machine
+    /// Returns what a control word requests while the drive is in this state. The drive keeps it when the machine
     /// [accepted](Output::accepted) the word that came with it.
     #[must_use]
     pub fn orders(self, word: u16, state: State) -> Orders {
@@ -437,7 +437,7 @@ impl Profile {
         word
     }
 
-    /// The control word that asks for what this STW1 asks for.
+    /// Returns the control word that requests the same as this STW1.
     #[must_use]
     pub fn control(self, stw1: Stw1) -> u16 {
         let facts = self.facts();

@@ -1,9 +1,9 @@
-//! Which profile the words of a make have.
+//! Which profile the control and status words of a vendor have.
 
 use super::Profile;
 use crate::telegram::Telegram;
 
-/// Whose bits the control and status words of a make have.
+/// Which bits the control and status words of a vendor have.
 ///
 /// Which parameter chooses, where one does, is in the tables of the model
 /// ([`Part::ControlProfile`](crate::catalogue::Part::ControlProfile)).
