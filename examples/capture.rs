@@ -1,8 +1,6 @@
-//! Record the traffic of a simulated segment and read it back.
+//! Record the traffic of a plant in memory and read it back.
 //!
 //! `cargo run -p examples --example capture -- traffic.pcapng`
-
-mod common;
 
 use std::error::Error;
 use std::fs::File;
@@ -11,19 +9,22 @@ use std::io::BufReader;
 use client::{DriveAddress, Wait};
 use network::files;
 use network::pcap::{Reader, Writer};
+use profidrive::Way;
 use profinet::wire::ethernet::Frame;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let path = std::env::args().nth(1).ok_or("give a file to write")?;
     let file = files::create(path.as_ref())?;
-    let (mut session, world) = common::network();
-    world
-        .wire()
-        .segment_mut()
-        .add_tap(Box::new(Writer::starting_now(file, "segment")?));
-    session.find(&DriveAddress::Name("akd-1".into())).wait()?;
-    session.close().wait()?;
-    world.wire().segment_mut().finish_taps()?;
+    let mut network = profidrive::open_plant("examples/plants/one_drive.toml")?;
+    let Way::Plant(plant) = network.way().clone() else {
+        return Err("not a plant".into());
+    };
+    plant
+        .world()
+        .add_tap(Box::new(Writer::starting_now(file, "plant")?));
+    network.find(&DriveAddress::Name("akd-1".into())).wait()?;
+    network.close().wait()?;
+    plant.world().finish_taps()?;
     for captured in Reader::new(BufReader::new(File::open(&path)?))? {
         let captured = captured?;
         match Frame::parse(&captured.frame) {

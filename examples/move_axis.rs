@@ -2,8 +2,6 @@
 //!
 //! `cargo run -p examples --example move_axis`
 
-mod common;
-
 use std::error::Error;
 use std::time::Duration;
 
@@ -13,10 +11,10 @@ use profile::notation::Position;
 use profile::state::Mode;
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let (mut session, _) = common::network();
-    let mut drive = session.find(&DriveAddress::Name("akd-1".into())).wait()?;
-    session.set_operating_mode(&mut drive, Mode::Position).wait()?;
-    let mut axis = session
+    let mut network = profidrive::open_plant("examples/plants/one_drive.toml")?;
+    let mut drive = network.find(&DriveAddress::Name("akd-1".into())).wait()?;
+    network.set_operating_mode(&mut drive, Mode::Position).wait()?;
+    let mut axis = network
         .take_axis(&mut drive, AxisSettings::for_purpose(Purpose::Move))
         .wait()?;
     let mut enabled = axis.enable().wait()?;

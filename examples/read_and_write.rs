@@ -2,16 +2,14 @@
 //!
 //! `cargo run -p examples --example read_and_write`
 
-mod common;
-
 use std::error::Error;
 
 use client::{DriveAddress, Wait, WriteMode};
 use profile::value::Assignment;
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let (mut session, _) = common::network();
-    let mut drive = session.find(&DriveAddress::Name("akd-1".into())).wait()?;
+    let mut network = profidrive::open_plant("examples/plants/one_drive.toml")?;
+    let mut drive = network.find(&DriveAddress::Name("akd-1".into())).wait()?;
     println!("found {}", client::describe(&drive.station));
 
     let names = ["DRV.ACC", "VBUS.VALUE", "r947[0]"];
@@ -19,7 +17,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         .iter()
         .map(|name| drive.select(name))
         .collect::<Result<Vec<_>, _>>()?;
-    for result in session.read(&mut drive, &selections).wait()? {
+    for result in network.read(&mut drive, &selections).wait()? {
         match result {
             Ok(reading) => println!(
                 "{:12} {:8} {} {}",
@@ -34,12 +32,12 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     // Checked against the table of the drive before anything is sent; old and new value come back.
     let change: Assignment = "DRV.ACC=5000rpm/s".parse()?;
-    let set = session.write(&mut drive, &[change], WriteMode::Write).wait()?;
+    let set = network.write(&mut drive, &[change], WriteMode::Write).wait()?;
     set.accepted()?;
     for change in set.changes() {
         let old = change.old.as_ref().and_then(|old| old.as_ref().ok()?.number());
         println!("DRV.ACC {old:?} -> {:?}: {}", change.new.number(), change.step);
     }
-    session.close().wait()?;
+    network.close().wait()?;
     Ok(())
 }

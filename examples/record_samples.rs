@@ -3,8 +3,6 @@
 //!
 //! `cargo run -p examples --example record_samples >ramp.csv`
 
-mod common;
-
 use std::error::Error;
 use std::io::Write;
 use std::time::Duration;
@@ -15,9 +13,9 @@ use client::{AxisSettings, DriveAddress, Samples, Wait};
 const CAPACITY: usize = 10_000;
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let (mut session, _) = common::network();
-    let mut drive = session.find(&DriveAddress::Name("akd-1".into())).wait()?;
-    let mut axis = session.take_axis(&mut drive, AxisSettings::default()).wait()?;
+    let mut network = profidrive::open_plant("examples/plants/one_drive.toml")?;
+    let mut drive = network.find(&DriveAddress::Name("akd-1".into())).wait()?;
+    let mut axis = network.take_axis(&mut drive, AxisSettings::default()).wait()?;
     let mut samples = axis.samples(CAPACITY);
     let mut enabled = axis.enable().wait()?;
     enabled.reach_speed(300.0, None).wait()?;

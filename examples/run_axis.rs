@@ -2,17 +2,15 @@
 //!
 //! `cargo run -p examples --example run_axis`
 
-mod common;
-
 use std::error::Error;
 use std::time::Duration;
 
 use client::{AxisSettings, DriveAddress, Wait};
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let (mut session, _) = common::network();
-    let mut drive = session.find(&DriveAddress::Name("akd-1".into())).wait()?;
-    let mut axis = session.take_axis(&mut drive, AxisSettings::default()).wait()?;
+    let mut network = profidrive::open_plant("examples/plants/one_drive.toml")?;
+    let mut drive = network.find(&DriveAddress::Name("akd-1".into())).wait()?;
+    let mut axis = network.take_axis(&mut drive, AxisSettings::default()).wait()?;
     let mut enabled = axis.enable().wait()?;
     enabled.run(60.0).wait()?;
     for _ in 0..5 {

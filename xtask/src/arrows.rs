@@ -52,6 +52,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "profidrive-dissect",
             "profidrive-gsdml",
             "profidrive-network",
+            "profidrive-plant",
             "profidrive-profile",
             "profidrive-profinet",
             "profidrive-uss",

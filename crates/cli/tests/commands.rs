@@ -409,7 +409,7 @@ fn demo_writes_a_capture_that_decode_reads() {
     let text = stdout(&output);
     for words in [
         "who is name akd-1?",
-        "connect as IO controller (advanced start-up) \"demo-controller\"",
+        "connect as IO controller (advanced start-up) \"profidrive\"",
         "inputs: 40 octets every 16 ms (16 x 32 x 31.25 us), watchdog 3 x 16 ms = 48 ms, RT class 2",
         "STW1 0x047E -> 0x047F run: follows the setpoint",
         "-> 0x0278 S1 switching on inhibited, with a fault",

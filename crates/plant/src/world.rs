@@ -1,10 +1,10 @@
 //! A scenario in virtual time.
 
+use std::convert::Infallible;
 use std::time::Duration;
 
 use network::host::Host;
-use network::segment::{Segment, StationId, Tap};
-use profile::catalogue::Catalogue;
+use network::segment::{Pace, Segment, SegmentMedium, StationId, Tap};
 use profile::parameter::{ErrorNumber, Keep, ParameterAccess};
 use profile::state::Zsw1;
 use profile::value::{Assignment, ParameterProblem, Parameters};
@@ -14,12 +14,12 @@ use profinet::controller::{
 use profinet::cyclic::Timing;
 use profinet::device::{ModuleDescription, Stored};
 use profinet::wire::block::ModuleState;
-use profinet::{Instant, IpSuite};
+use profinet::{Endpoint, Instant, IpSuite, Medium};
 use virtual_drive::description::Description;
 use virtual_drive::model::Model;
 use virtual_drive::station::{Station, StationConfig};
 
-use crate::event::Unit;
+use crate::event::{ScenarioEvent, ScenarioEventError, Unit};
 use crate::file::{DrivePlan, Scenario};
 use crate::program::{Action, ControllerPlan, Step};
 use crate::text::derived_mac;
@@ -52,11 +52,20 @@ pub enum WorldError {
         error: ErrorNumber,
     },
     /// No address is left for a controller beside the drive.
-    #[error("{drive}: no address is left beside it for its controller")]
+    #[error("{drive}: no address is left beside it for its controller; give its subnet a shorter prefix")]
     NoAddress {
         /// The drive.
         drive: String,
     },
+    /// The plant has no drive of this name.
+    #[error("no drive `{drive}` in this plant")]
+    NoDrive {
+        /// The name.
+        drive: String,
+    },
+    /// It cannot happen to this drive.
+    #[error(transparent)]
+    Event(#[from] ScenarioEventError),
 }
 
 impl DrivePlan {
@@ -144,17 +153,20 @@ pub(crate) fn set(
 /// assert!(lines.iter().any(|line| line.contains("fault F439")));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+///
+/// It is a [`Medium`] too: a client joins the plant and carries it along, see [`Scenario::client_address`].
 pub struct World {
-    segment: Segment,
+    medium: SegmentMedium,
     drives: Vec<Seat>,
     controllers: Vec<ControllerSeat>,
     sample: Option<(Duration, Instant)>,
+    observer: Option<Box<dyn FnMut(Entry) + Send>>,
 }
 
 impl std::fmt::Debug for World {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("World")
-            .field("segment", &self.segment)
+            .field("medium", &self.medium)
             .finish_non_exhaustive()
     }
 }
@@ -163,7 +175,7 @@ impl std::fmt::Debug for World {
 struct Seat {
     id: StationId,
     name: String,
-    catalogue: &'static Catalogue,
+    model: &'static Model,
     line: Timeline,
     status: u16,
 }
@@ -199,7 +211,7 @@ impl World {
             drives.push(Seat {
                 id: segment.attach(Box::new(unit)),
                 name: plan.name.clone(),
-                catalogue: plan.model.catalogue,
+                model: plan.model,
                 line: Timeline::new(&plan.cues, Instant::ZERO),
                 status,
             });
@@ -209,9 +221,7 @@ impl World {
             let Some(drive) = scenario.drives.get(plan.drive) else {
                 continue;
             };
-            let ip = free_address(scenario, drive.ip, number).ok_or_else(|| WorldError::NoAddress {
-                drive: drive.name.clone(),
-            })?;
+            let ip = free_address(scenario, drive, number)?;
             let name = format!("plc-{}", number + 1);
             let mac = derived_mac(&format!("{name} of a scenario"));
             let seed = scenario.seed ^ (number as u64) << 32;
@@ -220,16 +230,47 @@ impl World {
             controllers.push(ControllerSeat::new(id, plan, drive));
         }
         Ok(Self {
-            segment,
+            medium: SegmentMedium::new(segment, Pace::Virtual),
             drives,
             controllers,
             sample: scenario.sample.map(|sample| (sample, Instant::ZERO + sample)),
+            observer: None,
         })
+    }
+
+    /// Calls `observer` with what happens while a client carries the plant. Replaces the observer before.
+    pub fn observe(&mut self, observer: impl FnMut(Entry) + Send + 'static) {
+        self.observer = Some(Box::new(observer));
+    }
+
+    /// Sets how time passes while a client carries the plant.
+    pub fn set_pace(&mut self, pace: Pace) {
+        self.medium.set_pace(pace);
+    }
+
+    /// Lets something happen to the drive of this name now; `lasts` as `for` in the file.
+    ///
+    /// # Errors
+    /// When there is no such drive, or it cannot happen to it ([`ScenarioEvent::fits`]).
+    pub fn inject(
+        &mut self,
+        drive: &str,
+        what: ScenarioEvent,
+        lasts: Option<Duration>,
+    ) -> Result<(), WorldError> {
+        let now = self.now();
+        let seat = self.drives.iter_mut().find(|seat| seat.name == drive);
+        let seat = seat.ok_or_else(|| WorldError::NoDrive {
+            drive: drive.to_owned(),
+        })?;
+        what.fits(seat.model)?;
+        seat.line.add(now, what, lasts);
+        Ok(())
     }
 
     /// Lets `tap` see all frames.
     pub fn add_tap(&mut self, tap: Box<dyn Tap>) {
-        self.segment.add_tap(tap);
+        self.medium.segment_mut().add_tap(tap);
     }
 
     /// Ends all taps.
@@ -237,25 +278,25 @@ impl World {
     /// # Errors
     /// When one could not write what it saw.
     pub fn finish_taps(&mut self) -> std::io::Result<()> {
-        self.segment.finish_taps()
+        self.medium.segment_mut().finish_taps()
     }
 
     /// Virtual time.
     #[must_use]
     pub fn now(&self) -> Instant {
-        self.segment.now()
+        self.medium.segment().now()
     }
 
     /// Returns a number that is the same for the same frames at the same times.
     #[must_use]
     pub fn trace_hash(&self) -> u64 {
-        self.segment.trace_hash()
+        self.medium.segment().trace_hash()
     }
 
     /// Returns the drive of that number in the scenario.
     #[must_use]
     pub fn drive(&self, number: usize) -> Option<&Station> {
-        let unit: &Unit = self.segment.station(self.drives.get(number)?.id)?;
+        let unit: &Unit = self.medium.segment().station(self.drives.get(number)?.id)?;
         Some(unit.inner().endpoint())
     }
 
@@ -263,16 +304,22 @@ impl World {
     pub fn run_until(&mut self, until: Instant, record: &mut dyn FnMut(Entry)) {
         loop {
             self.act(record);
-            let next = [self.next_cue(), self.next_step(), self.sample.map(|(_, at)| at)];
-            let own = next.into_iter().flatten().min().map_or(until, |at| at.min(until));
-            match self.segment.next_event().filter(|at| *at <= own) {
-                Some(at) => self.segment.run_until(at),
-                // all that was due until now is done, also what the time line had for this moment
-                None if self.segment.now() >= until => return,
-                None => self.segment.run_until(own),
+            let next = self.next().min(until);
+            let segment = self.medium.segment_mut();
+            // all that was due until now is done, also what the time line had for this moment
+            if segment.now() >= until && segment.next_event().is_none_or(|at| at > until) {
+                return;
             }
+            segment.run_until(next);
             self.look(record);
         }
+    }
+
+    /// When something happens next: of a time line, a program or a sample, or on the segment.
+    fn next(&self) -> Instant {
+        let own = [self.next_cue(), self.next_step(), self.sample.map(|(_, at)| at)];
+        let next = own.into_iter().chain([self.medium.segment().next_event()]);
+        next.flatten().min().unwrap_or(Instant::MAX)
     }
 
     fn next_cue(&self) -> Option<Instant> {
@@ -289,18 +336,19 @@ impl World {
 
     /// Everything of time lines and programs that is due.
     fn act(&mut self, record: &mut dyn FnMut(Entry)) {
-        let now = self.segment.now();
+        let now = self.now();
         for seat in &mut self.drives {
             let due = seat.line.next().is_some_and(|at| at <= now)
                 || seat.line.watches_position()
                     && self
-                        .segment
+                        .medium
+                        .segment()
                         .station::<Unit>(seat.id)
                         .is_some_and(|unit| seat.line.is_due(now, unit));
             if !due {
                 continue;
             }
-            let Some(unit) = self.segment.station_mut::<Unit>(seat.id) else {
+            let Some(unit) = self.medium.segment_mut().station_mut::<Unit>(seat.id) else {
                 continue;
             };
             for played in seat.line.play(now, unit) {
@@ -314,7 +362,7 @@ impl World {
         for seat in &mut self.controllers {
             let drive = self.drives.get(seat.drive).map_or("", |seat| &seat.name);
             while seat.is_due(now) {
-                let Some(host) = self.segment.station_mut::<Host<Controller>>(seat.id) else {
+                let Some(host) = self.medium.segment_mut().station_mut::<Host<Controller>>(seat.id) else {
                     break;
                 };
                 if let Some(text) = seat.act(now, host.endpoint_mut()) {
@@ -331,7 +379,7 @@ impl World {
         {
             *at += *sample;
             for seat in &self.drives {
-                if let Some(unit) = self.segment.station::<Unit>(seat.id) {
+                if let Some(unit) = self.medium.segment().station::<Unit>(seat.id) {
                     record(values(now, seat, unit.inner().endpoint()));
                 }
             }
@@ -340,19 +388,19 @@ impl World {
 
     /// Records the events of drives and controllers.
     fn look(&mut self, record: &mut dyn FnMut(Entry)) {
-        let now = self.segment.now();
+        let now = self.now();
         for seat in &mut self.drives {
-            let Some(unit) = self.segment.station::<Unit>(seat.id) else {
+            let Some(unit) = self.medium.segment().station::<Unit>(seat.id) else {
                 continue;
             };
             let station = unit.inner().endpoint();
             let status = station.drive().status_word().0;
             if station.has_event() {
-                let Some(unit) = self.segment.station_mut::<Unit>(seat.id) else {
+                let Some(unit) = self.medium.segment_mut().station_mut::<Unit>(seat.id) else {
                     continue;
                 };
                 while let Some(event) = unit.inner_mut().endpoint_mut().poll_event() {
-                    if let Some(text) = event.words(seat.catalogue) {
+                    if let Some(text) = event.words(seat.model.catalogue) {
                         record(Entry {
                             at: now,
                             drive: seat.name.clone(),
@@ -363,21 +411,22 @@ impl World {
             }
             if status != seat.status {
                 seat.status = status;
-                if let Some(unit) = self.segment.station::<Unit>(seat.id) {
+                if let Some(unit) = self.medium.segment().station::<Unit>(seat.id) {
                     record(values(now, seat, unit.inner().endpoint()));
                 }
             }
         }
         for seat in &mut self.controllers {
             let waiting = self
-                .segment
+                .medium
+                .segment()
                 .station::<Host<Controller>>(seat.id)
                 .is_some_and(|host| host.endpoint().has_event());
             if !waiting {
                 continue;
             }
             let drive = self.drives.get(seat.drive).map_or("", |seat| &seat.name);
-            let Some(host) = self.segment.station_mut::<Host<Controller>>(seat.id) else {
+            let Some(host) = self.medium.segment_mut().station_mut::<Host<Controller>>(seat.id) else {
                 continue;
             };
             while let Some(event) = host.endpoint_mut().poll_event() {
@@ -389,6 +438,53 @@ impl World {
                     });
                 }
             }
+        }
+    }
+}
+
+impl Medium for World {
+    type Error = Infallible;
+
+    fn now(&self) -> Instant {
+        self.medium.now()
+    }
+
+    fn step(&mut self, endpoint: &mut dyn Endpoint, until: Instant) -> Result<(), Infallible> {
+        let mut observer = self.observer.take();
+        let mut record = |entry| {
+            if let Some(observer) = &mut observer {
+                observer(entry);
+            }
+        };
+        loop {
+            self.act(&mut record);
+            // from event to event: a time line may wait for the place that an axis reaches
+            let next = self.next().min(until);
+            let handled = self.medium.advance(endpoint, next);
+            self.look(&mut record);
+            if handled || self.now() >= until {
+                break;
+            }
+        }
+        self.observer = observer;
+        Ok(())
+    }
+}
+
+impl Scenario {
+    /// Returns the IP address of a client in the plant: a free one beside the first drive that has an address, or
+    /// 192.168.0.254/24 where none has.
+    ///
+    /// # Errors
+    /// When no address is left there.
+    pub fn client_address(&self) -> Result<IpSuite, WorldError> {
+        match self.drives.iter().find(|drive| drive.ip.is_set()) {
+            Some(drive) => free_address(self, drive, self.controllers.len()),
+            None => Ok(IpSuite {
+                address: [192, 168, 0, 254].into(),
+                mask: [255, 255, 255, 0].into(),
+                gateway: [0; 4].into(),
+            }),
         }
     }
 }
@@ -409,19 +505,21 @@ fn values(now: Instant, seat: &Seat, station: &Station) -> Entry {
     }
 }
 
-/// Returns an address in the network of `beside` that no drive has, from its upper end down.
-fn free_address(scenario: &Scenario, beside: IpSuite, number: usize) -> Option<IpSuite> {
-    let mask = u32::from(beside.mask);
-    let broadcast = u32::from(beside.address) | !mask;
+/// Returns an address in the subnet of a drive that no drive has, from its upper end down.
+fn free_address(scenario: &Scenario, beside: &DrivePlan, number: usize) -> Result<IpSuite, WorldError> {
+    let mask = u32::from(beside.ip.mask);
+    let broadcast = u32::from(beside.ip.address) | !mask;
     let network = broadcast & mask;
     let free = (network + 1..broadcast).rev().filter(|address| {
         let taken = |plan: &DrivePlan| u32::from(plan.ip.address) == *address;
         !scenario.drives.iter().any(taken)
     });
-    let address = free.take(1024).nth(number)?;
-    Some(IpSuite {
+    let address = free.take(1024).nth(number).ok_or_else(|| WorldError::NoAddress {
+        drive: beside.name.clone(),
+    })?;
+    Ok(IpSuite {
         address: address.into(),
-        ..beside
+        ..beside.ip
     })
 }
 

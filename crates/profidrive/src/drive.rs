@@ -103,12 +103,16 @@ impl Opening {
         Ok((network, drive))
     }
 
-    /// Opens the way to a drive: its serial line, or a network interface. For records of a drive given by its IP address UDP
+    /// Opens the way to a drive: the plant that was given, its serial line, or a network interface. For records of a drive given by its IP address UDP
     /// alone is enough.
     ///
     /// # Errors
     /// As [`open`](Self::open) and [`open_line`].
     pub fn open_to(&self, address: &DriveAddress) -> Result<Network, OpenError> {
+        #[cfg(feature = "simulate")]
+        if self.plant.is_some() {
+            return self.clone().open();
+        }
         match address {
             DriveAddress::Line(at) => open_line(at, self.stop.clone()),
             DriveAddress::Ip(_) => {
@@ -171,9 +175,8 @@ impl Opening {
         if self.access == Access::Discovery {
             return Ok(drive);
         }
-        if let Way::Packet(info) = way
-            && let Reach::Routed(words) =
-                reach(&info.name, &info.addresses, &drive.label(), drive.station.ip)?
+        if let Some((name, own)) = way.place()
+            && let Reach::Routed(words) = reach(name, own, &drive.label(), drive.station.ip)?
         {
             observer(FindEvent::Routed(&words));
         }

@@ -11,11 +11,35 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! The same calls work in memory, on a [`client::Session`] over a segment with virtual drives.
+//! The same program runs without a network when its first line is another one. With the feature `simulate`,
+//! `open_plant("plant.toml")` opens a plant file, `open_scenario` a plant that is text in the program; its drives are virtual:
+//!
+//! ```
+//! # #[cfg(feature = "simulate")] {
+//! use profidrive::Wait;
+//!
+//! let plant = r#"
+//!     [[drive]]
+//!     name = "akd-1"
+//!     ip = "192.168.0.11/24"
+//!     event = [{ at = "5s", do = "fault=439" }]
+//! "#;
+//! let mut network = profidrive::open_scenario(plant.parse()?)?;
+//! let mut drive = network.find(&"akd-1".parse()?).wait()?;
+//! let selection = drive.select("DRV.ACC")?;
+//! let reading = network.read_one(&mut drive, &selection).wait()?;
+//! assert_eq!((reading.number(), reading.unit), (Some(3000.0), "rpm/s"));
+//!
+//! network.pass(std::time::Duration::from_secs(5)).wait()?; // in no time: time is virtual
+//! assert_eq!(network.faults(&mut drive).wait()?[0].number, 439);
+//! # }
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 //!
 //! | to | use |
 //! |---|---|
 //! | open a network interface, UDP alone or a serial line | [`open`], [`Opening`], [`open_line`] |
+//! | open a plant in memory (feature `simulate`) | `open_plant`, `open_scenario`, `Opening::in_plant` |
 //! | open the way to a drive and find it, in one call | [`Opening::drive`] |
 //! | end waiting calls and stop axes by Ctrl-C | [`Stop`] with [`Opening::stopped_by`] |
 //! | know whether both sides can reach each other | [`reach`](reach()) |
@@ -34,6 +58,8 @@ mod open;
 mod reach;
 pub mod report;
 pub mod settings;
+#[cfg(feature = "simulate")]
+mod simulate;
 
 pub use carrier::{CarrierError, serial_settings};
 pub use client::Wait;
@@ -43,3 +69,5 @@ pub use drive::{DriveError, FindEvent, FindObserver};
 pub use network::system::{ForcedExit, Stop};
 pub use open::{Access, Network, OpenError, Opening, Way, interface, open, open_line};
 pub use reach::{OtherSubnet, Reach, far, reach};
+#[cfg(feature = "simulate")]
+pub use simulate::{Joined, open_plant, open_scenario};

@@ -15,11 +15,12 @@ use profinet::{IpSuite, MacAddress};
 use crate::carrier::{Carrier, serial_settings};
 use crate::driver::Threaded;
 
-/// The drives of a real network or of a serial line. A thread of its own carries the bytes.
+/// The drives of a real network, of a serial line or of a plant in memory. A thread of its own carries the bytes; those of a
+/// plant are carried by the calls that wait.
 #[derive(Debug)]
 pub struct Network {
-    network: client::Network,
-    way: Way,
+    pub(crate) network: client::Network,
+    pub(crate) way: Way,
 }
 
 /// What carries a network.
@@ -31,6 +32,21 @@ pub enum Way {
     Udp,
     /// A serial port.
     Serial,
+    /// A plant in memory.
+    #[cfg(feature = "simulate")]
+    Plant(crate::simulate::Joined),
+}
+
+impl Way {
+    /// What this computer is called there, and its addresses.
+    pub(crate) fn place(&self) -> Option<(&str, &[IpSuite])> {
+        match self {
+            Self::Packet(info) => Some((&info.name, &info.addresses)),
+            Self::Udp | Self::Serial => None,
+            #[cfg(feature = "simulate")]
+            Self::Plant(plant) => Some(("this program", std::slice::from_ref(&plant.ip))),
+        }
+    }
 }
 
 impl Network {
@@ -43,13 +59,17 @@ impl Network {
     fn start(client: Client, carrier: Carrier, way: Way, stop: Option<Stop>) -> Result<Self, OpenError> {
         let flag = stop.clone();
         let start = |engine| Threaded::start(engine, carrier, flag).map_err(OpenError::Thread);
-        let mut network = client::Network::driven(client, start)?;
+        let network = client::Network::driven(client, start)?;
+        Ok(Self { network, way }.stopped_by(stop))
+    }
+
+    pub(crate) fn stopped_by(mut self, stop: Option<Stop>) -> Self {
         if let Some(stop) = stop {
             let urgent = stop.clone();
-            network.interrupt_with(move || stop.is_stopped());
-            network.hurry_with(move || urgent.is_urgent());
+            self.interrupt_with(move || stop.is_stopped());
+            self.hurry_with(move || urgent.is_urgent());
         }
-        Ok(Self { network, way })
+        self
     }
 
     fn with_calls(self, hears_calls: bool) -> Self {
@@ -113,6 +133,14 @@ pub enum OpenError {
     /// The operating system has no thread or descriptor left.
     #[error("no thread for the network: {0}")]
     Thread(std::io::Error),
+    /// The plant file cannot be used.
+    #[cfg(feature = "simulate")]
+    #[error(transparent)]
+    PlantFile(#[from] plant::ScenarioFileError),
+    /// The plant cannot be made.
+    #[cfg(feature = "simulate")]
+    #[error("the plant cannot start: {0}")]
+    Plant(#[from] plant::WorldError),
 }
 
 impl OpenError {
@@ -121,6 +149,8 @@ impl OpenError {
     pub const fn kind(&self) -> ErrorKind {
         match self {
             Self::NoInterface { .. } => ErrorKind::Usage,
+            #[cfg(feature = "simulate")]
+            Self::PlantFile(_) | Self::Plant(_) => ErrorKind::Usage,
             _ => ErrorKind::Unreachable,
         }
     }
@@ -172,6 +202,8 @@ pub struct Opening {
     pub(crate) model: Option<Model>,
     #[cfg(feature = "gsdml")]
     pub(crate) description: Option<std::sync::Arc<gsdml::Gsdml>>,
+    #[cfg(feature = "simulate")]
+    pub(crate) plant: Option<std::sync::Arc<plant::Scenario>>,
 }
 
 impl Opening {
@@ -186,6 +218,8 @@ impl Opening {
             model: None,
             #[cfg(feature = "gsdml")]
             description: None,
+            #[cfg(feature = "simulate")]
+            plant: None,
         }
     }
 
@@ -227,11 +261,15 @@ impl Opening {
         self
     }
 
-    /// Opens it. That UDP alone had to be enough shows in its [`Network::way`].
+    /// Opens it, a plant where one was given. That UDP alone had to be enough shows in its [`Network::way`].
     ///
     /// # Errors
     /// When there is no such interface, it is down, has no address, or the right is missing.
     pub fn open(self) -> Result<Network, OpenError> {
+        #[cfg(feature = "simulate")]
+        if let Some(scenario) = &self.plant {
+            return crate::simulate::join(scenario, self.stop);
+        }
         let name = match &self.interface {
             Some(name) => Some(name.clone()),
             None => interface()?,

@@ -71,6 +71,12 @@ impl SegmentMedium {
         &mut self.segment
     }
 
+    /// Sets how time passes from now on.
+    pub fn set_pace(&mut self, pace: Pace) {
+        self.pace = pace;
+        self.origin = (Wall::now(), self.segment.now());
+    }
+
     /// Takes the segment back.
     #[must_use]
     pub fn into_segment(self) -> Segment {
@@ -96,29 +102,13 @@ impl SegmentMedium {
         self.guests.len() - 1
     }
 
-    /// At [`Pace::Wall`], sleeps until the wall clock has reached `at`.
-    fn wait(&self, at: Instant) {
-        if self.pace == Pace::Wall {
-            let ahead = (at - self.origin.1).saturating_sub(self.origin.0.elapsed());
-            if ahead > Duration::ZERO {
-                std::thread::sleep(ahead);
-            }
-        }
-    }
-}
-
-impl Medium for SegmentMedium {
-    type Error = Infallible;
-
-    fn now(&self) -> Instant {
-        self.segment.now()
-    }
-
-    fn step(&mut self, endpoint: &mut dyn Endpoint, until: Instant) -> Result<(), Infallible> {
+    /// Carries bytes to and from `endpoint` as [`Medium::step`] does. Returns whether it handled an input or a deadline; else
+    /// `until` is reached.
+    pub fn advance(&mut self, endpoint: &mut dyn Endpoint, until: Instant) -> bool {
         let index = self.find_or_add(endpoint.mac());
         // The stack is taken out for the call, so that sleeping and the segment can be used beside it.
         let Some(place) = self.guests.get_mut(index) else {
-            return Ok(());
+            return false;
         };
         let port = place.port;
         let mut stack = std::mem::replace(&mut place.stack, Stack::new(place.mac));
@@ -150,6 +140,29 @@ impl Medium for SegmentMedium {
         if let Some(place) = self.guests.get_mut(index) {
             place.stack = stack;
         }
+        worked
+    }
+
+    /// At [`Pace::Wall`], sleeps until the wall clock has reached `at`.
+    fn wait(&self, at: Instant) {
+        if self.pace == Pace::Wall {
+            let ahead = (at - self.origin.1).saturating_sub(self.origin.0.elapsed());
+            if ahead > Duration::ZERO {
+                std::thread::sleep(ahead);
+            }
+        }
+    }
+}
+
+impl Medium for SegmentMedium {
+    type Error = Infallible;
+
+    fn now(&self) -> Instant {
+        self.segment.now()
+    }
+
+    fn step(&mut self, endpoint: &mut dyn Endpoint, until: Instant) -> Result<(), Infallible> {
+        self.advance(endpoint, until);
         Ok(())
     }
 }

@@ -1,13 +1,11 @@
 //! The part of the demo with frequency converters: a VLT with a PPO type and its parameter channel, a Vacon with a
 //! telegram of its own. Jobs go through the client as everywhere; the cyclic data are put together here, frame by frame.
 
-use std::sync::Arc;
 use std::time::Duration;
 
 use client::change::Change;
-use client::{Drive, DriveAddress, Error, Session, Wait, World, WriteMode, describe, modules_of};
-use network::host::StationId;
-use network::segment::SegmentMedium;
+use client::{Drive, DriveAddress, Error, Session, Wait, WriteMode, describe, modules_of};
+use profidrive::Joined;
 use profile::catalogue::Device;
 use profile::pkw::{Answer, Client, ClientTiming, Job, Memory, Outcome, PkwDialect, PkwValue};
 use profile::state::{Profile, Stw1, Zsw1};
@@ -69,26 +67,19 @@ const RAMP_UP: u16 = 341;
 /// A number that no parameter of the VLT has.
 const UNKNOWN: u16 = 2000;
 
-pub fn play(
-    session: &mut Session,
-    world: &Arc<World<SegmentMedium>>,
-    [vlt, vacon]: [StationId; 2],
-    show: &mut Show,
-) -> Result<(), Error> {
+pub fn play(session: &mut Session, plant: &Joined, show: &mut Show) -> Result<(), Error> {
     let mut drive = introduce(session, &VLT, show)?;
     settings(session, &mut drive, &VLT, show)?;
-    let mut line = Line::connect((session, world), &drive, &VLT, show)?;
+    let mut line = Line::connect((session, plant), &drive, &VLT, show)?;
     let result = line.by_pkw(show).and_then(|()| {
         line.run(&VLT, show)?;
-        line.alarm(&VLT, vlt, show)
+        line.alarm(&VLT, show)
     });
     line.end(result)?;
     let mut drive = introduce(session, &VACON, show)?;
     settings(session, &mut drive, &VACON, show)?;
-    let mut line = Line::connect((session, world), &drive, &VACON, show)?;
-    let result = line
-        .run(&VACON, show)
-        .and_then(|()| line.alarm(&VACON, vacon, show));
+    let mut line = Line::connect((session, plant), &drive, &VACON, show)?;
+    let result = line.run(&VACON, show).and_then(|()| line.alarm(&VACON, show));
     line.end(result)
 }
 
@@ -125,7 +116,7 @@ fn settings(session: &mut Session, drive: &mut Drive, act: &Act, show: &mut Show
 /// A cyclic connection, one frame after the other.
 struct Line<'s> {
     session: &'s mut Session,
-    world: Arc<World<SegmentMedium>>,
+    plant: Joined,
     controller: Controller,
     ar: ArId,
     device: &'static Device,
@@ -142,7 +133,7 @@ struct Line<'s> {
 
 impl<'s> Line<'s> {
     fn connect(
-        (session, world): (&'s mut Session, &Arc<World<SegmentMedium>>),
+        (session, plant): (&'s mut Session, &Joined),
         drive: &Drive,
         act: &Act,
         show: &Show,
@@ -164,14 +155,14 @@ impl<'s> Line<'s> {
         // each is a program of its own: no identifier of one connection is that of another
         let seed = u64::from(act.telegram);
         let mut controller = Controller::new(ControllerConfig::new(MAC, ip, "demo-plc", seed));
-        let now = world.wire().now();
+        let now = plant.world().now();
         let target = Target::of(&drive.station);
         let ar = controller
             .connect(now, target, ConnectConfig::new(modules, timing))
             .map_err(|error| failed(error.to_string()))?;
         let mut line = Self {
             session,
-            world: Arc::clone(world),
+            plant: plant.clone(),
             controller,
             ar,
             device,
@@ -245,14 +236,14 @@ impl<'s> Line<'s> {
         limit: Duration,
         mut done: impl FnMut(&mut Self, Option<Event>) -> bool,
     ) -> Result<(), Error> {
-        let end = self.world.wire().now() + limit;
+        let end = self.plant.world().now() + limit;
         loop {
             if !self.ending {
                 self.session.glance()?;
             }
-            let now = self.world.wire().now();
+            let now = self.plant.world().now();
             let next = end.min(now + CYCLE);
-            let stepped = self.world.wire().step(&mut self.controller, next);
+            let stepped = self.plant.world().step(&mut self.controller, next);
             stepped.map_err(|error| malformed(self.name, error.to_string()))?;
             while let Some(event) = self.controller.poll_event() {
                 if let Event::Lost { cause, .. } = &event {
@@ -268,21 +259,21 @@ impl<'s> Line<'s> {
             if done(self, None) {
                 return Ok(());
             }
-            if self.world.wire().now() >= end {
+            if self.plant.world().now() >= end {
                 return Err(malformed(self.name, format!("not within {limit:?}: {what}")));
             }
         }
     }
 
     fn pass(&mut self, time: Duration) -> Result<(), Error> {
-        let end = self.world.wire().now() + time;
-        self.until("", time + CYCLE, |line, _| line.world.wire().now() >= end)
+        let end = self.plant.world().now() + time;
+        self.until("", time + CYCLE, |line, _| line.plant.world().now() >= end)
     }
 
     /// One job through the eight octets in front of the control word.
     fn exchange(&mut self, job: Job<'_>) -> Result<Outcome, Error> {
         let origin = profinet::Instant::ZERO;
-        let now = self.world.wire().now() - origin;
+        let now = self.plant.world().now() - origin;
         self.pkw
             .start(now, job)
             .map_err(|error| malformed(self.name, error.to_string()))?;
@@ -291,7 +282,7 @@ impl<'s> Line<'s> {
             "reply in the parameter channel",
             Duration::from_secs(5),
             |line, _| {
-                let now = line.world.wire().now() - origin;
+                let now = line.plant.world().now() - origin;
                 let reply = line.input().and_then(|data| data.first_chunk::<8>().copied());
                 outcome = reply.and_then(|reply| line.pkw.handle(now, &reply));
                 outcome = outcome.or_else(|| line.pkw.handle_timeout(now));
@@ -384,9 +375,9 @@ impl<'s> Line<'s> {
     }
 
     /// Raises an alarm while it runs, reports it, and resets it; then it stands.
-    fn alarm(&mut self, act: &Act, station: StationId, show: &mut Show) -> Result<(), Error> {
+    fn alarm(&mut self, act: &Act, show: &mut Show) -> Result<(), Error> {
         show.next();
-        super::inject(&self.world, station, act.fault);
+        super::inject(&self.plant, act.name, act.fault)?;
         let limit = Duration::from_secs(2);
         self.until("alarm", limit, |line, _| line.zsw1().has(Zsw1::FAULT))?;
         let word = self
@@ -433,7 +424,7 @@ impl<'s> Line<'s> {
     }
 
     fn release(mut self) -> Result<(), Error> {
-        let now = self.world.wire().now();
+        let now = self.plant.world().now();
         let released = self.controller.release(now, self.ar);
         released.map_err(|error| malformed(self.name, error.to_string()))?;
         self.until("released", Duration::from_secs(5), |_, event| {

@@ -3,29 +3,21 @@
 mod converters;
 
 use std::fs::File;
-use std::net::Ipv4Addr;
 use std::path::Path;
-use std::sync::Arc;
 use std::time::Duration;
 
 use client::axis::{Jog, Trouble};
 use client::change::Change;
-use client::{
-    Axis, AxisSettings, Drive, DriveAddress, Enabled, Error, Network, Session, Wait, World, WriteMode,
-    describe,
-};
+use client::{Axis, AxisSettings, Drive, DriveAddress, Enabled, Error, Session, Wait, WriteMode, describe};
 use network::files;
-use network::host::{Host, StationId};
 use network::pcap::Writer;
-use network::segment::{Pace, Segment, SegmentMedium};
+use network::segment::Pace;
 use network::system::Stop;
+use plant::ScenarioEvent;
 use profidrive::report::{DemoEvent, DemoStep};
+use profidrive::{Access, Joined, Network, Opening, Way};
 use profile::value::{Assignment, Reading, Selection};
-use profinet::controller::ControllerConfig;
-use profinet::device::Stored;
-use profinet::{IpSuite, MacAddress};
-use virtual_drive::model;
-use virtual_drive::station::{Station, StationConfig};
+use virtual_drive::drive::Injection;
 
 use crate::args::Demo;
 use crate::failure::{Exit, Failure};
@@ -35,8 +27,23 @@ use crate::render::table::Table;
 use crate::render::{hex16, value, words};
 
 const NAME: &str = "akd-1";
-const CONTROLLER_MAC: MacAddress = MacAddress([0x02, 0x50, 0x4E, 0, 0, 0xC0]);
-const MASK: Ipv4Addr = Ipv4Addr::new(255, 255, 255, 0);
+/// The three drives.
+const PLANT: &str = r#"
+    [[drive]]
+    name = "akd-1"
+    mac = "02:50:4e:00:00:01"
+    ip = "10.0.0.2/24"
+    [[drive]]
+    name = "vlt-1"
+    model = "vlt"
+    mac = "02:50:4e:00:00:02"
+    ip = "10.0.0.3/24"
+    [[drive]]
+    name = "vacon-1"
+    model = "vacon"
+    mac = "02:50:4e:00:00:03"
+    ip = "10.0.0.4/24"
+"#;
 /// The page that is read by name.
 const PAGE: [&str; 8] = [
     "DRV.OPMODE",
@@ -97,16 +104,11 @@ struct Show {
 }
 
 pub fn run(args: &Demo, output: &Output) -> Result<(), Failure> {
-    let (mut network, world, stations) = stage(args)?;
-    show(args, (&mut network, &world), stations, output)
+    let (mut network, plant) = stage(args)?;
+    show(args, (&mut network, &plant), output)
 }
 
-fn show(
-    args: &Demo,
-    (session, world): (&mut Session, &Arc<World<SegmentMedium>>),
-    [akd, vlt, vacon]: [StationId; 3],
-    output: &Output,
-) -> Result<(), Failure> {
+fn show(args: &Demo, (session, plant): (&mut Session, &Joined), output: &Output) -> Result<(), Failure> {
     let view = LiveView::new(output.clone());
     let mut show = Show {
         output: output.clone(),
@@ -115,12 +117,11 @@ fn show(
         steps: Vec::new(),
     };
     output.say("an in-memory Ethernet segment with a virtual AKD, a VLT, a Vacon and a controller");
-    let result = play(session, world, akd, &mut show)
-        .and_then(|()| converters::play(session, world, [vlt, vacon], &mut show));
+    let result = play(session, plant, &mut show).and_then(|()| converters::play(session, plant, &mut show));
     let settled = session.uninterrupted(async |session: &mut Session| session.settled().await);
     let closed = settled.wait().and(session.close().wait());
     let interrupted = matches!(result, Err(Error::Interrupted));
-    let taps = world.wire().segment_mut().finish_taps();
+    let taps = plant.world().finish_taps();
     if let Err(error) = result.or(closed) {
         let what = PROMISES.get(show.steps.len()).copied().unwrap_or("close");
         show.steps.push(Step {
@@ -157,44 +158,25 @@ fn show(
     }
 }
 
-/// The network, its wire and the three drives.
-type Stage = (Network, Arc<World<SegmentMedium>>, [StationId; 3]);
-
-/// Drive and controller on a segment.
-fn stage(args: &Demo) -> Result<Stage, Failure> {
-    let ip = |last| IpSuite {
-        address: Ipv4Addr::new(10, 0, 0, last),
-        mask: MASK,
-        gateway: Ipv4Addr::UNSPECIFIED,
-    };
-    let mut segment = Segment::new(1);
-    if let Some(path) = &args.pcap {
-        segment.add_tap(Box::new(capture(path)?));
-    }
-    let mut number = 1;
-    let stations = [
-        (&model::AKD, NAME),
-        (&model::VLT, "vlt-1"),
-        (&model::VACON, "vacon-1"),
-    ]
-    .map(|(model, name)| {
-        let mut config = StationConfig::new(model, MacAddress([0x02, 0x50, 0x4E, 0, 0, number]));
-        number += 1;
-        config.network = Stored {
-            name: name.into(),
-            ip: ip(number),
-            ..Stored::default()
-        };
-        segment.attach(Box::new(Host::new(Station::new(config))))
-    });
-    let pace = if args.fast { Pace::Virtual } else { Pace::Wall };
-    let medium = SegmentMedium::new(segment, pace);
-    let config = ControllerConfig::new(CONTROLLER_MAC, ip(1), "demo-controller", 1);
-    let (mut network, world) = Network::on(medium, config);
+/// The drives and the controller.
+fn stage(args: &Demo) -> Result<(Network, Joined), Failure> {
+    let failed = |error: &dyn std::fmt::Display| Failure::new(Exit::Failed, error.to_string());
+    let scenario = PLANT.parse().map_err(|error| failed(&error))?;
+    let mut opening = Opening::new(Access::Cyclic).in_plant(scenario);
     if let Ok(stop) = Stop::on_signals() {
-        network.interrupt_with(move || stop.is_stopped());
+        opening = opening.stopped_by(stop);
     }
-    Ok((network, world, stations))
+    let network = opening.open().map_err(|error| failed(&error))?;
+    let Way::Plant(plant) = network.way().clone() else {
+        return Err(failed(&"not a plant"));
+    };
+    if let Some(path) = &args.pcap {
+        plant.world().add_tap(Box::new(capture(path)?));
+    }
+    if !args.fast {
+        plant.world().set_pace(Pace::Wall);
+    }
+    Ok((network, plant))
 }
 
 fn capture(path: &Path) -> Result<Writer<File>, Failure> {
@@ -205,12 +187,7 @@ fn capture(path: &Path) -> Result<Writer<File>, Failure> {
     Writer::starting_now(file, "demo").map_err(failed)
 }
 
-fn play(
-    session: &mut Session,
-    world: &World<SegmentMedium>,
-    station: StationId,
-    show: &mut Show,
-) -> Result<(), Error> {
+fn play(session: &mut Session, plant: &Joined, show: &mut Show) -> Result<(), Error> {
     let mut drive = find(session, show)?;
     identity(session, &mut drive, show)?;
     page(session, &mut drive, &PAGE, show)?;
@@ -243,18 +220,15 @@ fn play(
     turn(&mut enabled, show)?;
     accelerate(&mut enabled, show)?;
     jog(&mut enabled, show)?;
-    fault(&mut enabled, world, station, show)?;
+    fault(&mut enabled, plant, show)?;
     drop(enabled);
     stop(&mut axis, show)?;
     show.next();
     axis.release().wait()?;
-    let free = {
-        let wire = world.wire();
-        let host = wire.segment().station::<Host<Station>>(station);
-        host.is_some_and(|host| {
-            !host.endpoint().device().is_exchanging() && !host.endpoint().drive().is_enabled()
-        })
-    };
+    let free = plant
+        .world()
+        .drive(0)
+        .is_some_and(|station| !station.device().is_exchanging() && !station.drive().is_enabled());
     show.check(
         free,
         "connection closed, the drive is without a controller".into(),
@@ -408,16 +382,11 @@ fn jog(axis: &mut Demonstrated<'_>, show: &mut Show) -> Result<(), Error> {
     )
 }
 
-fn fault(
-    axis: &mut Demonstrated<'_>,
-    world: &World<SegmentMedium>,
-    station: StationId,
-    show: &mut Show,
-) -> Result<(), Error> {
+fn fault(axis: &mut Demonstrated<'_>, plant: &Joined, show: &mut Show) -> Result<(), Error> {
     show.next();
     axis.run(RUN).wait()?;
     hold(axis, Duration::from_millis(500), show)?;
-    inject(world, station, FAULT);
+    inject(plant, NAME, FAULT)?;
     match axis.hold(Duration::from_secs(2)).wait() {
         Err(Error::Axis {
             trouble: Trouble::Fault,
@@ -473,11 +442,16 @@ fn stop(axis: &mut Axis, show: &mut Show) -> Result<(), Error> {
 }
 
 /// Lets a fault come at the drive itself.
-fn inject(world: &World<SegmentMedium>, station: StationId, fault: u16) {
-    let mut wire = world.wire();
-    if let Some(host) = wire.segment_mut().station_mut::<Host<Station>>(station) {
-        host.endpoint_mut().drive_mut().inject_fault(fault, false);
-    }
+fn inject(plant: &Joined, drive: &str, number: u16) -> Result<(), Error> {
+    let fault = Injection::Fault {
+        number,
+        lasting: false,
+    };
+    let injected = plant.world().inject(drive, ScenarioEvent::Drive(fault), None);
+    injected.map_err(|error| Error::Malformed {
+        drive: drive.into(),
+        reason: error.to_string(),
+    })
 }
 
 impl Show {
@@ -569,13 +543,13 @@ mod tests {
             fast: true,
         };
         for looks in (10..100_000).step_by(131) {
-            let (mut network, world, stations) = stage(&args).unwrap();
+            let (mut network, plant) = stage(&args).unwrap();
             let mut left = looks;
             network.interrupt_with(move || {
                 left -= 1;
                 left < 0
             });
-            let Err(failure) = show(&args, (&mut network, &world), stations, &Output::new(true, true)) else {
+            let Err(failure) = show(&args, (&mut network, &plant), &Output::new(true, true)) else {
                 assert!(looks > 1000, "the demo looks up to {looks} times only");
                 return;
             };
@@ -583,10 +557,9 @@ mod tests {
                 failure.message.starts_with("stopped by Ctrl-C"),
                 "{looks}: {failure:?}"
             );
-            for id in stations {
-                let wire = world.wire();
-                let host = wire.segment().station::<Host<Station>>(id).unwrap();
-                let station = host.endpoint();
+            for number in 0..3 {
+                let world = plant.world();
+                let station = world.drive(number).unwrap();
                 let speed = station.drive().axis().measured_speed();
                 // a fault leaves the motor to its friction, and so does its reset
                 let coasts = (0..64).any(|index| station.drive().fault_number(index) != 0);

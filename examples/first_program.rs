@@ -1,8 +1,9 @@
-//! A drive on a real network: find it, say what it is and how it is, read its ramps. Changes nothing.
+//! A drive on a network: find it, say what it is and how it is, read its ramps. Changes nothing. The network is an interface, or
+//! a plant file with virtual drives: only one line differs.
 //!
-//! `cargo run -p examples --example real_network -- eth0 akd-1`
+//! `cargo run -p examples --example first_program -- eth0 akd-1`
 //!
-//! Without hardware: `profidrive simulate` on the other end of a cable, see README.
+//! `cargo run -p examples --example first_program -- examples/plants/one_drive.toml akd-1`
 
 use std::error::Error;
 use std::process::ExitCode;
@@ -22,11 +23,14 @@ fn main() -> ExitCode {
 
 fn run() -> Result<(), Box<dyn Error>> {
     let mut arguments = std::env::args().skip(1);
-    let (Some(interface), Some(drive)) = (arguments.next(), arguments.next()) else {
-        return Err("give a network interface and a drive: eth0 akd-1".into());
+    let (Some(place), Some(drive)) = (arguments.next(), arguments.next()) else {
+        return Err("give a network interface or a plant file, and a drive: eth0 akd-1".into());
     };
 
-    let mut network = profidrive::open(&interface)?;
+    let mut network = match place.ends_with(".toml") {
+        false => profidrive::open(&place)?,
+        true => profidrive::open_plant(&place)?,
+    };
     let mut drive = network.find(&drive.parse()?).wait()?;
     println!("{}", client::describe(&drive.station));
 

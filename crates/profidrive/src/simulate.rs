@@ -1,0 +1,222 @@
+//! A plant in memory, opened like a network.
+
+use std::path::Path;
+use std::sync::{Arc, MutexGuard};
+
+use client::World;
+use network::system::Stop;
+use plant::Scenario;
+use profinet::controller::ControllerConfig;
+use profinet::{IpSuite, MacAddress};
+
+use crate::open::{Access, Network, OpenError, Opening, Way};
+
+/// The address of this program in a plant. The drives have others: those of a file are locally administered ones made of
+/// their names.
+const MAC: MacAddress = MacAddress([0x02, 0x50, 0x4E, 0, 0, 0xC0]);
+
+/// Opens a plant file: drives and what happens to them, in memory and in virtual time.
+///
+/// The network is of the same type as one of [`open`](crate::open()), and a program runs on both. Time advances only while a
+/// call waits, as fast as the computer can. The time line of the file plays meanwhile, its controllers run, and cables lose
+/// and delay frames as it says. One thread gets the same run every time; the seed in the file decides what happens by chance.
+///
+/// This program has the address [`Scenario::client_address`].
+///
+/// ```no_run
+/// use profidrive::Wait;
+///
+/// let mut network = profidrive::open_plant("examples/plants/first.toml")?;
+/// let drive = network.find(&"press-1".parse()?).wait()?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// When the file cannot be read or something in it is not valid; with the file and the line.
+pub fn open_plant(path: impl AsRef<Path>) -> Result<Network, OpenError> {
+    open_scenario(Scenario::read(path.as_ref())?)
+}
+
+/// Opens a plant that was read before, or is in the program as text: `open_scenario(text.parse()?)`. See [`open_plant`].
+///
+/// # Errors
+/// When no IP address is left beside its drives for this program.
+pub fn open_scenario(scenario: Scenario) -> Result<Network, OpenError> {
+    Opening::new(Access::default()).in_plant(scenario).open()
+}
+
+impl Opening {
+    /// In a plant in memory, in place of an interface; see [`open_plant`].
+    #[must_use]
+    pub fn in_plant(mut self, scenario: Scenario) -> Self {
+        self.plant = Some(Arc::new(scenario));
+        self
+    }
+}
+
+/// A plant that this program has joined.
+///
+/// ```
+/// use std::time::Duration;
+/// use profidrive::{Wait, Way};
+///
+/// let plant = "[[drive]]\nname = \"akd-1\"\nip = \"10.0.0.1/24\"";
+/// let mut network = profidrive::open_scenario(plant.parse()?)?;
+/// if let Way::Plant(plant) = network.way() {
+///     let lasts = Some(Duration::from_millis(300));
+///     plant.world().inject("akd-1", "cable=pulled".parse()?, lasts)?;
+/// }
+/// # assert!(network.find(&"akd-1".parse()?).wait().is_ok(), "repeated after 300 ms");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct Joined {
+    world: Arc<World<plant::World>>,
+    pub(crate) ip: IpSuite,
+}
+
+impl Joined {
+    /// Returns the plant, to look at its drives, to let something happen to them and to record the traffic. Nothing happens
+    /// while the guard lives; a call that waits in the same thread would wait for ever.
+    pub fn world(&self) -> MutexGuard<'_, plant::World> {
+        self.world.wire()
+    }
+}
+
+pub(crate) fn join(scenario: &Scenario, stop: Option<Stop>) -> Result<Network, OpenError> {
+    let ip = scenario.client_address()?;
+    let config = ControllerConfig::new(MAC, ip, "profidrive", scenario.seed);
+    let (network, world) = client::Network::on(plant::World::new(scenario)?, config);
+    let way = Way::Plant(Joined { world, ip });
+    Ok(Network { network, way }.stopped_by(stop))
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use std::time::Duration;
+
+    use client::{AxisSettings, ErrorKind, Wait};
+
+    use super::*;
+    use crate::DriveError;
+
+    const TWO: &str = r#"
+        seed = 3
+        [[drive]]
+        name = "akd-1"
+        ip = "10.0.0.1/24"
+        event = [
+            { at = "0s", do = "loss=1%" },
+            { at = "0s", do = "delay=2ms" },
+            { at = "0s", do = "jitter=1ms" },
+            { position = "1rev", do = "load=0.2Nm" },
+            { at = "20s", do = "fault=439" },
+        ]
+        [[drive]]
+        name = "far-1"
+        ip = "10.0.9.1/24"
+    "#;
+
+    fn joined(network: &Network) -> Joined {
+        match network.way() {
+            Way::Plant(joined) => joined.clone(),
+            way => panic!("{way:?}"),
+        }
+    }
+
+    /// Runs the axis of the plant over a place, and returns what happened, and the trace.
+    fn ride(seed: u64) -> (Vec<String>, u64) {
+        let mut scenario: Scenario = TWO.parse().unwrap();
+        scenario.seed = seed;
+        let mut network = open_scenario(scenario).unwrap();
+        let plant = joined(&network);
+        let (tell, told) = std::sync::mpsc::channel();
+        plant.world().observe(move |entry| {
+            let _ = tell.send(entry.to_string());
+        });
+        let mut drive = network.find(&"akd-1".parse().unwrap()).wait().unwrap();
+        let mut axis = network
+            .take_axis(&mut drive, AxisSettings::default())
+            .wait()
+            .unwrap();
+        let mut enabled = axis.enable().wait().unwrap();
+        enabled.reach_speed(600.0, None).wait().unwrap();
+        enabled.hold(Duration::from_secs(1)).wait().unwrap();
+        let rest = Duration::from_secs(20);
+        let fault = enabled.hold(rest).wait().unwrap_err();
+        assert!(fault.to_string().contains("fault"), "{fault}");
+        drop(enabled);
+        // the fault leaves the motor to its friction, so it may turn yet
+        let _ = axis.release().wait();
+        assert_eq!(plant.world().drive(0).unwrap().drive().fault_number(0), 439);
+        let hash = plant.world().trace_hash();
+        drop(network);
+        (told.try_iter().collect(), hash)
+    }
+
+    #[test]
+    fn the_time_line_plays_while_calls_wait_and_the_seed_decides() {
+        let (happened, hash) = ride(3);
+        let at = |what: &str| {
+            let line = happened.iter().find(|line| line.contains(what));
+            let seconds = line.and_then(|line| line.split_whitespace().next());
+            seconds.and_then(|seconds| seconds.parse::<f64>().ok())
+        };
+        assert!(at("! load=0.2Nm").is_some_and(|at| at < 5.0), "{happened:#?}");
+        assert_eq!(at("! fault=439"), Some(20.0));
+        assert_eq!(ride(3), (happened, hash));
+        assert_ne!(ride(4).1, hash);
+    }
+
+    #[test]
+    fn something_can_happen_from_outside() {
+        let mut network = open_scenario(TWO.parse().unwrap()).unwrap();
+        let plant = joined(&network);
+        let mut drive = network.find(&"akd-1".parse().unwrap()).wait().unwrap();
+        let inject = |drive: &str, what: &str| plant.world().inject(drive, what.parse().unwrap(), None);
+        inject("akd-1", "fault=439").unwrap();
+        let faults = network.faults(&mut drive).wait().unwrap();
+        assert_eq!(faults.first().map(|fault| fault.number), Some(439));
+        let unknown = inject("akd-7", "fault=439").unwrap_err();
+        assert_eq!(unknown.to_string(), "no drive `akd-7` in this plant");
+        assert!(
+            inject("akd-1", "fault=999")
+                .unwrap_err()
+                .to_string()
+                .contains("no fault 999")
+        );
+    }
+
+    #[test]
+    fn a_drive_in_another_subnet_is_reported_as_on_a_wire() {
+        let opening = Opening::new(Access::Records).in_plant(TWO.parse().unwrap());
+        let (_network, drive) = opening.drive("akd-1", &mut |_| {}).wait().unwrap();
+        assert_eq!(drive.label(), "akd-1");
+        let far = opening.drive("far-1", &mut |_| {}).wait().unwrap_err();
+        assert!(matches!(far, DriveError::Subnet(_)), "{far}");
+        let line = opening.drive("fc:ttyS7/1", &mut |_| {}).wait().unwrap_err();
+        assert_eq!(line.kind(), ErrorKind::Usage, "{line}");
+    }
+
+    #[test]
+    fn mistakes_in_a_plant_are_reported_with_their_place() {
+        let file = std::env::temp_dir().join(format!("profidrive-plant-{}.toml", std::process::id()));
+        std::fs::write(&file, "[[drive]]\nname = \"akd-1\"\nmodel = \"cvt\"\n").unwrap();
+        let error = open_plant(&file).unwrap_err();
+        std::fs::remove_file(&file).unwrap();
+        assert_eq!(error.kind(), ErrorKind::Usage);
+        let text = error.to_string();
+        assert!(
+            text.contains(".toml, line 3: no model `cvt`; there are: "),
+            "{text}"
+        );
+        let missing = open_plant("no-such-plant.toml").unwrap_err();
+        assert!(
+            missing.to_string().starts_with("no-such-plant.toml: "),
+            "{missing}"
+        );
+        let full = "[[drive]]\nname = \"a\"\nip = \"10.0.0.1/31\"".parse().unwrap();
+        assert_eq!(open_scenario(full).unwrap_err().kind(), ErrorKind::Usage);
+    }
+}
