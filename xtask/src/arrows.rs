@@ -1,11 +1,12 @@
-//! `arrows`: the crates may only know each other as the table below says; cargo's own metadata is the witness.
+//! `arrows`: the crates may only know each other as the table below says; cargo's own metadata is the witness. Within a crate
+//! [`circles`] checks the files.
 
 use std::path::Path;
 use std::process::Command;
 
 use serde_json::Value;
 
-use crate::Outcome;
+use crate::{Outcome, circles};
 
 /// Every library. A folder `X` of `crates/` is the package `profidrive-X`, but for the library that a user adds.
 const LIBRARIES: &[&str] = &[
@@ -107,7 +108,8 @@ const IO_CRATES: &[&str] = &[
     "getrandom",
 ];
 
-/// Checks every dependency of every package of the workspace, development dependencies apart: tests may look across.
+/// Checks every dependency of every package of the workspace, development dependencies apart: tests may look across. Checks
+/// the files of each crate, too.
 pub fn run(root: &Path) -> Outcome<()> {
     let output = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()))
         .args(["metadata", "--format-version", "1", "--no-deps", "--offline"])
@@ -116,9 +118,10 @@ pub fn run(root: &Path) -> Outcome<()> {
     if !output.status.success() {
         return Err(String::from_utf8_lossy(&output.stderr).into_owned().into());
     }
-    let wrong = violations(&serde_json::from_slice(&output.stdout)?)?;
+    let mut wrong = violations(&serde_json::from_slice(&output.stdout)?)?;
+    wrong.extend(circles::violations(root)?);
     if wrong.is_empty() {
-        println!("all arrows point down");
+        println!("all arrows point down, and no more than three files import each other");
         Ok(())
     } else {
         Err(wrong.join("\n").into())

@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 mod arrows;
+mod circles;
 mod r#gen;
 mod notices;
 mod pages;
@@ -20,7 +21,7 @@ type Outcome<T> = Result<T, Box<dyn Error>>;
 const USAGE: &str = "usage: cargo run -p xtask -- <task>
   gen            write the generated tables from data/
   gen --check    fail when a generated table is not up to date
-  arrows         fail when a crate depends on one it must not know
+  arrows         fail when a crate depends on one it must not know, or files import each other in a large circle
   notices TARGET print the licences of what is linked into the program
   pages PROGRAM  write the pages of docs/ that come from the program
   pages PROGRAM --check  fail when one of these is not up to date";

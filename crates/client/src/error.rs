@@ -7,6 +7,7 @@ mod refusal;
 mod text;
 
 use std::net::Ipv4Addr;
+use std::sync::Arc;
 use std::time::Duration;
 
 use profile::notation::figures;
@@ -16,8 +17,7 @@ use profinet::MacAddress;
 use profinet::controller::{DcpError, LostCause, Misuse, ServiceError, Station};
 
 use crate::axis::{Evidence, NoTelegram, Objection, SpeedUnit, Trouble};
-use crate::session::{LocalControl, LossReaction};
-use crate::{Action, AtWork, ClosedRoute, DriveAddress, WireFailure};
+use crate::{Action, AtWork, ClosedRoute, DriveAddress, LocalControl, LossReaction};
 use profile::value::ParameterProblem;
 
 pub use kind::ErrorKind;
@@ -28,6 +28,9 @@ use text::{
     closed_text, highest_text, holders_text, in_place, join, objections_text, once, others, owner_text,
     reaction_text, scaling_text, speed_text, telegram_text, unit_text,
 };
+
+/// Why the wire failed; shared by all waiting calls.
+pub type WireFailure = Arc<dyn std::error::Error + Send + Sync>;
 
 /// Why something did not come about.
 #[derive(Debug, thiserror::Error)]

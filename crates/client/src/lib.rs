@@ -18,6 +18,7 @@
 
 mod action;
 mod address;
+mod authority;
 pub mod axis;
 pub mod backup;
 pub mod change;
@@ -25,32 +26,36 @@ mod client;
 mod drive;
 mod engine;
 mod error;
+mod identity;
 mod learn;
 mod line;
+mod loss;
 mod mapper;
 mod modules;
 mod network;
+mod route;
 mod session;
 pub mod status;
 pub mod text;
 mod wide;
-mod wire;
 
 pub use action::{Action, Advice, AdvicePart, Choice};
 pub use address::{DriveAddress, DriveAddressError, LineAddress, Parity};
+pub use authority::{AtWork, Authority, LocalControl};
 pub use client::{AxisView, Client, Connection, Link};
 pub use drive::Drive;
-pub use engine::{Driver, Engine, Wait, WireFailure, World};
-pub use error::{ChannelCause, ChannelRefusal, Error, ErrorKind, NotCarried, Refusal, describe};
+pub use engine::{Driver, Engine, Wait, Wire, World};
+pub use error::{ChannelCause, ChannelRefusal, Error, ErrorKind, NotCarried, Refusal, WireFailure, describe};
+pub use identity::Identity;
 pub use line::LineConfig;
+pub use loss::{LossAction, LossReaction};
 pub use mapper::Registered;
 pub use modules::{VendorModule, modules_of};
 pub use network::Network;
+pub use route::{ClosedRoute, Route, RouteNotice};
 pub use session::{
-    AtWork, Authority, Axis, AxisPlan, AxisSettings, AxisStatus, ClosedRoute, Described, Enabled, FaultEntry,
-    FaultReport, Identity, Info, JogSpeed, Keep, LocalControl, LoggedFault, LossAction, LossReaction,
-    ModeChange, Peer, PutBack, ReportedLimits, Rest, Route, RouteNotice, Samples, Session, Snapshot,
+    Axis, AxisPlan, AxisSettings, AxisStatus, Described, Enabled, FaultEntry, FaultReport, Info, JogSpeed,
+    Keep, LoggedFault, ModeChange, Peer, PutBack, ReportedLimits, Rest, Samples, Session, Snapshot,
     StopHandle, StopMeans, StopOutcome, StopWay, TemporaryChange, WarningEntry, WarningWatcher, Watcher,
     WriteMode,
 };
-pub use wire::Wire;

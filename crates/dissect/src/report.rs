@@ -1,43 +1,16 @@
 //! Shapes of reports that need no drive: words of bits, states and values of parameters. Every command uses these.
 
+mod decode;
+
 use profile::state::bits::{self, Bit};
 use profile::state::{State, Stw1, Zsw1};
 use profile::value::{Content, Reading};
 use serde::Serialize;
-use serde_json::{Map, Number, Value};
+use serde_json::Number;
 
-use crate::capture::{Counts, DeviceSummary, Event};
 use crate::{hex_bytes, hex16, value, words};
 
-/// What decoding reports: the events of a capture, its devices and the end; or what octets contain.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[serde(untagged)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub enum DecodeReport<'a> {
-    /// Something that happened.
-    Event(&'a Event),
-    /// A device with cyclic connections.
-    Device {
-        /// `summary`.
-        kind: &'static str,
-        /// The device.
-        data: &'a DeviceSummary,
-    },
-    /// The capture has ended; nothing follows.
-    End {
-        /// `end`.
-        kind: &'static str,
-        /// True.
-        end: bool,
-        /// What was seen.
-        #[serde(flatten)]
-        counts: Counts,
-        /// Why the capture was not read to its end.
-        damage: Option<&'a str>,
-    },
-    /// What octets contain: a parameter job, a telegram or a parameter channel, each with fields of its own.
-    Octets(&'a Map<String, Value>),
-}
+pub use decode::DecodeReport;
 
 /// A word of bits: a control or status word, or a parameter whose bits have names.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]

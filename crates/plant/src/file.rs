@@ -19,9 +19,9 @@ use virtual_drive::model::{self, Model};
 use virtual_drive::station::{Station, StationConfig};
 
 use crate::event::ScenarioEvent;
-use crate::program::{ControllerPlan, RawController};
+use crate::plan::{Cue, DrivePlan, Scenario, Trigger, set};
+use crate::program::RawController;
 use crate::text::{derived_mac, place, suite, time};
-use crate::world::set;
 
 /// Longest file, in octets.
 const LONGEST_FILE: usize = 1 << 20;
@@ -31,81 +31,6 @@ const MAX_READ: u64 = 4 << 20;
 const MOST_DRIVES: usize = 256;
 /// Most cues of one drive.
 const MOST_CUES: usize = 10_000;
-
-/// A plant: drives, what happens to them, and the controllers that run them.
-///
-/// ```
-/// let scenario: profidrive_plant::Scenario = r#"
-///     seed = 7
-///     [[drive]]
-///     name = "press-1"
-///     ip = "10.0.0.1/24"
-///     parameters = { "DRV.ACC" = "5000rpm/s" }
-///     event = [
-///         { at = "2s", do = "load=0.5Nm" },
-///         { at = "5s", do = "cable=pulled", for = "300ms" },
-///         { position = "10rev", do = "fault=439" },
-///     ]
-/// "#.parse()?;
-/// assert_eq!(scenario.drives[0].cues.len(), 3);
-/// # Ok::<(), profidrive_plant::ScenarioError>(())
-/// ```
-#[derive(Debug, Clone)]
-pub struct Scenario {
-    /// Decides everything that happens by chance.
-    pub seed: u64,
-    /// How long it goes on; `None` until it is ended.
-    pub duration: Option<Duration>,
-    /// Period at which a trace prints all values; `None` for changes only.
-    pub sample: Option<Duration>,
-    /// The drives.
-    pub drives: Vec<DrivePlan>,
-    /// The controllers, which exist in virtual time only.
-    pub controllers: Vec<ControllerPlan>,
-}
-
-/// One drive of a [`Scenario`].
-#[derive(Debug, Clone)]
-pub struct DrivePlan {
-    /// Name of station.
-    pub name: String,
-    /// Its model.
-    pub model: &'static Model,
-    /// Its Ethernet address.
-    pub mac: MacAddress,
-    /// Its IP address; none for a drive that waits for it.
-    pub ip: IpSuite,
-    /// Shortest update time in steps of 31.25 us; `None` for that of the model.
-    pub min_device_interval: Option<u16>,
-    /// Motor, load and travel.
-    pub plant: Plant,
-    /// Torque of the load from the start, Nm.
-    pub load: f64,
-    /// What its parameters are set to before it starts, in order.
-    pub parameters: Vec<Assignment>,
-    /// What happens to it.
-    pub cues: Vec<Cue>,
-}
-
-/// Something that happens to a drive, and when.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Cue {
-    /// When.
-    pub trigger: Trigger,
-    /// What.
-    pub what: ScenarioEvent,
-    /// How long; `None` for as long as nothing else is said.
-    pub lasts: Option<Duration>,
-}
-
-/// When something happens.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Trigger {
-    /// This long after the start.
-    Time(Duration),
-    /// When the axis reaches this place, in 2^-32 revolutions from where it started, for the first time.
-    Place(i64),
-}
 
 /// What is wrong with a scenario file, and where.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -266,25 +191,6 @@ struct RawEvent {
     lasts: Option<Spanned<String>>,
     #[serde(rename = "do")]
     what: Spanned<String>,
-}
-
-impl DrivePlan {
-    /// Creates a drive as delivered: nothing happens to it. It has no address, and its Ethernet address is made of its
-    /// name.
-    #[must_use]
-    pub fn new(name: &str, model: &'static Model) -> Self {
-        Self {
-            name: name.to_owned(),
-            model,
-            mac: derived_mac(name),
-            ip: IpSuite::NONE,
-            min_device_interval: None,
-            plant: model.plant,
-            load: 0.0,
-            parameters: Vec::new(),
-            cues: Vec::new(),
-        }
-    }
 }
 
 impl std::str::FromStr for Scenario {

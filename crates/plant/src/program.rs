@@ -11,52 +11,12 @@ use serde::Deserialize;
 use toml::Spanned;
 use virtual_drive::drive::Drive;
 
-use crate::file::{DrivePlan, Located, RawValues, assignments_of_signals, located};
+use crate::file::{Located, RawValues, assignments_of_signals, located};
+use crate::plan::{Action, ControllerPlan, DrivePlan, Step};
 use crate::text::time;
 
 /// Most steps of one program.
 const MOST_STEPS: usize = 100_000;
-
-/// A controller that runs one drive, in virtual time.
-#[derive(Debug, Clone)]
-pub struct ControllerPlan {
-    /// Which of the drives.
-    pub drive: usize,
-    /// Telegram it plugs into slot 1.
-    pub telegram: u16,
-    /// Update time.
-    pub cycle: Duration,
-    /// Updates that may fail to come before the connection is taken for lost.
-    pub watchdog: u16,
-    /// What it does, in the order of time.
-    pub steps: Vec<Step>,
-}
-
-/// One step of a program.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Step {
-    /// This long after the start.
-    pub at: Duration,
-    /// What to do then.
-    pub action: Action,
-}
-
-/// What a controller can do.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Action {
-    /// Set signals; those not named keep their value.
-    Send(Vec<(&'static Field, i64)>),
-    /// Set the first words of the telegram, whatever they mean.
-    Words(Vec<u16>),
-    /// Release the connection and stay disconnected until commanded.
-    Release,
-    /// Connect again after a release.
-    Connect,
-    /// Say that its own program has stopped (provider state STOP).
-    Stop,
-    /// Say that its program runs.
-    Run,
-}
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]

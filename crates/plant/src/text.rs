@@ -76,6 +76,14 @@ pub fn station_text(name: &str, mac: MacAddress, ip: IpSuite) -> String {
     }
 }
 
+/// `1 drive`, `2 drives`.
+pub fn count(drives: usize) -> String {
+    match drives {
+        1 => "1 drive".into(),
+        _ => format!("{drives} drives"),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

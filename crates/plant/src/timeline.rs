@@ -5,7 +5,7 @@ use std::time::Duration;
 use profinet::Instant;
 
 use crate::event::{ScenarioEvent, Unit};
-use crate::file::{Cue, Trigger};
+use crate::plan::{Cue, Trigger};
 
 /// Most happenings that one call lets happen; what is left follows with the next one.
 const MOST_AT_ONCE: usize = 1000;

@@ -5,129 +5,26 @@ use std::time::Duration;
 
 use network::host::Host;
 use network::segment::{Pace, Segment, SegmentMedium, StationId, Tap};
-use profile::parameter::{ErrorNumber, Keep, ParameterAccess};
 use profile::state::Zsw1;
-use profile::value::{Assignment, ParameterProblem, Parameters};
 use profinet::controller::{
     ArId, ConnectConfig, Controller, ControllerConfig, Event, ModuleConfig, Resolve, SubmoduleConfig, Target,
 };
 use profinet::cyclic::Timing;
-use profinet::device::{ModuleDescription, Stored};
+use profinet::device::ModuleDescription;
 use profinet::wire::block::ModuleState;
 use profinet::{Endpoint, Instant, IpSuite, Medium};
 use virtual_drive::description::Description;
 use virtual_drive::model::Model;
-use virtual_drive::station::{Station, StationConfig};
+use virtual_drive::station::Station;
 
-use crate::event::{ScenarioEvent, ScenarioEventError, Unit};
-use crate::file::{DrivePlan, Scenario};
-use crate::program::{Action, ControllerPlan, Step};
+use crate::event::{ScenarioEvent, Unit};
+use crate::plan::{Action, ControllerPlan, DrivePlan, Scenario, Step, WorldError};
 use crate::text::derived_mac;
 use crate::timeline::Timeline;
 use crate::trace::{Entry, What};
 
 /// How long a controller waits before it connects again.
 const RECONNECT_DELAY: Duration = Duration::from_millis(500);
-
-/// A plant that cannot be made.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum WorldError {
-    /// A first parameter does not fit the drive as the others have left it.
-    #[error("{drive}: {problem}")]
-    Parameter {
-        /// The drive.
-        drive: String,
-        /// What is wrong.
-        problem: ParameterProblem,
-    },
-    /// The drive refuses a first parameter.
-    #[error("{drive}: {parameter} is refused: {error}")]
-    Refused {
-        /// The drive.
-        drive: String,
-        /// The parameter.
-        parameter: String,
-        /// Why.
-        error: ErrorNumber,
-    },
-    /// No address is left for a controller beside the drive.
-    #[error("{drive}: no address is left beside it for its controller; give its subnet a shorter prefix")]
-    NoAddress {
-        /// The drive.
-        drive: String,
-    },
-    /// The plant has no drive of this name.
-    #[error("no drive `{drive}` in this plant")]
-    NoDrive {
-        /// The name.
-        drive: String,
-    },
-    /// It cannot happen to this drive.
-    #[error(transparent)]
-    Event(#[from] ScenarioEventError),
-}
-
-impl DrivePlan {
-    /// Returns the settings of the station; the carrier adds its own, such as values saved in an earlier run.
-    #[must_use]
-    pub fn config(&self) -> StationConfig {
-        let mut config = StationConfig::new(self.model, self.mac);
-        config.min_device_interval = self.min_device_interval;
-        config.plant = Some(self.plant);
-        config.network = Stored {
-            name: self.name.clone(),
-            ip: self.ip,
-            ..Stored::default()
-        };
-        config
-    }
-
-    /// Returns the drive, made and set up, as a station on a good cable; `seed` decides what a bad one does by chance.
-    ///
-    /// # Errors
-    /// When one of its first parameters is refused.
-    pub fn build(&self, config: StationConfig, seed: u64) -> Result<Unit, WorldError> {
-        let mut station = Station::new(config);
-        for assignment in &self.parameters {
-            set(&mut station, self.model, &self.name, assignment)?;
-        }
-        station.drive_mut().set_load(self.load);
-        Ok(Unit::new(Host::new(station), seed))
-    }
-}
-
-/// Gives the drive of a station one of its first parameters.
-pub(crate) fn set(
-    station: &mut Station,
-    model: &Model,
-    name: &str,
-    assignment: &Assignment,
-) -> Result<(), WorldError> {
-    let drive = station.drive_mut();
-    let table = Parameters {
-        catalogue: Some(model.catalogue),
-        scaling: drive.scaling(),
-    };
-    let problem = |problem| WorldError::Parameter {
-        drive: name.to_owned(),
-        problem,
-    };
-    let selection = table.select(&assignment.reference).map_err(problem)?;
-    let (pnu, first) = (selection.pnu, selection.first);
-    let written = match table.check_text(&selection, &assignment.value).map_err(problem)? {
-        Some(text) => drive.write_text(pnu, first, text.as_bytes(), Keep::Volatile),
-        None => {
-            let value = table.check(&selection, &assignment.value).map_err(problem)?;
-            drive.write(pnu, first, value.raw.cast_unsigned(), Keep::Volatile)
-        }
-    };
-    written.map_err(|error| WorldError::Refused {
-        drive: name.to_owned(),
-        parameter: selection.label(),
-        error,
-    })
-}
 
 /// A scenario in virtual time: an in-memory segment with its drives and controllers.
 ///

@@ -3,12 +3,13 @@
 use std::collections::HashMap;
 use std::fmt;
 
-use profile::catalogue::{Parameter, Scale, Scaling};
+use profile::catalogue::{Parameter, Scaling};
 use profile::notation::{Elements, ParameterReference, Quantity, Target};
 use profile::parameter::{CodeSpace, Format};
 use profile::unit::UnitChoice;
 
 use super::header::Header;
+use super::nearest::nearest;
 use super::print::{FORM, MAGIC, plain};
 use super::task::{self, Name};
 use super::{Backup, Task, key};
@@ -368,25 +369,6 @@ fn number(
             parameter.engineering(raw, &parameters.scaling)
         ))),
     }
-}
-
-/// Returns the number on the wire for a value in its unit; an error when it is a fraction where there are none, or does
-/// not fit.
-pub(super) fn nearest(value: f64, parameter: &Parameter, scaling: &Scaling) -> Result<i64, String> {
-    if parameter.scale == Scale::Raw && value.fract() != 0.0 {
-        return Err(format!("takes whole numbers, not {value}"));
-    }
-    let raw = parameter.raw(value, scaling);
-    let step = scaling.linear(parameter.scale).engineering(1).abs();
-    // what does not fit was cut
-    if (parameter.engineering(raw, scaling) - value).abs() > step * 0.75 {
-        return Err(format!(
-            "{value} {} does not fit its {} octets",
-            parameter.unit_in(scaling),
-            parameter.octets()
-        ));
-    }
-    Ok(raw)
 }
 
 fn raw_number(text: &str, parameter: &Parameter) -> Result<i64, String> {

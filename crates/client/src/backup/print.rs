@@ -6,7 +6,7 @@ use profile::catalogue::{Parameter, Scaling};
 use profile::notation::Quantity;
 use profile::parameter::{CodeSpace, Format};
 
-use super::parse::nearest;
+use super::nearest::nearest;
 use super::task::Name;
 use super::{Backup, selection};
 use crate::text::{escape, is_unsafe};

@@ -4,8 +4,8 @@ use std::sync::{Arc, Mutex, PoisonError, TryLockError};
 
 use profinet::Instant;
 
-use super::{Engine, WireFailure};
-use crate::Wire;
+use super::{Engine, Wire};
+use crate::WireFailure;
 
 /// Carries the bytes and the time of an [`Engine`]: a thread of its own on a real network, or whoever waits.
 pub trait Driver: Send + Sync {

@@ -6,6 +6,7 @@
 mod driver;
 mod queue;
 mod wait;
+mod wire;
 
 use std::collections::BTreeMap;
 use std::future::Future;
@@ -20,17 +21,15 @@ use std::time::Duration;
 use profinet::{Endpoint, Instant, IpSuite, MacAddress, Transmit};
 
 use crate::session::Records;
-use crate::{Client, Error};
+use crate::{Client, Error, WireFailure};
 
 pub use driver::{Driver, World};
 pub(crate) use queue::{At, Queues, Turn, at};
 pub use wait::Wait;
+pub use wire::Wire;
 
 /// How long a driver sleeps when no call waits.
 const IDLE: Duration = Duration::from_millis(50);
-
-/// Why the wire failed; shared by all waiting calls.
-pub type WireFailure = Arc<dyn std::error::Error + Send + Sync>;
 
 /// A background operation: an axis that is brought to rest.
 type Task = Pin<Box<dyn Future<Output = ()> + Send>>;

@@ -11,8 +11,7 @@ use profinet::wire::dcp::BlockError;
 
 use super::Error;
 use crate::axis::{Objection, SpeedUnit, Trouble};
-use crate::session::{LocalControl, LossReaction};
-use crate::{Action, Advice, Choice, Drive};
+use crate::{Action, Advice, Choice, Drive, LocalControl, LossReaction};
 
 impl Error {
     /// The drive is there, its parameters are not: they are silent, late or make no sense.

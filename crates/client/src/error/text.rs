@@ -6,8 +6,7 @@ use profinet::MacAddress;
 use profinet::controller::{ServiceError, Station};
 
 use crate::axis::{Objection, SpeedUnit};
-use crate::session::{LossAction, LossReaction};
-use crate::{ClosedRoute, DriveAddress};
+use crate::{ClosedRoute, DriveAddress, LossAction, LossReaction};
 
 /// Describes the octets received instead of an answer.
 pub(super) fn in_place(telegrams: u64, noise: u64) -> String {

@@ -1,4 +1,4 @@
-//! Records: over the connection of an axis where there is one, else on the first [way](super::Route) that is open.
+//! Records: over the connection of an axis where there is one, else on the first [way](Route) that is open.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -10,11 +10,11 @@ use std::net::Ipv4Addr;
 
 use super::Session;
 use super::axis::Place;
-use super::route::{Route, RouteNotice, Routes, is_no_service, refusal};
+use super::route::{Routes, is_no_service, refusal};
 use super::temporary::Work;
 use crate::engine::{Queues, Turn};
 use crate::line::Answered;
-use crate::{Client, Connection, Drive, Error, Link};
+use crate::{Client, Connection, Drive, Error, Link, Route, RouteNotice};
 
 /// Longer than a connect may take with its repetitions.
 const CONNECT_LIMIT: Duration = Duration::from_secs(90);

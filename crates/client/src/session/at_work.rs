@@ -1,36 +1,9 @@
 //! Whether a drive is at work: what a reset, another name or another address would disturb. Reads only.
 
-use std::fmt;
-
 use profile::catalogue::Part;
 
-use super::Session;
-use super::stop::STANDS;
-use crate::{Drive, Error};
-
-/// What a drive is at work with.
-#[derive(Debug, Clone, PartialEq)]
-pub enum AtWork {
-    /// A controller of this station name is connected.
-    Controller(String),
-    /// The axis turns at this speed in rpm, whether its power stage is on or not.
-    Turns(f64),
-    /// The power stage is on.
-    Enabled,
-}
-
-impl fmt::Display for AtWork {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Controller(name) if name.is_empty() => {
-                write!(f, "a controller without a name is running it")
-            }
-            Self::Controller(name) => write!(f, "controller \"{name}\" is running it"),
-            Self::Turns(speed) => write!(f, "its axis turns at {speed:.1} rpm"),
-            Self::Enabled => write!(f, "its power stage is on"),
-        }
-    }
-}
+use super::{STANDS, Session};
+use crate::{AtWork, Drive, Error};
 
 impl Session {
     /// Checks that no controller is connected to a drive. `undone` says what is not done otherwise: `renamed`.

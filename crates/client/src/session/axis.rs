@@ -14,7 +14,6 @@ use profinet::cyclic::CyclicStatistics;
 
 use super::enabled::Enabled;
 use super::faults::WarningEntry;
-use super::loss::LossReaction;
 use super::warnings::Warnings;
 use super::{GLANCE, Session};
 use crate::axis::{
@@ -22,7 +21,7 @@ use crate::axis::{
     Strained, Trouble,
 };
 use crate::client::AxisView;
-use crate::{Connection, Drive, Error, Link};
+use crate::{Connection, Drive, Error, Link, LossReaction};
 use profile::value::{Beyond, is_other_value, is_rounding};
 use rest::Ending;
 

@@ -6,7 +6,7 @@ use profile::parameter::Identifier;
 
 use super::Session;
 use super::authority::power_is_on;
-use super::prepare::zsw1_of;
+use super::readings::zsw1_of;
 use crate::backup::{Backup, Header, Window, everything};
 use crate::change::{Choice, Plan};
 use crate::{Drive, Error};

@@ -1,10 +1,8 @@
 //! What is asked of a drive whose axis does not get where it should, while it is still in operation. Reads only.
 
-use std::time::Duration;
-
 use profile::catalogue::Part;
 
-use super::Axis;
+use super::{Axis, BESIDE};
 use crate::Error;
 use crate::axis::Evidence;
 
@@ -17,9 +15,6 @@ const PARTS: [Part; 7] = [
     Part::NegativeSwitch,
     Part::SoftwareLimitState,
 ];
-
-/// Time for a drive in motion to report additional evidence.
-pub(super) const BESIDE: Duration = Duration::from_millis(500);
 
 impl Axis {
     /// Reads it now, if it has not been read since the motion began.

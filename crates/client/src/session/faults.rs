@@ -6,8 +6,7 @@ use profile::notation::{Notation, ParameterReference};
 use profile::parameter::pnu;
 
 use super::Session;
-use super::prepare::zsw1_of;
-use super::readings::Readings;
+use super::readings::{Readings, zsw1_of};
 use crate::{Drive, Error, Refusal};
 use profile::value::{Reading, Selection};
 

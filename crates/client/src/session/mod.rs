@@ -50,9 +50,7 @@ use manner::Manner;
 
 pub(crate) use access::Records;
 
-pub use at_work::AtWork;
 pub(crate) use authority::power_is_on;
-pub use authority::{Authority, LocalControl};
 pub use axis::{
     Axis, AxisPlan, AxisSettings, AxisStatus, Rest, Samples, StopHandle, WarningWatcher, Watcher,
 };
@@ -60,17 +58,19 @@ pub use change::{Keep, WriteMode};
 pub use describe::{Described, ReportedLimits};
 pub use enabled::Enabled;
 pub use faults::{FaultEntry, FaultReport, LoggedFault, WarningEntry};
-pub use info::{Identity, Info, Peer};
+pub use info::{Info, Peer};
 pub use jog::JogSpeed;
-pub use loss::{LossAction, LossReaction};
 pub use mode::ModeChange;
 pub use monitor::Snapshot;
-pub use route::{ClosedRoute, Route, RouteNotice};
 pub use stop::{StopMeans, StopOutcome, StopWay};
 pub use temporary::{PutBack, TemporaryChange};
 
 /// How often a caller's wish to stop is looked at while nothing happens.
 const GLANCE: Duration = Duration::from_millis(50);
+/// Speed below which an axis counts as standing, rpm.
+const STANDS: f64 = 1.0;
+/// Time for a drive in motion to report additional evidence.
+const BESIDE: Duration = Duration::from_millis(500);
 
 /// Calls to the drives of a network, each a future: [`Wait::wait`](crate::Wait::wait) waits for one, and an async program
 /// awaits it. Clones are further callers on the same network, each with one call at a time.

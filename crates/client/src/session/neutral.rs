@@ -19,11 +19,11 @@ use super::Session;
 use super::access::{channel, target};
 use super::info::controller_of;
 use super::plugged::{Plugged, modules_in};
-use super::route::{Route, RouteNotice, wants_data};
+use super::route::wants_data;
 use crate::axis::Cycle;
 use crate::learn::device_of;
 use crate::modules::PLACE;
-use crate::{Connection, Drive, Error};
+use crate::{Connection, Drive, Error, Route, RouteNotice};
 use profile::model::PROFIDRIVE_API;
 
 /// How long a device may take to become ready.

@@ -9,14 +9,14 @@ use profile::telegram::Telegram;
 use super::mode::mode_of;
 use super::plugged::{Layout, Plugged};
 use super::readings::Readings;
-use super::{Authority, AxisSettings, Session, takeover};
+use super::{AxisSettings, Session, takeover};
 use crate::axis::{
     Choice, ModuloRange, MotionFacts, Move, MovePlan, Purpose, ReportedTelegram, SpeedScale, SpeedUnit,
     Wiring, choose_telegram, named_telegram, plan_move, process_words,
 };
 use crate::drive::has_jog;
 use crate::error::mode_words;
-use crate::{Action, Drive, Error};
+use crate::{Action, Authority, Drive, Error};
 use profile::value::{Reading, Selection};
 
 /// What matters for a move, and what a converter's ramps follow from.
@@ -445,13 +445,6 @@ pub(super) fn ownerless(drive: &Drive) -> Error {
             Action::Stop
         },
     }
-}
-
-/// Returns the status word of a drive in the bits of the profile.
-pub(super) fn zsw1_of(drive: &Drive, readings: &Readings, telegram: Option<u16>) -> Option<Zsw1> {
-    let status = readings.word(Part::StatusWord)?;
-    let sent = readings.word(Part::ControlWord).unwrap_or_default();
-    Some(readings.profile(drive, telegram).zsw1(status, sent))
 }
 
 /// Returns the unit of the speeds in a telegram, and the ramps up and down in that unit a second.

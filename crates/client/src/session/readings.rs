@@ -3,7 +3,7 @@
 use profile::catalogue::{Part, Scaling};
 use profile::notation::Notation;
 use profile::parameter::Format;
-use profile::state::Profile;
+use profile::state::{Profile, Zsw1};
 use profile::telegram::{Telegram, signal};
 
 use super::Session;
@@ -272,4 +272,11 @@ impl Readings {
             _ => words,
         }
     }
+}
+
+/// Returns the status word of a drive in the bits of the profile.
+pub(super) fn zsw1_of(drive: &Drive, readings: &Readings, telegram: Option<u16>) -> Option<Zsw1> {
+    let status = readings.word(Part::StatusWord)?;
+    let sent = readings.word(Part::ControlWord).unwrap_or_default();
+    Some(readings.profile(drive, telegram).zsw1(status, sent))
 }

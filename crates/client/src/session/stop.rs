@@ -5,13 +5,11 @@ use std::time::Duration;
 use profile::catalogue::{Parameter, Part};
 
 use super::unread::SILENCE;
-use super::{Authority, AxisSettings, AxisStatus, LocalControl, Session};
+use super::{AxisSettings, AxisStatus, STANDS, Session};
 use crate::axis::{Purpose, Seen};
-use crate::{Drive, Error, WriteMode};
+use crate::{Authority, Drive, Error, LocalControl, WriteMode};
 use profile::value::Assignment;
 
-/// Speed below which an axis counts as standing, rpm.
-pub(super) const STANDS: f64 = 1.0;
 /// What the control word commands.
 const BY_WORD: &str = "OFF1 (control word)";
 /// How long the command of a drive whose parameters are silent may remain without an answer.

@@ -4,8 +4,8 @@ use std::time::Duration;
 
 use profinet::Instant;
 
+use super::BESIDE;
 use super::axis::{Axis, AxisStatus, WarningWatcher};
-use super::evidence::BESIDE;
 use crate::{Connection, Error};
 
 /// How often a drive that has a warning is asked which ones it has.

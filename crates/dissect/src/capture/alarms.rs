@@ -12,7 +12,6 @@ use profinet::wire::status::abort;
 use super::event::{self, Detail, Origin, Sink, Trouble};
 use super::names::seconds;
 use super::pending::{CUT_OFF, Pending};
-use super::services::number;
 use super::{diagnosis, records};
 use crate::Weight;
 
@@ -69,7 +68,7 @@ impl Alarms {
                 };
                 let detail = event::Alarm {
                     step: "abort",
-                    status: Some(number(status)),
+                    status: Some(records::number(status)),
                     ..event::Alarm::default()
                 };
                 sink.report(weight, TOPIC, format!("{how}: {status}"), Detail::Alarm(detail));
@@ -207,7 +206,7 @@ impl Alarms {
             subslot: Some(ack.subslot),
             sequence: Some(ack.specifier.sequence()),
             diagnosis: Vec::new(),
-            status: Some(number(ack.status)),
+            status: Some(records::number(ack.status)),
         };
         sink.report(weight, TOPIC, text, Detail::Alarm(detail));
         if self.open.remove(&key).is_none() {

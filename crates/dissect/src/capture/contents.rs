@@ -10,7 +10,7 @@ use profinet::wire::{DecodeError, Reader};
 use serde_json::{Value, json};
 
 use super::event::Diagnosis;
-use super::{diagnosis, diff, records, services};
+use super::{diagnosis, diff, records};
 use crate::Weight;
 use crate::hex_bytes;
 
@@ -369,7 +369,7 @@ fn log(data: &[u8]) -> Result<Content, DecodeError> {
         .map(|entry| {
             json!({
                 "time": entry.time, "ar_uuid": entry.ar_uuid.to_string(),
-                "status": services::number(entry.status), "detail": entry.detail,
+                "status": records::number(entry.status), "detail": entry.detail,
             })
         })
         .collect();

@@ -10,7 +10,7 @@ use profinet::wire::block::{ReadRequest, WriteRequest};
 use super::event::{Detail, Job, Origin, Record, Sink, Trouble};
 use super::names::seconds;
 use super::pending::{CUT_OFF, Pending};
-use super::services::number;
+use super::records::number;
 use crate::Weight;
 use crate::job::{self, Decoded, JobDrive};
 

@@ -2,6 +2,7 @@
 
 use profile::catalogue::{Parameter, RecordView, Scale, Scaling};
 use profile::parameter::ParameterAddress;
+use profinet::wire::PnioStatus;
 
 use super::diff;
 use crate::job::JobDrive;
@@ -129,6 +130,11 @@ pub fn content(data: &[u8]) -> String {
             .trim_end()
             .to_owned(),
     }
+}
+
+/// Returns a status as one number, ErrorCode first.
+pub fn number(status: PnioStatus) -> u32 {
+    u32::from_be_bytes([status.code, status.decode, status.code1, status.code2])
 }
 
 #[cfg(test)]

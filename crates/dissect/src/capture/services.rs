@@ -305,7 +305,7 @@ fn note_read(
     let data = match data {
         Ok(data) => data,
         Err(status) => {
-            detail.status = Some(number(status));
+            detail.status = Some(records::number(status));
             refused(&format!("read of {what} {place}"), status, detail, sink);
             return;
         }
@@ -344,7 +344,7 @@ fn refused_write(
         slot: write.slot,
         subslot: write.subslot,
         index: write.index,
-        status: Some(number(status)),
+        status: Some(records::number(status)),
         request_frame: (asked > 0).then_some(asked),
         ..Record::default()
     };
@@ -359,14 +359,9 @@ fn refused(what: &str, status: PnioStatus, detail: Record, sink: &mut Sink<'_>) 
 fn refused_connect(what: &str, status: PnioStatus, sink: &mut Sink<'_>) {
     let detail = Connect {
         step: "refused",
-        status: Some(number(status)),
+        status: Some(records::number(status)),
         ..Connect::default()
     };
     let text = format!("{what} refused: {status}");
     sink.report(Weight::Error, "refused", text, Detail::Connect(detail));
-}
-
-/// Returns a status as one number, ErrorCode first.
-pub fn number(status: PnioStatus) -> u32 {
-    u32::from_be_bytes([status.code, status.decode, status.code1, status.code2])
 }

@@ -1,7 +1,7 @@
 use super::*;
 use proptest::prelude::*;
 
-use crate::program::Action;
+use crate::plan::Action;
 
 const PLANT: &str = r#"
 seed = 7

@@ -4,7 +4,7 @@ use gsdml::Gsdml;
 use virtual_drive::description::{Description, Import, ImportError};
 use virtual_drive::model::{self, Model};
 
-use crate::file::Scenario;
+use crate::plan::Scenario;
 
 /// A device description from a file, and the model that has it.
 #[derive(Debug, Clone)]

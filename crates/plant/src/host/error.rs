@@ -8,7 +8,7 @@ use network::system::LockError;
 use profinet::controller::Misuse;
 
 use super::fleet::FleetError;
-use crate::world::WorldError;
+use crate::plan::WorldError;
 
 /// Why a simulation cannot start or go on.
 #[derive(Debug, thiserror::Error)]

@@ -13,6 +13,7 @@ use virtual_drive::station::StationEvent;
 
 use super::duplicate_check::Duplicate;
 use crate::event::ScenarioEvent;
+use crate::text::count;
 use crate::timeline::Played;
 use crate::trace::What;
 
@@ -230,14 +231,6 @@ impl fmt::Display for Saved {
         } else {
             f.write_str("no address")
         }
-    }
-}
-
-/// `1 drive`, `2 drives`.
-pub(super) fn count(drives: usize) -> String {
-    match drives {
-        1 => "1 drive".into(),
-        _ => format!("{drives} drives"),
     }
 }
 

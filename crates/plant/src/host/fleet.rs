@@ -8,9 +8,8 @@ use profinet::wire::dcp::{NameRule, check_name};
 use profinet::{IpSuite, MacAddress};
 use virtual_drive::model::Model;
 
-use super::event::count;
-use crate::file::DrivePlan;
-use crate::text::derived_mac;
+use crate::plan::DrivePlan;
+use crate::text::{count, derived_mac};
 
 /// One step of an update time.
 const TICK_NANOS: u128 = 31_250;

@@ -35,7 +35,7 @@ use virtual_drive::station::StationConfig;
 
 use crate::control_socket::{ControlSocket, Request};
 use crate::event::Unit;
-use crate::file::DrivePlan;
+use crate::plan::DrivePlan;
 use crate::timeline::Timeline;
 
 pub use description::{DescriptionError, ForeignDescription};

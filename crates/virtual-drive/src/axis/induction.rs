@@ -8,8 +8,7 @@
 
 use core::f64::consts::TAU;
 
-use super::loops::RPM;
-use super::within as sane;
+use super::{RPM, within as sane};
 
 /// Kind of motor.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

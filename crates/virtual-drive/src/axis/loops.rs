@@ -6,10 +6,7 @@ use super::command::{Command, Ramps, Tuning};
 use super::plant::REVOLUTION;
 use super::ramp::Ramp;
 use super::trajectory::{Goal, Manner, Trajectory};
-use super::within;
-
-/// Rotations per minute of one radian per second.
-pub(super) const RPM: f64 = 60.0 / TAU;
+use super::{RPM, within};
 
 /// Radian per second of one rpm.
 const RADIANS: f64 = TAU / 60.0;

@@ -34,8 +34,11 @@ pub use ramp::Ramp;
 use core::f64::consts::TAU;
 
 use inputs::Sensors;
-use loops::{Feedback, Gains, Loops, RPM};
+use loops::{Feedback, Gains, Loops};
 use plant::Mechanics;
+
+/// Rotations per minute of one radian per second.
+const RPM: f64 = 60.0 / TAU;
 
 /// Longest step of the integration; longer times are cut into equal steps not longer than this.
 const LONGEST_STEP: f64 = 0.001;

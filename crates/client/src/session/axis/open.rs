@@ -11,10 +11,9 @@ use super::rest::{Closer, Ending, Place};
 use super::{Axis, AxisPlan, AxisSettings, Session, speed_setpoint};
 use crate::axis::{AxisControl, Cycle, Limits, Purpose, SpeedScale, Wiring};
 use crate::learn::device_of;
-use crate::session::loss::LossReaction;
 use crate::session::prepare::{Prepared, ownerless};
 use crate::session::takeover;
-use crate::{Drive, Error, Link};
+use crate::{Drive, Error, Link, LossReaction};
 
 /// One unit of MinDeviceInterval and of the send clock.
 const TICK: Duration = Duration::from_nanos(31_250);

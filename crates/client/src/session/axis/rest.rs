@@ -10,9 +10,8 @@ use super::{Axis, AxisStatus, Rest};
 use crate::axis::{Goal, Progress, Seen, SpeedScale, Trouble};
 use crate::client::AxisView;
 use crate::engine::{At, at};
-use crate::session::loss::LossReaction;
 use crate::session::{Session, takeover};
-use crate::{Connection, Drive, Error, Link};
+use crate::{Connection, Drive, Error, Link, LossReaction};
 
 /// Time for which a silent drive on a line still receives the stop.
 const CALL_AGAIN: Duration = Duration::from_secs(2);

@@ -4,7 +4,7 @@ use std::error::Error;
 
 use profinet::{Instant, Medium};
 
-use crate::Engine;
+use super::Engine;
 
 /// Something that carries the bytes of an [`Engine`].
 ///

@@ -1,0 +1,101 @@
+//! What a drive does when its controller is lost.
+
+use std::fmt;
+use std::time::Duration;
+
+use crate::Action;
+
+/// What an axis does when the controller of its drive is lost.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LossAction {
+    /// It stops along the ramp of the drive.
+    Ramp,
+    /// It stops with the quick stop of the drive.
+    QuickStop,
+    /// The drive switches its power stage off, the axis coasts.
+    Coast,
+    /// It stops. No source says how.
+    Stop,
+    /// It keeps turning.
+    KeepsTurning,
+    /// Not known.
+    Unknown,
+}
+
+impl LossAction {
+    /// Stable name for programs.
+    #[must_use]
+    pub const fn id(self) -> &'static str {
+        match self {
+            Self::Ramp => "ramp",
+            Self::QuickStop => "quick-stop",
+            Self::Coast => "coast",
+            Self::Stop => "stop",
+            Self::KeepsTurning => "keeps-turning",
+            Self::Unknown => "unknown",
+        }
+    }
+
+    /// True when the axis stops without a command.
+    #[must_use]
+    pub const fn stops(self) -> bool {
+        !matches!(self, Self::KeepsTurning | Self::Unknown)
+    }
+}
+
+/// What a drive does when its controller or master is lost, with the setting that says so.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LossReaction {
+    /// What the axis does.
+    pub action: LossAction,
+    /// The parameter that decides, as its vendor writes it. `None` where no parameter decides.
+    pub parameter: Option<String>,
+    /// The setting of that parameter.
+    pub setting: Option<String>,
+    /// Time from the last control word until the drive reacts, where a parameter sets it.
+    pub after: Option<Duration>,
+    /// The last control word is not in force from then on: this reaction commands the axis.
+    pub commands: bool,
+    /// A setting with which the drive stops, for a drive that does not stop or may not.
+    pub remedy: Option<Action>,
+}
+
+impl LossReaction {
+    /// Nothing is known.
+    pub(crate) const UNKNOWN: Self = Self {
+        action: LossAction::Unknown,
+        parameter: None,
+        setting: None,
+        after: None,
+        commands: false,
+        remedy: None,
+    };
+
+    /// Whether the axis may run on after the loss of its controller by a setting of the drive. False where nothing is known
+    /// of the drive: no setting could be named that changes it.
+    #[must_use]
+    pub const fn runs_on(&self) -> bool {
+        !self.action.stops() && self.parameter.is_some()
+    }
+}
+
+impl fmt::Display for LossReaction {
+    /// `the drive keeps turning (8-04 is Off)`
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self.action {
+            LossAction::Ramp => "the drive stops along its ramp",
+            LossAction::QuickStop => "the drive stops with a quick stop",
+            LossAction::Coast => "the drive switches its power stage off and coasts",
+            LossAction::Stop => "the drive stops",
+            LossAction::KeepsTurning => "the drive keeps turning",
+            LossAction::Unknown => "it is not known whether the drive stops",
+        })?;
+        if let Some(after) = self.after.filter(|_| self.action.stops()) {
+            write!(f, " after {} s", after.as_secs_f64())?;
+        }
+        match (&self.parameter, &self.setting) {
+            (Some(parameter), Some(setting)) => write!(f, " ({parameter} is {setting})"),
+            _ => Ok(()),
+        }
+    }
+}
