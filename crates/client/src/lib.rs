@@ -32,6 +32,7 @@ mod line;
 mod loss;
 mod mapper;
 mod modules;
+mod names;
 mod network;
 mod route;
 mod session;

@@ -1,8 +1,6 @@
 //! What to do about an error.
 
 use profile::catalogue::Part;
-use profile::model;
-use profile::notation::Notation;
 use profile::pkw::PkwErrorNames;
 use profile::state::Mode;
 use profinet::controller::{DcpError, LostCause, ServiceError};
@@ -11,6 +9,7 @@ use profinet::wire::dcp::BlockError;
 
 use super::Error;
 use crate::axis::{Objection, SpeedUnit, Trouble};
+use crate::names::in_models;
 use crate::{Action, Advice, Choice, Drive, LocalControl, LossReaction};
 
 impl Error {
@@ -296,26 +295,6 @@ fn of_silence(telegrams: u64, noise: u64) -> String {
             in_models(&[Part::LineBaudRate, Part::LineParity])
         ),
     }
-}
-
-/// The parameters with these parts, of each model that has them: ` (AKD: PN.VELSCALING, 1009)`.
-fn in_models(parts: &[Part]) -> String {
-    let models = model::ALL.into_iter().filter_map(|model| {
-        let tables = model.catalogue?;
-        let parameters = parts.iter().flat_map(|&part| tables.parts_of(part));
-        let names: Vec<String> = parameters
-            .map(|parameter| match tables.notation {
-                Notation::Name if parameter.name.contains(' ') => parameter.pnu.to_string(),
-                _ => tables.label(parameter),
-            })
-            .collect();
-        (!names.is_empty()).then(|| format!("{}: {}", tables.model, names.join(", ")))
-    });
-    let models: Vec<String> = models.collect();
-    if models.is_empty() {
-        return String::new();
-    }
-    format!(" ({})", models.join("; "))
 }
 
 /// What to do about each of them; the same advice once.

@@ -44,7 +44,7 @@ use uss::ReceiverStatistics;
 
 use crate::axis::Goal;
 use crate::engine::Touched;
-use crate::{AxisView, Client, Connection, Drive, Engine, Error, Link};
+use crate::{AxisView, Client, Connection, Drive, Engine, Error, Link, LossReaction, RouteNotice};
 
 use manner::Manner;
 

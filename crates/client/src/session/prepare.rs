@@ -8,7 +8,7 @@ use profile::telegram::Telegram;
 
 use super::mode::mode_of;
 use super::plugged::{Layout, Plugged};
-use super::readings::Readings;
+use super::readings::{Readings, zsw1_of};
 use super::{AxisSettings, Session, takeover};
 use crate::axis::{
     Choice, ModuloRange, MotionFacts, Move, MovePlan, Purpose, ReportedTelegram, SpeedScale, SpeedUnit,

@@ -111,7 +111,7 @@ impl Session {
             return Ok(Err(format!("controller \"{name}\" is connected")));
         }
         let Some(before) = self.window(drive, window).await? else {
-            return Ok(Err("the drive does not report its MT.* values".to_owned()));
+            return Ok(Err("the drive does not report its task values".to_owned()));
         };
         let mut tasks = Vec::with_capacity(numbers.len());
         let mut ended = None;
@@ -136,9 +136,9 @@ impl Session {
             .await?;
         Ok(match (ended, back) {
             (Some(why), _) => Err(why),
-            (None, false) => {
-                Err("the edit window MT.* did not take back what it had before they were read".to_owned())
-            }
+            (None, false) => Err(
+                "the edit window of the table did not take back what it had before they were read".to_owned(),
+            ),
             (None, true) => Ok(tasks),
         })
     }
@@ -182,7 +182,8 @@ impl Session {
         }
         let shows = shown.remove(0);
         if shows.raw() != Some(i64::from(number)) {
-            return Ok(Look::Not("another client uses MT.NUM".to_owned()));
+            let name = window.number.name;
+            return Ok(Look::Not(format!("another client uses {name}")));
         }
         Ok(Look::Task(Task::new(shown)))
     }

@@ -1,9 +1,11 @@
 //! What stands in the way of a drive beside the cause that matters most, or will once that is gone.
 
+use profile::catalogue::Part;
 use profile::state::Zsw1;
 
 use super::rules::{self, RULES};
 use super::{Cause, DriveStatus, vendors};
+use crate::names::in_model;
 use crate::{Advice, WarningEntry};
 
 /// Causes that are reported beside another one too: what the controller does is not news then, what is at the drive is.
@@ -51,13 +53,13 @@ pub(super) fn beside(main: Cause, status: &DriveStatus) -> Vec<Note> {
         });
     }
     if status.brake_fitted == Some(true) && status.brake_released == Some(false) && status.unpowered() {
+        let by_hand = in_model(status.model, Part::BrakeReleased).map_or_else(String::new, |name| {
+            format!("; {name}=1 opens it by hand, and lets a load fall")
+        });
         notes.push(Note {
             id: "brake",
             sentence: "the holding brake is applied as long as the power stage is off".to_owned(),
-            next: Some(
-                "it opens with the power stage; MOTOR.BRAKERLS=1 opens it by hand, and lets a load fall"
-                    .into(),
-            ),
+            next: Some(format!("it opens with the power stage{by_hand}").as_str().into()),
         });
     }
     let new = |warning: &&WarningEntry| {

@@ -1,25 +1,26 @@
 //! When a cause applies and how it is reported, the most important first: a table that is walked. Verdict and advice of each
 //! cause are in `data/profile/causes.csv`.
 
-use profile::catalogue::Cleared;
+use profile::catalogue::{Cleared, Part};
 use profile::state::{
     Mode, PositionMachine, Profile, SetpointChannel, SpeedCommand, Start, State, Stw1, Zsw1,
 };
 
 use super::{Cause, Diagnosis, DriveStatus, Verdict, notes, vendors};
+use crate::names::in_model;
 use crate::{Action, Advice, FaultEntry, LossReaction};
 
 /// Speed below which an axis counts as standing, rpm.
 const STANDS: f64 = 1.0;
 /// The same in percent of the reference.
 const STANDS_PERCENT: f64 = 0.2;
-/// Bits of DRV.DISSOURCES that stand for the hardware; bit 0 is the software, bit 1 the fault.
+/// Bits of the part `disable-sources` that stand for the hardware; bit 0 is the software, bit 1 the fault.
 const HARDWARE_DISABLE: u16 = 1 << 2;
 const CONTROLLED_STOP: u16 = 1 << 5;
 /// What keeps the power stage off and is neither the software nor a fault.
 pub(super) const AT_INPUTS: u16 = !3;
 const OTHER_SOURCES: u16 = !(1 | 1 << 1 | HARDWARE_DISABLE | CONTROLLED_STOP);
-/// DRV.MOTIONSTAT: homing runs, homing failed, a task could not be started.
+/// Bits of the part `motion-status`: homing runs, homing failed, a task could not be started.
 const HOMING: u32 = 1 << 3;
 const HOMING_ERROR: u32 = 1 << 4;
 const NOT_STARTED: u32 = 1 << 10;
@@ -59,7 +60,10 @@ pub(super) const RULES: &[Rule] = &[
             Some(warning) if s.torque_allowed.is_none() => {
                 format!("safe torque off is active: {}", notes::warning_text(warning))
             }
-            _ => "safe torque off: the STO input is open (STO.STATE is 0)".into(),
+            _ => format!(
+                "safe torque off: the STO input is open{}",
+                by(s, Part::TorqueAllowed, "is 0")
+            ),
         },
     ),
     rule(
@@ -84,20 +88,30 @@ pub(super) const RULES: &[Rule] = &[
     rule(
         Cause::HardwareDisable,
         |s| sources(s) & HARDWARE_DISABLE != 0,
-        |_| "the hardware enable input is open (DRV.DISSOURCES bit 2)".into(),
+        |s| {
+            format!(
+                "the hardware enable input is open{}",
+                by(s, Part::DisableSources, "bit 2")
+            )
+        },
     ),
     rule(
         Cause::ControlledStop,
         |s| sources(s) & CONTROLLED_STOP != 0,
-        |_| "a digital input commands a controlled stop (DRV.DISSOURCES bit 5)".into(),
+        |s| {
+            format!(
+                "a digital input commands a controlled stop{}",
+                by(s, Part::DisableSources, "bit 5")
+            )
+        },
     ),
     rule(
         Cause::DisableSource,
         |s| sources(s) & OTHER_SOURCES != 0,
         |s| {
             format!(
-                "the drive keeps its power stage off (DRV.DISSOURCES is 0x{:04X})",
-                sources(s)
+                "the drive keeps its power stage off{}",
+                by(s, Part::DisableSources, &format!("is 0x{:04X}", sources(s)))
             )
         },
     ),
@@ -109,11 +123,12 @@ pub(super) const RULES: &[Rule] = &[
                     .is_some_and(|source| source != 1 && !(source == 0 && positioning(s)))
         },
         |s| {
+            let called = s.command_source_text;
+            let called = called.map_or_else(String::new, |text| format!(", {text}"));
+            let is = format!("is {}{called}", s.command_source.unwrap_or_default());
             format!(
-                "the drive does not take its setpoints from the field bus (DRV.CMDSOURCE is {}{})",
-                s.command_source.unwrap_or_default(),
-                s.command_source_text
-                    .map_or_else(String::new, |text| format!(", {text}")),
+                "the drive does not take its setpoints from the field bus{}",
+                by(s, Part::CommandSource, &is)
             )
         },
     ),
@@ -269,9 +284,10 @@ pub(super) const RULES: &[Rule] = &[
         Cause::MotionHeld,
         |s| s.motion_disable_sources.is_some_and(|sources| sources != 0),
         |s| {
+            let is = format!("is 0x{:04X}", s.motion_disable_sources.unwrap_or_default());
             format!(
-                "enabled (S4), but the drive holds motion off (DRV.MOTIONDISSOURCES is 0x{:04X})",
-                s.motion_disable_sources.unwrap_or_default()
+                "enabled (S4), but the drive holds motion off{}",
+                by(s, Part::MotionDisableSources, &is)
             )
         },
     ),
@@ -298,7 +314,12 @@ pub(super) const RULES: &[Rule] = &[
     rule(
         Cause::FeedrateZero,
         |s| positioning(s) && s.feedrate == Some(0.0) && s.has(Zsw1::TASK_ACTIVE) && !turns(s),
-        |_| "enabled (S4), but the feedrate is 0 (MT_FEEDRATE, PNU 101): its task does not move".into(),
+        |s| {
+            format!(
+                "enabled (S4), but the feedrate is 0{}: its task does not move",
+                by(s, Part::Feedrate, "")
+            )
+        },
     ),
     rule(Cause::Moves, moves, |s| match turns(s) {
         true => format!("it runs: operation (S4), {}", speed(s)),
@@ -321,16 +342,20 @@ pub(super) const RULES: &[Rule] = &[
         |s| s.software_limits.is_some_and(|limits| limits != 0),
         |s| {
             format!(
-                "{}a software limit is reached (SWLS.STATE is {})",
+                "{}a software limit is reached{}",
                 but(s),
-                s.software_limits.unwrap_or_default()
+                by(
+                    s,
+                    Part::SoftwareLimitState,
+                    &format!("is {}", s.software_limits.unwrap_or_default())
+                )
             )
         },
     ),
     rule(
         Cause::Homing,
         |s| positioning(s) && motion(s) & HOMING != 0,
-        |_| "it is homing (DRV.MOTIONSTAT bit 3)".into(),
+        |s| format!("it is homing{}", by(s, Part::MotionStatus, "bit 3")),
     ),
     rule(Cause::TwoJogs, jogs_at_once, |s| {
         format!(
@@ -349,7 +374,12 @@ pub(super) const RULES: &[Rule] = &[
     rule(
         Cause::HomingFailed,
         |s| positioning(s) && !s.has(Zsw1::HOMED) && motion(s) & HOMING_ERROR != 0,
-        |_| "enabled (S4), but homing has failed (DRV.MOTIONSTAT bit 4)".into(),
+        |s| {
+            format!(
+                "enabled (S4), but homing has failed{}",
+                by(s, Part::MotionStatus, "bit 4")
+            )
+        },
     ),
     rule(
         Cause::NotHomed,
@@ -379,8 +409,11 @@ pub(super) const RULES: &[Rule] = &[
     rule(
         Cause::TaskHeld,
         |s| positioning(s) && s.has(Zsw1::TASK_ACTIVE),
-        |_| {
-            "enabled (S4), but its task is held (ZSW1 bits 13 and 14): by DRV.STOP, by a dwell time, or at a limit".into()
+        |s| {
+            format!(
+                "enabled (S4), but its task is held (ZSW1 bits 13 and 14): by a stop{}, by a dwell time, or at a limit",
+                by(s, Part::Stop, "")
+            )
         },
     ),
     rule(
@@ -614,6 +647,13 @@ fn fault(status: &DriveStatus) -> String {
             format!("fault F{} is present: {text}{others}", fault.number)
         }
     }
+}
+
+/// The parameter that says so, as the model calls it: ` (STO.STATE is 0)`. Nothing for a drive without a name for it.
+fn by(status: &DriveStatus, part: Part, says: &str) -> String {
+    in_model(status.model, part).map_or_else(String::new, |name| {
+        format!(" ({})", format!("{name} {says}").trim_end())
+    })
 }
 
 fn sources(status: &DriveStatus) -> u16 {

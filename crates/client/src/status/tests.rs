@@ -346,7 +346,7 @@ const POSITION: &[(Cause, Verdict, Change, &str)] = &[
             words(s, 0x047F, 0x5B37);
             s.feedrate = Some(0.0);
         },
-        "(MT_FEEDRATE, PNU 101)",
+        "(MT_FEEDRATE)",
     ),
     (Cause::Homing, Verdict::Runs, |s| s.motion = Some(8), "bit 3"),
     (

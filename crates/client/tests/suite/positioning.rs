@@ -784,7 +784,7 @@ fn a_feedrate_of_0_is_named_before_a_move_and_a_task() {
         panic!("{error}")
     };
     assert!(objections.contains(&Objection::Feedrate), "{error}");
-    assert!(error.to_string().contains("MT_FEEDRATE, PNU 101"), "{error}");
+    assert!(error.to_string().contains("(AKD: MT_FEEDRATE)"), "{error}");
     write(&mut session, &mut drive, &["MT_FEEDRATE=100"]);
     let plan = session
         .plan_move(&mut drive, &order, 3000.0)

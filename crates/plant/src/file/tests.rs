@@ -1,4 +1,6 @@
 use super::*;
+use std::time::Duration;
+
 use proptest::prelude::*;
 
 use crate::plan::Action;

@@ -78,8 +78,8 @@ pub enum MotionError {
         /// Why.
         diagnosis: Box<Diagnosis>,
     },
-    /// The drive has no PPO types.
-    #[error("{drive} has no PPO types: they are telegrams of a VLT")]
+    /// The drive has no PPO types, or not this one.
+    #[error("{drive} has no such PPO type")]
     NoPpo {
         /// The drive.
         drive: String,

@@ -4,8 +4,9 @@ use std::time::Duration;
 
 use client::axis::{Move as Order, MovePlan, Purpose, SpeedUnit};
 use client::{AxisStatus, Drive, Enabled, Error, Session};
+use profile::catalogue::Part;
 use profile::state::Mode;
-use profile::value::Reading;
+use profile::value::{Reading, Selection};
 
 use super::axis::{Taken, check_controller_loss};
 use super::error::{End, MotionError};
@@ -21,7 +22,12 @@ const PATIENCE: (u32, Duration) = (3, Duration::from_secs(10));
 /// For a move whose length is not known.
 const LONGEST: Duration = Duration::from_secs(120);
 /// What decides over the homing procedure.
-const HOMING: [&str; 4] = ["HOME.MODE", "HOME.DIR", "HOME.V", "HOME.ACC"];
+const HOMING: [Part; 4] = [
+    Part::HomeMode,
+    Part::HomeDirection,
+    Part::HomeSpeed,
+    Part::HomeAcceleration,
+];
 
 /// A move to a target.
 #[derive(Debug, Clone, PartialEq)]
@@ -285,12 +291,13 @@ async fn set_home(
 /// What decides over the homing procedure, as far as the drive reports it.
 async fn procedure(session: &mut Session, drive: &mut Drive) -> Result<Vec<(&'static str, Reading)>, Error> {
     let mut found = Vec::new();
-    for name in HOMING {
-        let Ok(selection) = drive.select(name) else {
+    for part in HOMING {
+        let Some(parameter) = drive.model.catalogue.and_then(|tables| tables.part(part)) else {
             continue;
         };
+        let selection = Selection::of(parameter, drive.parameters.notation());
         match session.read_one(drive, &selection).await {
-            Ok(reading) => found.push((name, reading)),
+            Ok(reading) => found.push((parameter.name, reading)),
             Err(Error::Refused { .. }) => {}
             Err(error) => return Err(error),
         }

@@ -6,7 +6,7 @@ use client::axis::{Purpose, SpeedUnit};
 use client::{AxisSettings, Drive, Enabled, Error, Session};
 use profile::catalogue::Part;
 use profile::state::Mode;
-use profile::telegram::DANFOSS;
+use profile::telegram::Telegram;
 
 use super::axis::{Taken, check_controller_loss, report_rounded, report_switch};
 use super::error::{End, MotionError};
@@ -55,8 +55,12 @@ impl TelegramName {
     fn number(self, drive: &Drive) -> Result<u16, MotionError> {
         match self {
             Self::Number(number) => Ok(number),
-            Self::Ppo(number) if drive.station.vendor_id == DANFOSS => Ok(PPO + u16::from(number)),
-            Self::Ppo(_) => Err(MotionError::NoPpo { drive: drive.label() }),
+            Self::Ppo(number) => {
+                let number = PPO + u16::from(number);
+                let known = Telegram::find(number, drive.station.vendor_id);
+                let no_ppo = || MotionError::NoPpo { drive: drive.label() };
+                known.map(|_| number).ok_or_else(no_ppo)
+            }
         }
     }
 }

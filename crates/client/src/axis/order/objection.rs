@@ -2,9 +2,11 @@
 
 use std::fmt;
 
+use profile::catalogue::Part;
 use profile::notation::figures;
 
 use crate::Advice;
+use crate::names::in_models;
 
 /// Why a move is not sent.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -84,7 +86,7 @@ pub enum Objection {
     DriveLimit {
         /// Speed wanted, rpm.
         speed: f64,
-        /// VL.LIMITP or VL.LIMITN, rpm.
+        /// Its limit in that direction, rpm.
         limit: f64,
     },
     /// A ramp that the drive cannot take.
@@ -103,17 +105,26 @@ impl fmt::Display for Objection {
         match self {
             Self::NotHomed => f.write_str("the axis is not homed (ZSW1 bit 11 is 0)"),
             Self::Fault => f.write_str("a fault is present (ZSW1 bit 3)"),
-            Self::Feedrate => f.write_str("the feedrate is 0 (MT_FEEDRATE, PNU 101): no task moves the axis"),
+            Self::Feedrate => write!(
+                f,
+                "the feedrate is 0{}: no task moves the axis",
+                in_models(&[Part::Feedrate])
+            ),
             Self::NoTask { number } => write!(f, "motion task {number} is empty"),
             Self::SoftwareLimit { target, limit, upper } => write!(
                 f,
-                "the target {target:.3} rev is {} the software limit {} of {limit:.3} rev",
+                "the target {target:.3} rev is {} the software limit of {limit:.3} rev{}",
                 if *upper { "above" } else { "below" },
-                if *upper { "SWLS.LIMIT1" } else { "SWLS.LIMIT0" },
+                in_models(&[if *upper {
+                    Part::SoftwareLimit1
+                } else {
+                    Part::SoftwareLimit0
+                }]),
             ),
             Self::ModuloRange { target, low, high } => write!(
                 f,
-                "the target {target:.3} rev is outside of the modulo range of {low:.3} to {high:.3} rev (PL.MODP1, PL.MODP2)"
+                "the target {target:.3} rev is outside of the modulo range of {low:.3} to {high:.3} rev{}",
+                in_models(&[Part::ModuloEnd1, Part::ModuloEnd2])
             ),
             Self::LimitSwitch { positive } => write!(
                 f,
@@ -153,9 +164,10 @@ impl fmt::Display for Objection {
             }
             Self::DriveLimit { speed, limit } => write!(
                 f,
-                "{} rpm is above the limit of the drive, {} rpm (VL.LIMITP, VL.LIMITN)",
+                "{} rpm is above the limit of the drive, {} rpm{}",
                 figures(*speed),
-                figures(*limit)
+                figures(*limit),
+                in_models(&[Part::ForwardLimit, Part::BackwardLimit])
             ),
             Self::Ramp {
                 ramp,
@@ -180,7 +192,10 @@ impl Objection {
             Self::NotHomed => "{home} sets the home position",
             Self::Fault => "{status} shows which, {acknowledge} acknowledges it",
             Self::Feedrate => "{write MT_FEEDRATE=100} lets tasks run at their own speed",
-            Self::NoTask { .. } => "the table of motion tasks shows which ones there are (MT.NUM, MT.LOAD)",
+            Self::NoTask { .. } => {
+                let table = in_models(&[Part::TaskNumber, Part::LoadTask]);
+                return format!("the table of motion tasks shows which ones there are{table}").into();
+            }
             Self::SoftwareLimit { .. } => {
                 "{read SWLS.EN SWLS.LIMIT0 SWLS.LIMIT1} shows the limits"
             }
@@ -195,7 +210,10 @@ impl Objection {
             Self::SpeedRange { .. } => "give a lower speed",
             Self::SpeedLimit { .. } => "raise the limit with {choose speed-limit} if the machine allows it",
             Self::DriveLimit { .. } => "{read VL.LIMITP VL.LIMITN} shows the limits",
-            Self::Ramp { .. } => "the steps are those of PN.ACCSCALING",
+            Self::Ramp { .. } => {
+                let steps = in_models(&[Part::AccelerationScaling]);
+                return format!("the steps are those of acceleration signals{steps}").into();
+            }
         }
         .into()
     }
