@@ -26,7 +26,7 @@ pub use drive::{converter, drive, state};
 pub use frames::{alarm, blocks, dcp, rt};
 pub use host::host;
 pub use neighbourhood::{lldp, snmp};
-pub use parameters::{description, notation, parameter_request, parameter_response};
+pub use parameters::{description, notation, parameter_request, parameter_response, setting};
 pub use records::records;
 pub use rpc::{rpc, rpc_client, rpc_server};
 pub use serial::{pkw, serial};
@@ -60,6 +60,7 @@ pub const TARGETS: &[(&str, Target)] = &[
     ("rpc_server", rpc_server),
     ("rt", rt),
     ("serial", serial),
+    ("setting", setting),
     ("snmp", snmp),
     ("state", state),
 ];

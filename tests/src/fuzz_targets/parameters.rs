@@ -1,5 +1,6 @@
 //! Parameters: what people type, and requests, answers and descriptions of the parameter channel.
 
+use profile::notation::setting::{Entry, Form};
 use profile::notation::{ParameterReference, Quantity};
 use profile::parameter::{
     Answer, Attributes, Description, Dialect, ErrorNumber, Format, Keep, ParameterAccess, ParameterAddress,
@@ -22,6 +23,48 @@ pub fn notation(data: &[u8]) {
     if let Ok(quantity) = text.parse::<Quantity>() {
         let _ = quantity.in_unit("rpm");
         let _ = quantity.number.as_f64();
+    }
+}
+
+/// A file of settings: what is read comes back when it is written again.
+pub fn setting(data: &[u8]) {
+    for sealed in [false, true] {
+        let form = Form {
+            kind: "note",
+            oldest: 1,
+            version: 2,
+            sealed,
+            comment_column: 20,
+            comment_gap: 2,
+        };
+        let settings = match form.read(data) {
+            Ok(settings) => settings,
+            Err(problem) => {
+                let lines = String::from_utf8_lossy(data).lines().count().max(1);
+                assert!((1..=lines).contains(&problem.line), "{problem} of {lines} lines");
+                continue;
+            }
+        };
+        let mut text = form.begin(settings.version);
+        for line in &settings.lines {
+            match &line.entry {
+                Entry::Head { key, value } => text.head(key, value, &line.comment),
+                Entry::Setting { name, value } => text.setting(name, value, &line.comment),
+                Entry::Words(words) => text.words(words),
+            }
+        }
+        let text = text.finish();
+        let again = form
+            .read(text.as_bytes())
+            .unwrap_or_else(|problem| panic!("{problem}: {text:?}"));
+        assert_eq!(again.version, settings.version);
+        assert!(
+            again
+                .lines
+                .iter()
+                .map(|line| &line.entry)
+                .eq(settings.lines.iter().map(|line| &line.entry))
+        );
     }
 }
 

@@ -4,9 +4,9 @@ use profile::catalogue::{Part, Scaling};
 use profile::unit::UnitChoice;
 
 use super::TaskCoverage;
-use crate::text::{escape, unescape};
 use crate::{Drive, Identity};
 use profile::model::Model;
+use profile::notation::setting::Text;
 
 /// Whose settings they are. No date: the same settings give the same text.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -93,13 +93,11 @@ impl Header {
         .collect()
     }
 
-    /// Returns the lines of the text.
-    pub(super) fn lines(&self, scaling: Option<&Scaling>) -> Vec<String> {
-        let mut lines = vec![
-            format!("model: {}", line(&self.model)),
-            format!("vendor: 0x{:04X}", self.vendor_id),
-            format!("device: 0x{:04X}", self.device_id),
-        ];
+    /// Writes the head of a text.
+    pub(super) fn write(&self, text: &mut Text, scaling: Option<&Scaling>) {
+        text.head("model", self.model.trim(), "");
+        text.head("vendor", &format!("0x{:04X}", self.vendor_id), "");
+        text.head("device", &format!("0x{:04X}", self.device_id), "");
         for (key, value) in [
             ("station", &self.station),
             ("order number", &self.order_id),
@@ -107,7 +105,7 @@ impl Header {
             ("software", &self.software),
         ] {
             if !value.is_empty() {
-                lines.push(format!("{key}: {}", line(value)));
+                text.head(key, value.trim(), "");
             }
         }
         let has = |part| {
@@ -116,27 +114,28 @@ impl Header {
                 .is_some_and(|tables| tables.part(part).is_some())
         };
         if let Some(scaling) = scaling.filter(|_| has(Part::VelocityScaling)) {
-            lines.push(format!(
-                "scaling: velocity {}, acceleration {}, position {}, singleturn {}, peak current {}",
+            let factors = format!(
+                "velocity {}, acceleration {}, position {}, singleturn {}, peak current {}",
                 scaling.velocity,
                 scaling.acceleration,
                 scaling.position,
                 scaling.singleturn_bits,
                 scaling.peak_current
-            ));
+            );
+            text.head("scaling", &factors, "");
         }
         if let Some(scaling) = scaling.filter(|_| has(Part::UnitRotary)) {
             let unit = scaling.unit.unit();
             let values = unit_values(scaling.unit).map(|(name, value)| format!("{name} {value}"));
-            lines.push(format!(
-                "units: {}  # positions in {}, {} per revolution",
-                values.join(", "),
-                unit.symbol,
-                unit.per_revolution
-            ));
+            let meaning = format!(
+                "positions in {}, {} per revolution",
+                unit.symbol, unit.per_revolution
+            );
+            text.head("units", &values.join(", "), &meaning);
         }
-        lines.extend(self.tasks.line().as_deref().map(line));
-        lines
+        if let Some(tasks) = self.tasks.line() {
+            text.head("tasks", tasks.trim(), "");
+        }
     }
 
     /// Takes one line `key: value`; the scaling goes into `scaling`.
@@ -147,10 +146,7 @@ impl Header {
         scaling: &mut Option<Scaling>,
         units: &mut Option<UnitChoice>,
     ) -> Result<(), String> {
-        if let Some(wrong) = value.chars().find(|c| c.is_control()) {
-            return Err(format!("`{key}:` has {wrong:?} in it, which is not text"));
-        }
-        let text = || unescape(value).trim().to_owned();
+        let text = || value.trim().to_owned();
         match key {
             "model" => self.model = text(),
             "vendor" => self.vendor_id = number(value)?,
@@ -166,11 +162,6 @@ impl Header {
         }
         Ok(())
     }
-}
-
-/// Text on one line without a comment; [`unescape`] is the way back.
-fn line(text: &str) -> String {
-    escape(text.trim(), |c| c == '#')
 }
 
 fn number(text: &str) -> Result<u16, String> {
@@ -257,6 +248,7 @@ fn read_scaling(text: &str) -> Result<Scaling, String> {
 mod tests {
     use super::*;
     use crate::backup::Backup;
+    use crate::backup::print::FORM;
     use crate::text::is_unsafe;
 
     /// A terminal shows the text as it is in a file, and it is read back as it was.
@@ -272,9 +264,10 @@ mod tests {
             tasks: TaskCoverage::LeftOut(hostile),
             ..Header::default()
         };
-        let lines = header.lines(None);
-        assert!(!lines.concat().chars().any(is_unsafe), "{lines:?}");
-        let text = format!("profidrive backup 1\n{}\n", lines.join("\n"));
+        let mut text = FORM.begin(FORM.version);
+        header.write(&mut text, None);
+        let text = text.finish();
+        assert!(!text.chars().any(|c| c != '\n' && is_unsafe(c)), "{text:?}");
         let expected = Header {
             serial_number: header.serial_number.trim().to_owned(),
             ..header

@@ -44,14 +44,15 @@ use profile::catalogue::{BackupRule, Role};
 
 pub use compare::{Difference, Side, compare};
 pub use header::Header;
-pub use parse::{BackupError, MAX_TEXT, Problem};
+pub use parse::{BackupError, MAX_TEXT};
 pub use pattern::{Pattern, PatternError};
-pub(crate) use print::unit;
+pub(crate) use print::{FORM, unit};
 pub(crate) use task::Window;
 pub use task::{Task, TaskCoverage, TaskDifference, compare_tasks};
 
 use crate::Refusal;
 use profile::model::Model;
+pub use profile::notation::setting::Problem;
 use profile::value::{Parameters, Reading, Selection};
 
 /// The numbers that the profile itself uses: identification, telegram, lists, faults.

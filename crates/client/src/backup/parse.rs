@@ -4,41 +4,24 @@ use std::collections::HashMap;
 use std::fmt;
 
 use profile::catalogue::{Parameter, Scaling};
+use profile::notation::setting::{Entry, LONGEST, Problem, shorten};
 use profile::notation::{Elements, ParameterReference, Quantity, Target};
 use profile::parameter::{CodeSpace, Format};
 use profile::unit::UnitChoice;
 
 use super::header::Header;
 use super::nearest::nearest;
-use super::print::{FORM, MAGIC, plain};
+use super::print::{FORM, plain};
 use super::task::{self, Name};
 use super::{Backup, Task, key};
 use profile::value::{Interpretation, ParameterProblem, Parameters, Reading, Selection};
 
-/// Longest text that is read: far more than any drive needs.
-pub const MAX_TEXT: usize = 4 << 20;
+/// Longest text that is read, in octets.
+pub const MAX_TEXT: usize = LONGEST;
 /// Most mistakes that are reported at once.
 const MOST_PROBLEMS: usize = 20;
 /// Most octets of one value.
 const MAX_VALUE: usize = 240;
-
-/// One mistake in a text.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Problem {
-    /// Line, counted from 1.
-    pub line: usize,
-    /// What is wrong.
-    pub what: String,
-}
-
-impl fmt::Display for Problem {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        // text of an untrusted file must not move the cursor
-        let clean = |c: char| if c.is_control() { '.' } else { c };
-        let what: String = self.what.chars().map(clean).collect();
-        write!(f, "line {}: {what}", self.line)
-    }
-}
 
 /// Why a text is not a backup; nothing of it is used then.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -47,13 +30,10 @@ pub struct BackupError {
     pub problems: Vec<Problem>,
 }
 
-impl BackupError {
-    fn one(line: usize, what: impl Into<String>) -> Self {
+impl From<Problem> for BackupError {
+    fn from(problem: Problem) -> Self {
         Self {
-            problems: vec![Problem {
-                line,
-                what: what.into(),
-            }],
+            problems: vec![problem],
         }
     }
 }
@@ -73,10 +53,10 @@ impl fmt::Display for BackupError {
 impl std::error::Error for BackupError {}
 
 /// A line `PARAM = VALUE`, not looked at yet.
-struct Line<'a> {
+struct Line {
     number: usize,
-    what: &'a str,
-    value: &'a str,
+    what: String,
+    value: String,
 }
 
 impl Backup {
@@ -85,37 +65,24 @@ impl Backup {
     /// # Errors
     /// Every line that is wrong, with its number. A backup with a mistake in it is not used at all.
     pub fn parse(text: &str) -> Result<Self, BackupError> {
-        if text.len() > MAX_TEXT {
-            return Err(BackupError::one(
-                1,
-                format!("longer than {MAX_TEXT} octets, not a backup"),
-            ));
-        }
-        let mut numbered = (1..).zip(text.lines());
-        first_line(numbered.next().map_or("", |(_, line)| line))?;
         let mut header = Header::default();
         let mut scaling = None;
         let mut lines = Vec::new();
         let mut units = None;
         let mut problems = Vec::new();
-        for (number, line) in numbered {
-            let line = line.split_once('#').map_or(line, |(before, _)| before).trim();
-            if line.is_empty() {
-                continue;
-            }
-            // what a line of the head says may have any character in it
-            if let Some((what, value)) = line.split_once('=').filter(|(what, _)| !what.contains(':')) {
-                let (what, value) = (what.trim(), value.trim());
-                lines.push(Line { number, what, value });
-            } else if let Some((key, value)) = line.split_once(':') {
-                let taken = header.take(key.trim(), value.trim(), &mut scaling, &mut units);
-                problems.extend(taken.err().map(|what| Problem { line: number, what }));
-            } else {
-                let what = format!(
-                    "`{}` is neither PARAM = VALUE nor a line of the head",
-                    shorten(line)
-                );
-                problems.push(Problem { line: number, what });
+        for line in FORM.read(text.as_bytes())?.lines {
+            let number = line.number;
+            match line.entry {
+                Entry::Setting { name: what, value } => lines.push(Line { number, what, value }),
+                Entry::Head { key, value } => {
+                    let taken = header.take(&key, &value, &mut scaling, &mut units);
+                    problems.extend(taken.err().map(|what| Problem::new(number, what)));
+                }
+                Entry::Words(words) => {
+                    let words = shorten(&words);
+                    let what = format!("`{words}` is neither PARAM = VALUE nor a line of the head");
+                    problems.push(Problem::new(number, what));
+                }
             }
             if problems.len() >= MOST_PROBLEMS {
                 return Err(BackupError { problems });
@@ -130,7 +97,7 @@ impl Backup {
         };
         let (of_tasks, lines): (Vec<_>, Vec<_>) = lines
             .into_iter()
-            .partition(|line| Name::parse(line.what).is_some());
+            .partition(|line| Name::parse(&line.what).is_some());
         let readings = read_lines(&lines, &parameters, scaling.is_some(), &mut problems);
         let tasks = read_tasks(&of_tasks, &parameters, scaling.is_some(), &mut problems);
         if !problems.is_empty() {
@@ -146,29 +113,8 @@ impl Backup {
     }
 }
 
-fn first_line(line: &str) -> Result<(), BackupError> {
-    let line = line.trim_start_matches('\u{feff}').trim();
-    match line.strip_prefix(MAGIC).map(str::trim) {
-        Some(version) if version == FORM.to_string() => Ok(()),
-        Some(version) => Err(BackupError::one(
-            1,
-            format!(
-                "a backup of form {}, this program reads form {FORM}",
-                shorten(version)
-            ),
-        )),
-        None => Err(BackupError::one(
-            1,
-            format!(
-                "not a backup: the first line is `{MAGIC} {FORM}`, not `{}`",
-                shorten(line)
-            ),
-        )),
-    }
-}
-
 fn read_lines(
-    lines: &[Line<'_>],
+    lines: &[Line],
     parameters: &Parameters,
     scaled: bool,
     problems: &mut Vec<Problem>,
@@ -184,10 +130,7 @@ fn read_lines(
         });
         match read {
             Ok(reading) => readings.push(reading),
-            Err(what) => problems.push(Problem {
-                line: line.number,
-                what,
-            }),
+            Err(what) => problems.push(Problem::new(line.number, what)),
         }
         if problems.len() >= MOST_PROBLEMS {
             break;
@@ -197,7 +140,7 @@ fn read_lines(
 }
 
 fn read_tasks(
-    lines: &[Line<'_>],
+    lines: &[Line],
     parameters: &Parameters,
     scaled: bool,
     problems: &mut Vec<Problem>,
@@ -205,9 +148,9 @@ fn read_tasks(
     let mut seen: HashMap<u16, usize> = HashMap::new();
     let mut tasks = Vec::new();
     for line in lines {
-        let number = Name::parse(line.what).unwrap_or_else(|| Err(String::new()));
+        let number = Name::parse(&line.what).unwrap_or_else(|| Err(String::new()));
         let read = number.and_then(|number| {
-            let task = task::parse(number, line.value, parameters, |text, parameter| {
+            let task = task::parse(number, &line.value, parameters, |text, parameter| {
                 self::number(text, parameter, parameter.name, parameters, scaled)
             })?;
             match seen.insert(number, line.number) {
@@ -217,28 +160,25 @@ fn read_tasks(
         });
         match read {
             Ok(task) => tasks.push(task),
-            Err(what) => problems.push(Problem {
-                line: line.number,
-                what,
-            }),
+            Err(what) => problems.push(Problem::new(line.number, what)),
         }
     }
     tasks
 }
 
-fn read_line(line: &Line<'_>, parameters: &Parameters, scaled: bool) -> Result<Reading, String> {
-    let selection = select(line.what, parameters)?;
+fn read_line(line: &Line, parameters: &Parameters, scaled: bool) -> Result<Reading, String> {
+    let selection = select(&line.what, parameters)?;
     let Some(parameter) = selection.parameter else {
-        let octets = hex_octets(line.value)?;
+        let octets = hex_octets(&line.value)?;
         let format = format_of(octets.len());
         return Ok(reading(parameters, &selection, format, octets));
     };
     let label = selection.label();
     if parameter.length > 0 {
-        let octets = hex_octets(line.value)?;
+        let octets = hex_octets(&line.value)?;
         return Ok(reading(parameters, &selection, parameter.format, octets));
     }
-    let raw = number(line.value, parameter, &label, parameters, scaled)?;
+    let raw = number(&line.value, parameter, &label, parameters, scaled)?;
     let width = parameter.octets();
     let octets = raw.to_be_bytes();
     let octets = octets.get(octets.len() - width..).unwrap_or_default().to_vec();
@@ -428,19 +368,5 @@ const fn format_of(octets: usize) -> Format {
         2 => Format::WORD,
         4 => Format::DOUBLE_WORD,
         _ => Format::OCTET_STRING,
-    }
-}
-
-/// Text of a file that is shown to a person: no control characters, not endless.
-fn shorten(text: &str) -> String {
-    let clean: String = text
-        .chars()
-        .map(|c| if c.is_control() { '.' } else { c })
-        .take(60)
-        .collect();
-    if text.chars().count() > 60 {
-        format!("{clean}..")
-    } else {
-        clean
     }
 }

@@ -4,78 +4,71 @@ use std::fmt::{self, Write as _};
 
 use profile::catalogue::{Parameter, Scaling};
 use profile::notation::Quantity;
+use profile::notation::setting::{Form, is_unsafe};
 use profile::parameter::{CodeSpace, Format};
 
 use super::nearest::nearest;
 use super::task::Name;
 use super::{Backup, selection};
-use crate::text::{escape, is_unsafe};
 use profile::value::{Content, Parameters, Reading};
 
-/// Version of the form, the number in the first line.
-pub const FORM: u32 = 1;
-/// First words of the first line.
-pub const MAGIC: &str = "profidrive backup";
-/// Where comments begin, if the value is not longer.
-const COMMENT: usize = 40;
+/// The text of a backup. People edit it, so it has no checksum.
+pub(crate) const FORM: Form = Form {
+    kind: "backup",
+    oldest: 1,
+    version: 1,
+    sealed: false,
+    comment_column: 40,
+    comment_gap: 2,
+};
 /// Longest decimal text that is printed where a shorter one and the raw number would do.
 const SHORT: usize = 10;
 
 impl fmt::Display for Backup {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.write(f, &[], &|reading| comment(self, reading), &|_| String::new())
+        let text = self.text(&FORM, &[], &|reading| comment(self, reading), &|_| String::new());
+        f.write_str(&text)
     }
 }
 
 impl Backup {
-    /// Writes the text, with remarks under the header, a comment behind each value, and a note for each task.
-    pub(crate) fn write(
+    /// Returns the text, with remarks under the header, a comment behind each value, and a note for each task.
+    pub(crate) fn text(
         &self,
-        out: &mut dyn fmt::Write,
+        form: &Form,
         remarks: &[String],
         comment: &dyn Fn(&Reading) -> String,
         task_note: &dyn Fn(u16) -> String,
-    ) -> fmt::Result {
-        writeln!(out, "{MAGIC} {FORM}")?;
+    ) -> String {
+        let mut text = form.begin(form.version);
         let scaling = self.parameters.catalogue.map(|_| &self.parameters.scaling);
-        for line in self.header.lines(scaling) {
-            writeln!(out, "{line}")?;
-        }
+        self.header.write(&mut text, scaling);
         for remark in remarks {
-            writeln!(out, "# {}", one_line(remark))?;
+            text.comment(remark);
         }
-        writeln!(out)?;
+        text.blank();
         for reading in &self.readings {
-            let mut line = assignment(self, reading);
-            let words = one_line(&comment(reading));
-            if !words.is_empty() {
-                let space = COMMENT.saturating_sub(line.chars().count()).max(2);
-                let _ = write!(line, "{:space$}# {words}", "");
-            }
-            writeln!(out, "{line}")?;
+            let value = value(&self.parameters, reading);
+            text.setting(&name(self, reading), &value, &comment(reading));
         }
         for (number, task) in &self.tasks {
-            let line = format!("{} = {}", Name(*number), task.text(&self.parameters));
-            match one_line(&task_note(*number)) {
-                words if words.is_empty() => writeln!(out, "{line}")?,
-                words => writeln!(out, "{line}  # {words}")?,
-            }
+            let values = task.text(&self.parameters);
+            text.setting(&Name(*number).to_string(), &values, &task_note(*number));
         }
         for refusal in &self.refused {
-            writeln!(out, "# {}", one_line(&refusal.to_string()))?;
+            text.comment(&refusal.to_string());
         }
-        Ok(())
+        text.finish()
     }
 }
 
-/// `p2108 DRV.ACC = 3000 rpm/s`
-fn assignment(backup: &Backup, reading: &Reading) -> String {
+/// `p2108 DRV.ACC`
+fn name(backup: &Backup, reading: &Reading) -> String {
     let shown = selection(&backup.parameters, reading).shown(0);
-    let name = reading
-        .name
-        .map(|name| format!(" {}", plain(name)))
-        .unwrap_or_default();
-    format!("{shown}{name} = {}", value(&backup.parameters, reading))
+    match reading.name {
+        Some(name) => format!("{shown} {}", plain(name)),
+        None => shown.to_string(),
+    }
 }
 
 /// A name without what has a meaning in the text of a backup.
@@ -86,7 +79,7 @@ pub(super) fn plain(name: &str) -> String {
     kept.collect()
 }
 
-pub(super) fn value(parameters: &Parameters, reading: &Reading) -> String {
+pub(crate) fn value(parameters: &Parameters, reading: &Reading) -> String {
     let parameter = parameters.at(reading.pnu, reading.index.unwrap_or(0));
     match (reading.raw(), parameter) {
         (Some(raw), Some(parameter)) => number(parameter, raw, &reading.octets, &parameters.scaling),
@@ -178,10 +171,4 @@ fn comment(backup: &Backup, reading: &Reading) -> String {
     let parts = [meaning.as_str(), parameter.description, steps.as_str(), kept];
     let parts: Vec<&str> = parts.into_iter().filter(|part| !part.is_empty()).collect();
     parts.join("; ")
-}
-
-/// A comment ends with its line, and moves no cursor where the text is shown.
-pub(super) fn one_line(text: &str) -> String {
-    let line = text.replace(['\n', '\r', '\t'], " ");
-    escape(&line, |_| false)
 }

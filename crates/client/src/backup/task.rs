@@ -4,6 +4,7 @@ use std::fmt::{self, Write as _};
 
 use profile::catalogue::{Catalogue, Parameter};
 use profile::notation::Notation;
+use profile::notation::setting::shorten;
 use profile::parameter::{CodeSpace, Format};
 
 use super::{Backup, Pattern, print};
@@ -80,8 +81,8 @@ impl TaskCoverage {
     pub(super) fn line(&self) -> Option<String> {
         match self {
             Self::Nothing => None,
-            Self::All => Some("tasks: all, one without a line is empty".to_owned()),
-            Self::LeftOut(why) => Some(format!("tasks: left out, {why}")),
+            Self::All => Some("all, one without a line is empty".to_owned()),
+            Self::LeftOut(why) => Some(format!("left out, {why}")),
         }
     }
 
@@ -208,7 +209,7 @@ pub(super) fn parse(
         let at = FIELDS
             .iter()
             .position(|field| word(field) == first)
-            .ok_or_else(|| format!("{name}: `{}` is none of {}", print::one_line(first), words()))?;
+            .ok_or_else(|| format!("{name}: `{}` is none of {}", shorten(first), words()))?;
         let (Some(place), Some(&parameter)) = (found.get_mut(at), window.fields.get(at)) else {
             continue;
         };

@@ -215,6 +215,41 @@ fn mistakes_are_reported_with_their_lines() {
     assert!(Backup::parse(&format!("profidrive backup 1\n{}", " ".repeat(MAX_TEXT))).is_err());
 }
 
+/// The files in `tests/data` were written by the program before the form was shared with other files. What is read and
+/// printed again is the same text, so that backups differ in nothing but settings.
+#[test]
+fn files_of_former_programs_read_back_and_are_written_the_same() {
+    for (text, settings, tasks) in [
+        (include_str!("../../tests/data/akd.backup"), 546, 2),
+        (include_str!("../../tests/data/vlt.backup"), 226, 0),
+        (include_str!("../../tests/data/vacon.backup"), 122, 0),
+    ] {
+        let backup = Backup::parse(text).unwrap();
+        assert_eq!((backup.readings().len(), backup.task_count()), (settings, tasks));
+        assert_eq!(backup.to_string(), text);
+    }
+    let way_back = Backup::parse(include_str!("../../tests/data/akd.before")).unwrap();
+    assert_eq!(way_back.readings()[0].raw(), Some(0xA4));
+    assert_eq!(way_back.task(3), Some(&Task::Empty));
+}
+
+/// What is left of a text that was cut is refused, or it is as many whole lines.
+#[test]
+fn a_cut_backup_is_refused_or_has_fewer_lines() {
+    let text = include_str!("../../tests/data/vacon.backup");
+    let whole = Backup::parse(text).unwrap();
+    for end in 0..text.len() {
+        let Ok(cut) = Backup::parse(&text[..end]) else {
+            continue;
+        };
+        assert!(text[..end].ends_with('\n'), "{end}");
+        for reading in cut.readings() {
+            let whole = whole.reading(reading.pnu, reading.index).unwrap();
+            assert_eq!(reading.octets, whole.octets, "{end}");
+        }
+    }
+}
+
 #[test]
 fn a_drive_without_tables_is_kept_by_number_and_octets() {
     let parameters = Parameters {

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use super::{Change, ChangeSet, Saved, Step};
-use crate::backup::{Backup, Header, Task, TaskCoverage, unit};
+use crate::backup::{Backup, FORM, Header, Task, TaskCoverage, unit};
 use profile::value::{Content, Reading};
 
 impl fmt::Display for Step {
@@ -111,10 +111,13 @@ impl ChangeSet {
 
 impl fmt::Display for ChangeSet {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.way_back()
-            .write(f, &self.remarks(), &|reading| self.comment(reading), &|number| {
-                self.task_comment(number)
-            })
+        let text = self.way_back().text(
+            &FORM,
+            &self.remarks(),
+            &|reading| self.comment(reading),
+            &|number| self.task_comment(number),
+        );
+        f.write_str(&text)
     }
 }
 

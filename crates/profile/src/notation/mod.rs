@@ -7,6 +7,7 @@ mod figures;
 mod position;
 mod quantity;
 mod reference;
+pub mod setting;
 mod units;
 
 pub use figures::figures;

@@ -13,59 +13,36 @@
 //! as `raw 123`. The last line is the CRC-32 of everything before it. Text behind `#` and empty lines say nothing. A text
 //! of version 1 is read too: there only values in thousandths are in their unit, all others are raw.
 
-use core::fmt::Write as _;
-
 use profile::catalogue::{Parameter, Scale, Scaling};
+use profile::notation::setting::{Entry, Form, Problem, shorten};
 
-/// Version of the format, the number in the first line.
-pub const FORMAT: u32 = 2;
+/// The text of a saved state. Version 1 is read too, and written for a state that was read from it.
+const FORM: Form = Form {
+    kind: "state",
+    oldest: FORMER,
+    version: 2,
+    sealed: true,
+    comment_column: 0,
+    comment_gap: 1,
+};
 
-/// Version that is read too, and never written.
+/// Version in which values of scaled parameters are raw.
 const FORMER: u32 = 1;
-
-/// Longest text that is looked at: far more than any model needs.
-const LONGEST: usize = 1 << 20;
 
 /// Saved values by name.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Image {
     model: String,
-    /// Values of scaled parameters are raw: a text of version 1.
-    former: bool,
+    version: u32,
     entries: Vec<(String, String, String)>,
 }
 
 /// Why a saved state is not taken.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum ImageError {
-    /// Not text, or far too long.
-    #[error("the saved state is not a text of this program")]
-    NotText,
-    /// The first line names another version.
-    #[error("the saved state has format {found:?}, this program reads format {FORMAT}")]
-    Version {
-        /// The first line.
-        found: String,
-    },
-    /// The text does not end with a checksum: its end is missing.
-    #[error("the saved state is damaged: its end is missing, the last line is not a checksum")]
-    Cut,
-    /// The checksum does not fit: the text was changed.
-    #[error("the saved state is damaged: {found:?}, computed {computed:08x}")]
-    Checksum {
-        /// The last line.
-        found: String,
-        /// The checksum of the lines before it.
-        computed: u32,
-    },
-    /// A line is neither empty nor `NAME = value`.
-    #[error("line {line} of the saved state is not an assignment: {text:?}")]
-    Line {
-        /// Counted from 1.
-        line: usize,
-        /// The line.
-        text: String,
-    },
+    /// It is not the text of a saved state, or it is damaged.
+    #[error("the saved state is not readable: {0}")]
+    Text(#[from] Problem),
     /// The state belongs to another model.
     #[error("the saved state is of model {found}, not of model {expected}")]
     Model {
@@ -82,7 +59,7 @@ impl Image {
     pub fn new(model: &str) -> Self {
         Self {
             model: model.to_owned(),
-            former: false,
+            version: FORM.version,
             entries: Vec::new(),
         }
     }
@@ -137,7 +114,7 @@ impl Image {
     #[must_use]
     pub fn number(&self, parameter: &Parameter, text: &str, scaling: &Scaling) -> Option<i64> {
         let scaled = !matches!(parameter.scale, Scale::Raw | Scale::Milli);
-        if self.former && scaled {
+        if self.version == FORMER && scaled {
             text.parse().ok().filter(|raw| parameter.range().contains(raw))
         } else {
             parse(parameter, text, scaling)
@@ -161,16 +138,12 @@ impl Image {
     /// Returns the text, checksum included.
     #[must_use]
     pub fn encode(&self) -> String {
-        let version = if self.former { FORMER } else { FORMAT };
-        let mut text = format!("profidrive state {version}\nmodel {}\n", self.model);
+        let mut text = FORM.begin(self.version);
+        text.words(&format!("model {}", self.model));
         for (name, value, comment) in &self.entries {
-            let mark = if comment.is_empty() { "" } else { " # " };
-            // Writing into a String does not fail.
-            let _ = writeln!(text, "{name} = {value}{mark}{comment}");
+            text.setting(name, value, comment);
         }
-        let checksum = crc32(text.as_bytes());
-        let _ = writeln!(text, "checksum {checksum:08x}");
-        text
+        text.finish()
     }
 
     /// Reads a text back; comments are not kept.
@@ -178,52 +151,27 @@ impl Image {
     /// # Errors
     /// When it is of another version, damaged, or holds a line that is not an assignment.
     pub fn decode(bytes: &[u8]) -> Result<Self, ImageError> {
-        if bytes.len() > LONGEST {
-            return Err(ImageError::NotText);
-        }
-        let text = core::str::from_utf8(bytes).map_err(|_| ImageError::NotText)?;
-        let first = text.lines().next().unwrap_or_default();
-        let former = first == format!("profidrive state {FORMER}");
-        if !former && first != format!("profidrive state {FORMAT}") {
-            return Err(ImageError::Version {
-                found: first.chars().take(80).collect(),
-            });
-        }
-        let body_end = text
-            .strip_suffix('\n')
-            .and_then(|text| text.rfind('\n'))
-            .map_or(0, |end| end + 1);
-        let (body, last) = text.split_at(body_end);
-        let computed = crc32(body.as_bytes());
-        if !last.starts_with("checksum ") || !last.ends_with('\n') {
-            return Err(ImageError::Cut);
-        }
-        if last != format!("checksum {computed:08x}\n") {
-            return Err(ImageError::Checksum {
-                found: last.trim_end().chars().take(80).collect(),
-                computed,
-            });
-        }
+        let settings = FORM.read(bytes)?;
         let mut image = Self {
-            former,
+            version: settings.version,
             ..Self::new("")
         };
-        for (number, line) in body.lines().enumerate().skip(1) {
-            let content = line.split_once('#').map_or(line, |(content, _)| content).trim();
-            if content.is_empty() {
-                continue;
-            }
-            if let Some(model) = content.strip_prefix("model ") {
-                model.trim().clone_into(&mut image.model);
-                continue;
-            }
-            let Some((name, value)) = content.split_once('=') else {
-                return Err(ImageError::Line {
-                    line: number + 1,
-                    text: line.chars().take(80).collect(),
-                });
+        for line in settings.lines {
+            let other = match line.entry {
+                Entry::Setting { name, value } => {
+                    image.push_text(&name, &value);
+                    continue;
+                }
+                Entry::Words(words) => words,
+                Entry::Head { key, .. } => format!("{key}:"),
             };
-            image.push_text(name.trim(), value.trim());
+            match other.strip_prefix("model ") {
+                Some(model) => model.trim().clone_into(&mut image.model),
+                None => {
+                    let what = format!("`{}` is not NAME = value", shorten(&other));
+                    return Err(Problem::new(line.number, what).into());
+                }
+            }
         }
         Ok(image)
     }
@@ -292,34 +240,13 @@ fn thousandths(text: &str) -> Option<i64> {
     i64::try_from(sign * raw).ok()
 }
 
-/// CRC-32 as in Ethernet and ZIP (reflected, 0xEDB88320).
-#[must_use]
-pub fn crc32(bytes: &[u8]) -> u32 {
-    let mut crc = u32::MAX;
-    for byte in bytes {
-        crc ^= u32::from(*byte);
-        for _ in 0..8 {
-            crc = if crc & 1 == 1 {
-                (crc >> 1) ^ 0xEDB8_8320
-            } else {
-                crc >> 1
-            };
-        }
-    }
-    !crc
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::Values;
     use super::*;
-    use profile::catalogue::AKD;
+    use profile::catalogue::{AKD, Catalogue, VACON, VLT};
+    use profile::notation::setting::crc32;
     use proptest::prelude::*;
-
-    #[test]
-    fn known_checksum() {
-        assert_eq!(crc32(b"123456789"), 0xCBF4_3926);
-    }
 
     #[test]
     fn the_text_is_readable() {
@@ -368,32 +295,62 @@ mod tests {
     }
 
     #[test]
-    fn damage_is_reported() {
+    fn damage_is_reported_with_its_line() {
         let text = Values::new(&AKD).image(&Scaling::default()).encode();
-        assert!(matches!(Image::decode(b"\xFF"), Err(ImageError::NotText)));
-        assert!(matches!(Image::decode(b""), Err(ImageError::Version { .. })));
-        assert!(matches!(
-            Image::decode(b"profidrive state 3\n"),
-            Err(ImageError::Version { .. })
-        ));
-        assert!(matches!(
-            Image::decode(b"profidrive state 2\n"),
-            Err(ImageError::Cut)
-        ));
+        let sealed = |body: &str| format!("{body}checksum {:08x}\n", crc32(body.as_bytes()));
+        for (text, expected) in [
+            ("\u{fffd}".into(), "line 1: not a state"),
+            (String::new(), "line 1: not a state"),
+            ("profidrive state 3\n".into(), "line 1: a state of form 3"),
+            (
+                "profidrive state 2\n".into(),
+                "line 1: the end of the text is missing",
+            ),
+            (text.replace("3000.000", "3000.001"), "the text was changed"),
+            (
+                sealed("profidrive state 2\nnonsense\n"),
+                "line 2: `nonsense` is not NAME = value",
+            ),
+            (
+                sealed("profidrive state 2\n\nDRV.ACC: 1\n"),
+                "line 3: `DRV.ACC:` is not NAME = value",
+            ),
+        ] {
+            let error = Image::decode(text.as_bytes()).unwrap_err().to_string();
+            assert!(error.contains(expected), "{expected}: {error}");
+        }
         let cut = Image::decode(&text.as_bytes()[..text.len() / 2]).unwrap_err();
-        assert_eq!(cut, ImageError::Cut);
         assert!(!cut.to_string().contains('='), "no line of the file: {cut}");
-        let other = text.replace("3000.000", "3000.001");
-        assert!(matches!(
-            Image::decode(other.as_bytes()),
-            Err(ImageError::Checksum { .. })
-        ));
-        let body = "profidrive state 2\nnonsense\n";
-        let damaged = format!("{body}checksum {:08x}\n", crc32(body.as_bytes()));
-        assert!(matches!(
-            Image::decode(damaged.as_bytes()),
-            Err(ImageError::Line { line: 2, .. })
-        ));
+    }
+
+    /// The files in `tests/data` were written by the program before the form was shared with other files.
+    #[test]
+    fn files_of_former_programs_read_back_and_are_written_the_same() {
+        let check = |tables: &'static Catalogue, text: &str, others: usize| {
+            let image = Image::decode(text.as_bytes()).unwrap();
+            let plain = |line: &str| line.split(" # ").next().unwrap().to_owned();
+            let (written, former) = (image.encode(), text.lines().map(plain));
+            assert!(
+                written
+                    .lines()
+                    .zip(former)
+                    .filter(|(one, other)| one != other)
+                    .count()
+                    <= 1
+            );
+            let mut values = Values::new(tables);
+            assert_eq!(values.restore(&image, |_| tables.scaling), Ok(others));
+            if others == 0 {
+                assert_eq!(values.image(&tables.scaling).encode(), text);
+            }
+            values
+        };
+        let akd = check(&AKD, include_str!("../../tests/data/akd.parameters"), 0);
+        assert_eq!(akd.get(2108), 5_000_000);
+        let vlt = check(&VLT, include_str!("../../tests/data/vlt.parameters"), 6); // counters
+        assert_eq!(vlt.get(341), 500);
+        let vacon = check(&VACON, include_str!("../../tests/data/vacon.parameters"), 0);
+        assert_eq!(vacon.get(103), 60);
     }
 
     #[test]

@@ -4,7 +4,8 @@ mod image;
 mod storage;
 mod values;
 
-pub use image::{FORMAT, Image, ImageError, crc32};
+pub use image::{Image, ImageError};
+pub use profile::notation::setting::crc32;
 pub use storage::{CrashingStorage, Killed, Storage, load, save};
 pub use values::Values;
 pub(crate) use values::{is_saved, key};

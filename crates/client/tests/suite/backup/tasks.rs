@@ -151,7 +151,7 @@ fn changed_compared_restored_and_the_way_back() {
     assert_eq!(bench.window(), window);
     assert_eq!(bench.backup().to_string(), wanted.to_string());
     assert!(
-        kept.contains("\nMT[1] = empty  # -> another task: written, read back\n"),
+        kept.contains("\nMT[1] = empty                           # -> another task: written, read back\n"),
         "{kept}"
     );
     let back = Backup::parse(&kept).unwrap();
