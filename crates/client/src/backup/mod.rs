@@ -46,7 +46,7 @@ pub use compare::{Difference, Side, compare};
 pub use header::Header;
 pub use parse::{BackupError, MAX_TEXT};
 pub use pattern::{Pattern, PatternError};
-pub(crate) use print::{FORM, unit};
+pub(crate) use print::{FORM, value};
 pub(crate) use task::Window;
 pub use task::{Task, TaskCoverage, TaskDifference, compare_tasks};
 

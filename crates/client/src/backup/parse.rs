@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::fmt;
 
 use profile::catalogue::{Parameter, Scaling};
-use profile::notation::setting::{Entry, LONGEST, Problem, shorten};
+use profile::notation::setting::{Entry, LONGEST, Problem, Settings, shorten};
 use profile::notation::{Elements, ParameterReference, Quantity, Target};
 use profile::parameter::{CodeSpace, Format};
 use profile::unit::UnitChoice;
@@ -65,12 +65,17 @@ impl Backup {
     /// # Errors
     /// Every line that is wrong, with its number. A backup with a mistake in it is not used at all.
     pub fn parse(text: &str) -> Result<Self, BackupError> {
+        Self::of(FORM.read(text.as_bytes())?)
+    }
+
+    /// What the lines of a text say.
+    pub(crate) fn of(settings: Settings) -> Result<Self, BackupError> {
         let mut header = Header::default();
         let mut scaling = None;
         let mut lines = Vec::new();
         let mut units = None;
         let mut problems = Vec::new();
-        for line in FORM.read(text.as_bytes())?.lines {
+        for line in settings.lines {
             let number = line.number;
             match line.entry {
                 Entry::Setting { name: what, value } => lines.push(Line { number, what, value }),

@@ -79,6 +79,7 @@ pub(super) fn plain(name: &str) -> String {
     kept.collect()
 }
 
+/// A value in its unit as it is read back.
 pub(crate) fn value(parameters: &Parameters, reading: &Reading) -> String {
     let parameter = parameters.at(reading.pnu, reading.index.unwrap_or(0));
     match (reading.raw(), parameter) {
@@ -114,7 +115,7 @@ fn number(parameter: &Parameter, raw: i64, octets: &[u8], scaling: &Scaling) -> 
 }
 
 /// The unit behind a value; one that starts with a number would be read as a part of it.
-pub(crate) fn unit(unit: &str) -> String {
+fn unit(unit: &str) -> String {
     match unit.chars().next() {
         Some(first) if !first.is_ascii_digit() => format!(" {unit}"),
         _ => String::new(),

@@ -2,9 +2,16 @@
 
 use std::fmt;
 
-use super::{Change, ChangeSet, Saved, Step};
-use crate::backup::{Backup, FORM, Header, Task, TaskCoverage, unit};
-use profile::value::{Content, Reading};
+use profile::notation::setting::{Entry, Form, Problem};
+use profile::value::Reading;
+
+use super::{Change, ChangeSet, Condition, Saved, Step};
+use crate::backup::{Backup, BackupError, FORM, Header, Task, TaskCoverage, selection, value};
+
+/// A journal that only programs read.
+const SEALED: Form = Form { sealed: true, ..FORM };
+/// Stands before the new value in the comment behind the old one.
+const NEW: &str = "-> ";
 
 impl fmt::Display for Step {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -92,7 +99,8 @@ impl ChangeSet {
         let of = |change: &&Change| (change.new.pnu, change.new.index) == (reading.pnu, reading.index);
         let change = self.changes.iter().find(of);
         change.map_or_else(String::new, |change| {
-            format!("-> {}: {}", value(&change.new), change.step)
+            let new = value(&self.parameters_after(), &change.new);
+            format!("{NEW}{new}: {}", change.step)
         })
     }
 
@@ -104,36 +112,69 @@ impl ChangeSet {
             } else {
                 "another task"
             };
-            format!("-> {now}: {}", task.step)
+            format!("{NEW}{now}: {}", task.step)
+        })
+    }
+}
+
+impl ChangeSet {
+    /// The journal with a checksum, which [`from_journal`](Self::from_journal) reads back.
+    #[must_use]
+    pub fn journal(&self) -> String {
+        self.text(&SEALED)
+    }
+
+    /// Reads the [`journal`](Self::journal) of a set of plain values back: old and new value of each, and how far it may
+    /// be. What was sent counts as in doubt.
+    ///
+    /// # Errors
+    /// When the text is not a journal, or is cut or changed; when it has motion tasks, or values that scale others.
+    pub fn from_journal(text: &str) -> Result<Self, BackupError> {
+        let old = SEALED.read(text.as_bytes())?;
+        let mut new = old.clone();
+        let mut steps = Vec::new();
+        for line in &mut new.lines {
+            if let Entry::Setting { value, .. } = &mut line.entry {
+                let comment = line
+                    .comment
+                    .strip_prefix(NEW)
+                    .and_then(|new| new.split_once(": "));
+                let (new, step) =
+                    comment.ok_or_else(|| Problem::new(line.number, "a journal has the new value here"))?;
+                new.clone_into(value);
+                let mut unsent = [Step::Same, Step::NotWritten].into_iter();
+                let unsent = unsent.find(|unsent| unsent.to_string() == step);
+                steps.push((line.number, unsent.unwrap_or(Step::InDoubt)));
+            }
+        }
+        let (old, new) = (Backup::of(old)?, Backup::of(new)?);
+        let parameters = *old.parameters();
+        let mut set = Self::of(old.header.clone(), parameters, Condition::OffToScale);
+        // by number, as they were written
+        for ((old, new), (line, step)) in old.readings().iter().zip(new.readings()).zip(steps) {
+            let change = Change {
+                old: Some(Ok(old.clone())),
+                step,
+                ..Change::new(&parameters, selection(&parameters, old), new.clone())
+            };
+            if change.scales(&parameters) {
+                return Err(Problem::new(line, "this value scales the others").into());
+            }
+            set.changes.push(change);
+        }
+        Ok(set)
+    }
+
+    fn text(&self, form: &Form) -> String {
+        let comment = |reading: &Reading| self.comment(reading);
+        self.way_back().text(form, &self.remarks(), &comment, &|number| {
+            self.task_comment(number)
         })
     }
 }
 
 impl fmt::Display for ChangeSet {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let text = self.way_back().text(
-            &FORM,
-            &self.remarks(),
-            &|reading| self.comment(reading),
-            &|number| self.task_comment(number),
-        );
-        f.write_str(&text)
+        f.write_str(&self.text(&FORM))
     }
-}
-
-fn value(reading: &Reading) -> String {
-    let text = match &reading.content {
-        Content::Number { engineering, .. } => {
-            let text = format!("{engineering:.*}", usize::from(reading.decimals));
-            if text.contains('.') {
-                text.trim_end_matches('0').trim_end_matches('.').to_owned()
-            } else {
-                text
-            }
-        }
-        Content::Float(value) => value.to_string(),
-        Content::Text(text) => format!("\"{text}\""),
-        Content::Octets => format!("{:02X?}", reading.octets),
-    };
-    format!("{text}{}", unit(reading.unit))
 }

@@ -259,3 +259,69 @@ proptest! {
         }
     }
 }
+
+/// A journal is read back whatever its values are, and a cut one never.
+#[test]
+fn a_journal_reads_back_and_a_cut_one_is_refused() {
+    let present = drive(Scaling::default(), &[]);
+    let wanted = file("p2108 = 5000 rpm/s\np1004 = 90 rpm\np2106 = 1\nDRV.DIR = 1");
+    let mut set = Plan::new(&wanted, &present, &Choice::default()).set;
+    assert!(set.changes.len() > 2);
+    set.changes[0].step = Step::InDoubt;
+    set.changes[1].step = Step::ReadBack;
+    let text = set.journal();
+    let back = ChangeSet::from_journal(&text).unwrap();
+    let mut changes: Vec<&Change> = set.changes.iter().collect();
+    changes.sort_by_key(|change| change.new.pnu);
+    assert_eq!(back.changes.len(), changes.len());
+    for (read, noted) in back.changes.iter().zip(changes) {
+        assert_eq!(
+            (old(read).raw(), read.new.raw()),
+            (old(noted).raw(), noted.new.raw())
+        );
+        assert_eq!(read.step.may_have_changed(), noted.step.may_have_changed());
+    }
+    // it is a backup of the old values too
+    assert_eq!(Backup::parse(&text).unwrap(), set.way_back());
+    for end in 0..text.len() {
+        assert!(ChangeSet::from_journal(&text[..end]).is_err(), "cut at {end}");
+    }
+    assert!(ChangeSet::from_journal(&set.to_string()).is_err(), "no checksum");
+}
+
+#[test]
+fn a_journal_of_any_model_reads_back() {
+    for (text, jog, raw) in [
+        (
+            include_str!("../../tests/data/vlt.backup"),
+            ("8-90 Bus Jog 1 Speed = 100 rpm", "8-90 = 250 rpm"),
+            (100, 250),
+        ),
+        (
+            include_str!("../../tests/data/vacon.backup"),
+            ("ID 124 Jogging frequency = 5 Hz", "ID 124 = 2.5 Hz"),
+            (500, 250),
+        ),
+    ] {
+        let present = Backup::parse(text).unwrap();
+        let wanted = Backup::parse(&text.replace(jog.0, jog.1)).unwrap();
+        let mut set = Plan::new(&wanted, &present, &Choice::default()).set;
+        set.changes[0].step = Step::InDoubt;
+        let back = ChangeSet::from_journal(&set.journal()).unwrap();
+        let [change] = back.changes() else { panic!("{set}") };
+        assert_eq!(
+            (old(change).raw(), change.new.raw(), change.step),
+            (Some(raw.0), Some(raw.1), Step::InDoubt)
+        );
+    }
+}
+
+/// What scales other values, and motion tasks, are not values that are read back one by one.
+#[test]
+fn a_journal_of_scalings_is_refused() {
+    let present = drive(Scaling::default(), &[]);
+    let wanted = file("PN.VELSCALING = 1000\np1004 = 90 rpm");
+    let set = Plan::new(&wanted, &present, &Choice::default()).set;
+    let error = ChangeSet::from_journal(&set.journal()).unwrap_err();
+    assert!(!error.problems.is_empty(), "{error}");
+}

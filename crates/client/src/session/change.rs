@@ -57,10 +57,6 @@ impl Session {
         assignments: &[Assignment],
         save: bool,
     ) -> Result<ChangeSet, Error> {
-        let mut set = ChangeSet::new(drive, Condition::OffToScale);
-        if save {
-            set.save(drive)?;
-        }
         let mut wanted: Vec<(Selection, NewContent)> = Vec::new();
         for assignment in assignments {
             let selection = drive.parameters.select(&assignment.reference)?;
@@ -80,6 +76,10 @@ impl Session {
         }
         let selections: Vec<Selection> = wanted.iter().map(|(selection, _)| *selection).collect();
         let old = self.present(drive, &selections).await?;
+        let mut set = ChangeSet::new(drive, Condition::OffToScale);
+        if save {
+            set.save(drive)?;
+        }
         for ((selection, content), old) in wanted.into_iter().zip(old) {
             let change = planned(drive, selection, content, old)?;
             set.push(drive, change);

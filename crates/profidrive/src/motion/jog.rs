@@ -3,14 +3,15 @@
 use std::time::Duration;
 
 use client::axis::{Jog as Setpoint, Purpose, SpeedUnit};
-use client::{Axis, Drive, Enabled, Error, JogSpeed, Session, TemporaryChange, WriteMode};
+use client::change::{Change, ChangeSet};
+use client::{Axis, Drive, Enabled, Error, JogSpeed, Session, TemporaryChange};
 use profile::notation::{Number, ParameterReference, Quantity};
-use profile::value::{Assignment, Content, Parameters, Reading, Selection};
+use profile::value::{Assignment, CheckedValue, Content, Reading};
 
 use super::axis::{Taken, check_controller_loss, report_rounded, report_switch};
 use super::error::{End, MotionError};
 use super::event::{Event, Observer, Setting, Start};
-use super::leftover::{Leftover, Note};
+use super::leftover::Note;
 use super::limit::{self, within};
 use super::plan::{JogChange, JogPlan, checked_axis};
 use super::report::{MotionResult, Report};
@@ -172,7 +173,9 @@ pub async fn plan_jog(
     let setting = session.jog_speed(drive, wanted.setpoint).await?;
     let before = session.read_one(drive, &setting.selection).await?;
     let left = Note::of(drive, setting.number).read();
-    if let Some(left) = left.filter(|left| before.raw() == Some(left.set)) {
+    if let Ok(Some(left)) = left
+        && before.raw() == Some(left.set)
+    {
         observer.report(&Event::LeftOver(left));
     }
     let mut speed = setting.rpm(&before).unwrap_or(0.0);
@@ -289,49 +292,62 @@ async fn prepared(
     let parameter = selection.label();
     let mut speed = session.read_one(drive, &selection).await?;
     let note = Note::of(drive, number);
-    if let Some(left) = note.read().filter(|left| speed.raw() == Some(left.set)) {
+    let noted = note.read();
+    if let Ok(Some(left)) = &noted
+        && speed.raw() == Some(left.set)
+    {
         observer.report(&Event::LeftOver(left.clone()));
-        set_speed(session, drive, number, &left.old).await?;
+        let mut set = plan_speed(session, drive, number, &left.old).await?;
+        session.apply(drive, &mut set).await?;
+        set.accepted()?;
         note.clear();
         observer.report(&Event::PutBack(Setting::Noted {
             parameter: parameter.clone(),
-            value: left.old,
+            value: left.old.clone(),
         }));
         speed = session.read_one(drive, &selection).await?;
     }
     let Some(asked) = wanted.speed else {
         return Ok(speed);
     };
-    let quantity = setting.quantity(&rpm(asked));
-    let checked = drive
-        .parameters
-        .check(&selection, &quantity.clone().into())
-        .map_err(Error::from)?;
-    if checked.is_rounded() {
-        report_rounded(checked.asked, checked.engineering, checked.unit, observer);
+    let mut set = plan_speed(session, drive, number, &setting.quantity(&rpm(asked))).await?;
+    let planned = set.changes().first();
+    if let Some(rounding) = planned
+        .and_then(|one| one.rounding)
+        .filter(CheckedValue::is_rounded)
+    {
+        report_rounded(rounding.asked, rounding.engineering, rounding.unit, observer);
     }
     // what the drive has already is neither written nor put back
-    let old = (speed.raw() != Some(checked.raw)).then(|| briefly(&drive.parameters, &selection, &speed));
-    let Some(old) = old.flatten() else {
+    if planned.is_none_or(Change::is_same) {
         return Ok(speed);
+    }
+    let temporary = session.temporarily(drive, std::slice::from_ref(&speed))?;
+    let mut unnoted = noted.err();
+    // what is not readable stays: somebody may need it
+    let keeps = unnoted.is_none();
+    if keeps {
+        let note = note.clone();
+        temporary.once_restored(move || note.clear());
+    }
+    *change = Some(SpeedChange {
+        before: speed.clone(),
+        change: temporary,
+    });
+    let mut keep = |set: &ChangeSet| {
+        if keeps && let Err(cause) = note.write(set) {
+            unnoted.get_or_insert(cause);
+        }
+        Ok(())
     };
-    let leftover = Leftover {
-        pnu: number,
-        old,
-        set: checked.raw,
-    };
-    if let Err(cause) = note.write(&leftover) {
-        let reading = Box::new(speed.clone());
+    let applied = session.apply_kept(drive, &mut set, &mut keep).await;
+    if let Some(cause) = unnoted {
+        let reading = Box::new(speed);
         let setting = Setting::Reading { parameter, reading };
         observer.report(&Event::NotNoted { setting, cause });
     }
-    let noted = session.temporarily(drive, std::slice::from_ref(&speed))?;
-    noted.once_restored(move || note.clear());
-    *change = Some(SpeedChange {
-        before: speed,
-        change: noted,
-    });
-    set_speed(session, drive, number, &quantity).await?;
+    applied?;
+    set.accepted()?;
     Ok(session.read_one(drive, &selection).await?)
 }
 
@@ -372,58 +388,15 @@ fn rpm(speed: f64) -> Quantity {
     }
 }
 
-/// The value of a reading with as few digits as the drive needs to have it again.
-fn briefly(parameters: &Parameters, selection: &Selection, reading: &Reading) -> Option<Quantity> {
-    let (number, raw) = (reading.number()?, reading.raw()?);
-    brief(parameters, selection, (number, reading.unit), raw)
-}
-
-fn brief(
-    parameters: &Parameters,
-    selection: &Selection,
-    (number, unit): (f64, &str),
-    raw: i64,
-) -> Option<Quantity> {
-    let same = |text: String| {
-        let value: Quantity = text.parse().ok()?;
-        let checked = parameters.check(selection, &value.clone().into()).ok()?;
-        (checked.raw == raw).then_some(value)
-    };
-    let rounded = (0..9).find_map(|digits| same(format!("{number:.digits$}{unit}")));
-    rounded.or_else(|| format!("{number}{unit}").parse().ok())
-}
-
-async fn set_speed(
+async fn plan_speed(
     session: &mut Session,
     drive: &mut Drive,
     pnu: u16,
     speed: &Quantity,
-) -> Result<(), Error> {
+) -> Result<ChangeSet, Error> {
     let assignment = Assignment {
         reference: ParameterReference::number(pnu),
         value: speed.clone().into(),
     };
-    let set = session.write(drive, &[assignment], WriteMode::Write).await?;
-    set.accepted()
-}
-
-#[cfg(test)]
-mod tests {
-    use profile::catalogue::{AKD, Scaling};
-
-    use super::*;
-
-    #[test]
-    fn a_speed_is_noted_with_the_digits_that_the_drive_needs() {
-        let parameters = Parameters {
-            catalogue: Some(&AKD),
-            scaling: Scaling::default(),
-        };
-        let selection = parameters.select(&ParameterReference::number(1004)).unwrap();
-        let whole: Quantity = "60.043931007385254rpm".parse().unwrap();
-        let raw = parameters.check(&selection, &whole.into()).unwrap().raw;
-        let brief = brief(&parameters, &selection, (60.043_931_007_385_254, "rpm"), raw).unwrap();
-        assert!(brief.to_string().len() <= "60.044 rpm".len(), "{brief}");
-        assert_eq!(parameters.check(&selection, &brief.into()).unwrap().raw, raw);
-    }
+    session.plan_write(drive, &[assignment], false).await
 }

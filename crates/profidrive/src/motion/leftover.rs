@@ -1,20 +1,20 @@
-//! Notes of temporary changes. A setting that a motion changes while it runs is noted on disk until it is put back. A
-//! killed program leaves its note, from which the next one restores the old value.
+//! Notes of temporary changes. The journal of a setting that a motion changes while it runs is on disk until the setting is
+//! put back. A killed program leaves its note, from which the next one restores the old value.
 //!
 //! The notes are in `$XDG_STATE_HOME/profidrive` (`~/.local/state/profidrive`), one file for a drive and a number. A note
-//! counts only while the drive still has the value that was set: whoever changed it since has decided.
+//! counts only while the drive still has the value that was set: whoever changed it since has decided. A note that is not readable stays, and nothing is noted over it.
 
 use std::path::PathBuf;
 
+use client::change::ChangeSet;
 use client::{Drive, Error, Session};
 use network::files::StateFile;
 use profile::catalogue::Part;
 use profile::notation::{ParameterReference, Quantity};
+use profile::value::{Parameters, Reading, Selection};
 
 /// What a command may leave changed: the jog speeds.
 const PARTS: [Part; 3] = [Part::Jog1, Part::Jog2, Part::JogOnly];
-/// First line of a note.
-const MAGIC: &str = "profidrive leftover 1";
 
 /// What a command changed for its time.
 #[derive(Debug, Clone, PartialEq)]
@@ -28,21 +28,31 @@ pub struct Leftover {
 }
 
 impl Leftover {
-    fn text(&self) -> String {
-        format!("{MAGIC}\nold {}\nset {}\n", self.old, self.set)
-    }
-
-    fn parse(pnu: u16, text: &str) -> Option<Self> {
-        let mut lines = text.lines();
-        if lines.next()? != MAGIC {
-            return None;
-        }
+    /// Of the journal of one change; `None` where nothing was sent.
+    fn of(pnu: u16, set: &ChangeSet) -> Option<Self> {
+        let change = set
+            .changes()
+            .first()
+            .filter(|change| change.step.may_have_changed())?;
+        let old = change.old.as_ref()?.as_ref().ok()?;
         Some(Self {
             pnu,
-            old: lines.next()?.strip_prefix("old ")?.parse().ok()?,
-            set: lines.next()?.strip_prefix("set ")?.parse().ok()?,
+            old: briefly(set.parameters(), &change.selection, old)?,
+            set: change.new.raw()?,
         })
     }
+}
+
+/// The value of a reading with as few digits as the drive needs to have it again.
+fn briefly(parameters: &Parameters, selection: &Selection, reading: &Reading) -> Option<Quantity> {
+    let (number, raw, unit) = (reading.number()?, reading.raw()?, reading.unit);
+    let same = |text: String| {
+        let value: Quantity = text.parse().ok()?;
+        let checked = parameters.check(selection, &value.clone().into()).ok()?;
+        (checked.raw == raw).then_some(value)
+    };
+    let rounded = (0..9).find_map(|digits| same(format!("{number:.digits$}{unit}")));
+    rounded.or_else(|| format!("{number}{unit}").parse().ok())
 }
 
 /// Where a note of one drive and one number is; nothing is noted where there is no folder for it.
@@ -69,16 +79,26 @@ impl Note {
         }
     }
 
-    /// Returns the note of a killed program. A file of another format is ignored.
-    pub(super) fn read(&self) -> Option<Leftover> {
-        let content = self.file.as_ref()?.read().ok()??;
-        Leftover::parse(self.pnu, std::str::from_utf8(&content).ok()?)
+    /// Returns what a killed program left.
+    ///
+    /// # Errors
+    /// Why the note is not readable, with its file.
+    pub(super) fn read(&self) -> Result<Option<Leftover>, String> {
+        let Some(file) = &self.file else {
+            return Ok(None);
+        };
+        let Some(content) = file.read().map_err(|error| error.to_string())? else {
+            return Ok(None);
+        };
+        let set = ChangeSet::from_journal(&String::from_utf8_lossy(&content));
+        let wrong = |error| format!("{} is not the note of a change: {error}", file.path().display());
+        Ok(Leftover::of(self.pnu, &set.map_err(wrong)?))
     }
 
-    /// Notes it before it is done; why it could not be noted.
-    pub(super) fn write(&self, leftover: &Leftover) -> Result<(), String> {
+    /// Notes how far a change is; why it could not be noted.
+    pub(super) fn write(&self, set: &ChangeSet) -> Result<(), String> {
         let file = self.file.as_ref().ok_or("there is no home folder")?;
-        file.replace(leftover.text().as_bytes())
+        file.replace(set.journal().as_bytes())
             .map_err(|error| error.to_string())
     }
 
@@ -103,7 +123,7 @@ pub async fn leftovers(session: &mut Session, drive: &mut Drive) -> Result<Vec<L
     numbers.dedup();
     for pnu in numbers {
         let note = Note::of(drive, pnu);
-        let Some(leftover) = note.read() else { continue };
+        let Ok(Some(leftover)) = note.read() else { continue };
         let selection = drive.parameters.select(&ParameterReference::number(pnu))?;
         match session.read_one(drive, &selection).await {
             Ok(reading) if reading.raw() == Some(leftover.set) => found.push(leftover),
@@ -128,27 +148,50 @@ fn folder() -> Option<PathBuf> {
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
+    use profile::catalogue::{AKD, Scaling};
+
     use super::*;
 
     #[test]
-    fn a_note_reads_back_and_anything_else_is_none() {
-        let leftover = Leftover {
-            pnu: 1004,
-            old: "60.043931007385254rpm".parse().unwrap(),
-            set: 246,
+    fn a_speed_is_noted_with_the_digits_that_the_drive_needs() {
+        let parameters = Parameters {
+            catalogue: Some(&AKD),
+            scaling: Scaling::default(),
         };
-        let text = leftover.text();
-        assert_eq!(Leftover::parse(1004, &text), Some(leftover.clone()));
-        for at in 0..text.trim_end().len() {
-            let cut = Leftover::parse(1004, &text[..at]);
+        let selection = parameters.select(&ParameterReference::number(1004)).unwrap();
+        let whole: Quantity = "60.043931007385254rpm".parse().unwrap();
+        let raw = parameters.check(&selection, &whole.into()).unwrap().raw;
+        let octets = i16::try_from(raw).unwrap().to_be_bytes();
+        let format = profile::parameter::Format::INTEGER16;
+        let plain = profile::value::Interpretation::Plain;
+        let reading = parameters.reading(&selection, 0, format.0, plain, &octets);
+        let brief = briefly(&parameters, &selection, &reading).unwrap();
+        assert!(brief.to_string().len() <= "60.044 rpm".len(), "{brief}");
+        assert_eq!(parameters.check(&selection, &brief.into()).unwrap().raw, raw);
+    }
+
+    #[test]
+    fn a_note_that_is_not_readable_stays_and_says_why() {
+        let folder = std::env::temp_dir().join(format!("profidrive-note-{}", std::process::id()));
+        let note = Note {
+            pnu: 1004,
+            file: Some(StateFile::new(folder.join("note"))),
+        };
+        assert_eq!(note.read(), Ok(None));
+        let file = note.file.as_ref().unwrap();
+        for text in [
+            "profidrive leftover 1\nold 60 rpm\nset 246\n",
+            "profidrive backup 1\n",
+            "\u{0}",
+        ] {
+            file.replace(text.as_bytes()).unwrap();
+            let why = note.read().unwrap_err();
             assert!(
-                cut.is_none_or(|cut| cut.old == leftover.old && cut.set < 246),
-                "{at}"
+                why.contains("note is not the note of a change: line 1: "),
+                "{why}"
             );
+            assert_eq!(file.read().unwrap().unwrap(), text.as_bytes());
         }
-        assert_eq!(
-            Leftover::parse(1004, "profidrive leftover 1\nold x\nset 1\n"),
-            None
-        );
+        std::fs::remove_dir_all(folder).unwrap();
     }
 }
