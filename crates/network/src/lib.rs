@@ -16,7 +16,6 @@
 //! | [`pcap`] | capture files: pcapng writer, pcap and pcapng reader |
 //! | [`files`] | files that are replaced whole or not at all |
 
-mod deadlines;
 pub mod ethernet;
 pub mod files;
 pub mod host;

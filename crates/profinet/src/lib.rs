@@ -19,6 +19,7 @@ extern crate alloc;
 pub mod alarm;
 pub mod controller;
 pub mod cyclic;
+mod deadlines;
 pub mod device;
 mod endpoint;
 pub mod lldp;
@@ -29,6 +30,7 @@ pub mod snmp;
 mod time;
 pub mod wire;
 
+pub use deadlines::Deadlines;
 pub use endpoint::{
     Endpoint, IpSuite, MAX_FRAME, MacAddress, MacAddressError, Medium, RPC_PORT, Traffic, Transmit,
 };

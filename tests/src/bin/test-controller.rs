@@ -6,7 +6,7 @@
 //! `hammer` (1: look for the device every 2 ms instead of once), `speed` (akd: runs at this NSOLL).
 #![forbid(unsafe_code)]
 
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 use std::process::ExitCode;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
@@ -41,7 +41,7 @@ fn main() -> ExitCode {
         .collect();
     let kind = if kind == "pnio" { Kind::Pnio } else { Kind::Akd };
     let names: Vec<&str> = names.split(',').collect();
-    match App::open(interface, kind, options).and_then(|mut app| app.run(&names)) {
+    match App::open(interface, kind, names.len(), options).and_then(|mut app| app.run(&names)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("test-controller: {error}");
@@ -58,8 +58,8 @@ struct App<'a> {
     kind: Kind,
     options: HashMap<&'a str, u64>,
     names: HashMap<ArId, String>,
-    running: Vec<ArId>,
-    ready: Vec<ArId>,
+    running: BTreeSet<ArId>,
+    ready: BTreeSet<ArId>,
     lost: Vec<(ArId, String)>,
     released: usize,
     records: Vec<(usize, Result<Vec<u8>, String>)>,
@@ -70,9 +70,9 @@ struct App<'a> {
 }
 
 impl<'a> App<'a> {
-    fn open(interface: &str, kind: Kind, options: HashMap<&'a str, u64>) -> Outcome<Self> {
+    fn open(interface: &str, kind: Kind, devices: usize, options: HashMap<&'a str, u64>) -> Outcome<Self> {
         let info = InterfaceInfo::find(interface)?;
-        let medium = PacketMedium::open(interface, ServerPort::Required)?;
+        let medium = PacketMedium::open_for(interface, ServerPort::Required, devices)?;
         let seed = SystemTime::now().duration_since(UNIX_EPOCH)?.as_nanos() as u64;
         let config = ControllerConfig::new(info.usable()?, info.ip(), "test-controller", seed);
         Ok(Self {
@@ -81,8 +81,8 @@ impl<'a> App<'a> {
             kind,
             options,
             names: HashMap::new(),
-            running: Vec::new(),
-            ready: Vec::new(),
+            running: BTreeSet::new(),
+            ready: BTreeSet::new(),
             lost: Vec::new(),
             released: 0,
             records: Vec::new(),
@@ -144,11 +144,9 @@ impl<'a> App<'a> {
             ars.push(ar);
         }
         let limit = Duration::from_secs(20);
-        let all = ars.clone();
+        let all = ars.len();
         self.until("all devices running", limit, |app| {
-            all.iter()
-                .all(|ar| app.running.contains(ar) && app.ready.contains(ar))
-                || !app.lost.is_empty()
+            (app.running.len(), app.ready.len()) == (all, all) || !app.lost.is_empty()
         })?;
         if !self.lost.is_empty() {
             return Err(format!("not connected: {:?}", self.lost).into());
@@ -358,13 +356,13 @@ impl<'a> App<'a> {
                 Event::Connected { ar, .. } => self.outputs(ar),
                 Event::Running { ar } => {
                     self.first_frame_us = wall_us();
-                    self.running.push(ar);
+                    self.running.insert(ar);
                 }
                 Event::Ready { ar, diff } => {
                     if let Some(diff) = diff {
                         say(json!({"step": "diff", "diff": format!("{diff:?}")}));
                     }
-                    self.ready.push(ar);
+                    self.ready.insert(ar);
                 }
                 Event::Lost { ar, cause } => self.lost.push((ar, cause.to_string())),
                 Event::Released { .. } => self.released += 1,

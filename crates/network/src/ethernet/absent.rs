@@ -27,6 +27,14 @@ impl PacketMedium {
         Err(Error::NoRawEthernet)
     }
 
+    /// Opens an interface for a controller of many devices.
+    ///
+    /// # Errors
+    /// [`Error::NoRawEthernet`], always.
+    pub fn open_for(_interface: &str, _server: ServerPort, _devices: usize) -> Result<Self, Error> {
+        Err(Error::NoRawEthernet)
+    }
+
     /// Returns the interface.
     #[must_use]
     pub fn interface(&self) -> &InterfaceInfo {
@@ -97,6 +105,14 @@ impl Runner {
     /// # Errors
     /// [`Error::NoRawEthernet`], always.
     pub fn open(_interface: &str) -> Result<Self, Error> {
+        Err(Error::NoRawEthernet)
+    }
+
+    /// Opens an interface for many stations.
+    ///
+    /// # Errors
+    /// [`Error::NoRawEthernet`], always.
+    pub fn open_for(_interface: &str, _stations: usize) -> Result<Self, Error> {
         Err(Error::NoRawEthernet)
     }
 

@@ -12,10 +12,9 @@ mod tap;
 
 use std::any::Any;
 
-use profinet::{Endpoint, Instant, MAX_FRAME, MacAddress};
+use profinet::{Deadlines, Endpoint, Instant, MAX_FRAME, MacAddress};
 use std::time::Duration;
 
-use crate::deadlines::Deadlines;
 use crate::host::{Stack, Station};
 
 pub use crate::host::StationId;

@@ -32,8 +32,11 @@ pub struct ControllerConfig {
     pub timeouts: Timeouts,
 }
 
+/// Most connections of one controller: each has a frame id of its own.
+pub(super) const MAX_CONNECTIONS: u16 = 0x0FFF;
+
 impl ControllerConfig {
-    /// Creates a controller with the usual settings: 256 connections, 2 s x 3 calls, 1 s x 3 DCP requests.
+    /// Creates a controller with the usual settings: 4,095 connections, 2 s x 3 calls, 1 s x 3 DCP requests.
     #[must_use]
     pub fn new(mac: MacAddress, ip: IpSuite, station_name: &str, seed: u64) -> Self {
         Self {
@@ -45,7 +48,7 @@ impl ControllerConfig {
             instance: 1,
             seed,
             client_port: 0xC000,
-            max_connections: 256,
+            max_connections: MAX_CONNECTIONS,
             timeouts: Timeouts::default(),
         }
     }

@@ -54,10 +54,10 @@ impl Controller {
 
     /// Notes a connection's deadline, and that it may have something to send.
     fn settle(&mut self, index: usize) {
-        let (Some(ar), Some(due)) = (self.ars.get_mut(index), self.due.get_mut(index)) else {
+        let Some(ar) = self.ars.get_mut(index) else {
             return;
         };
-        *due = ar.poll_timeout().unwrap_or(Instant::MAX);
+        self.due.set(index, ar.poll_timeout());
         if !ar.queued {
             ar.queued = true;
             self.senders.push_back(ar.id.slot);
@@ -77,9 +77,7 @@ impl Controller {
         };
         ar.handle_cyclic(&mut shared, frame);
         // a frame only moves the watchdog: nothing to send
-        if let Some(due) = self.due.get_mut(index) {
-            *due = ar.poll_timeout().unwrap_or(Instant::MAX);
-        }
+        self.due.set(index, ar.poll_timeout());
     }
 
     /// An alarm's destination reference names the place of the connection.
@@ -274,11 +272,19 @@ impl Endpoint for Controller {
         self.rpc.handle_timeout(now);
         self.drain_rpc(now);
         self.server.handle_timeout(now);
-        for index in 0..self.due.len() {
-            if self.due.get(index).is_some_and(|due| now >= *due) {
-                self.with(now, index, |ar, shared| ar.handle_timeout(shared));
-            }
+        // each once: what is due stays due until it is sent
+        let mut due = core::mem::take(&mut self.ready);
+        while self.due.earliest().is_some_and(|at| at <= now) {
+            let Some(index) = self.due.earliest_index() else {
+                break;
+            };
+            self.due.set(index, None);
+            due.push(index);
         }
+        for index in due.drain(..) {
+            self.with(now, index, |ar, shared| ar.handle_timeout(shared));
+        }
+        self.ready = due;
     }
 
     fn poll_transmit(&mut self, now: Instant, buffer: &mut [u8]) -> Option<Transmit> {
@@ -293,10 +299,7 @@ impl Endpoint for Controller {
             }
             ar.queued = false;
             // the alarm channel counts from the moment of sending, the provider to its next interval
-            let next = ar.poll_timeout().unwrap_or(Instant::MAX);
-            if let Some(due) = self.due.get_mut(index) {
-                *due = next;
-            }
+            self.due.set(index, ar.poll_timeout());
             self.senders.pop_front();
         }
         if let Some(length) = self.dcp.poll_transmit(now, self.config.mac, buffer) {
@@ -314,9 +317,8 @@ impl Endpoint for Controller {
     }
 
     fn poll_timeout(&self) -> Option<Instant> {
-        let cyclic = self.due.iter().copied().min().filter(|due| *due < Instant::MAX);
         [
-            cyclic,
+            self.due.earliest(),
             self.dcp.poll_timeout(),
             self.rpc.poll_timeout(),
             self.server.poll_timeout(),

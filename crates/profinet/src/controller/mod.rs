@@ -19,6 +19,7 @@ mod phase;
 mod record;
 
 pub use crate::wire::block::RecordAddress;
+use config::MAX_CONNECTIONS;
 pub use config::{
     ConnectConfig, ControllerConfig, ModuleConfig, Resolve, RtClass, StartUp, StartupRecord, SubmoduleConfig,
     Target, Timeouts,
@@ -42,7 +43,7 @@ use crate::rpc::{self, ClientConfig, Interface, Server, ServerLimits};
 use crate::wire::dcp::{check_ip, check_name};
 use crate::wire::rpc::operation;
 use crate::wire::{Uuid, UuidSource};
-use crate::{Instant, IpSuite};
+use crate::{Deadlines, Instant, IpSuite};
 
 /// What makes the initiator of a connection for records another one than that of a controller.
 const RECORDS_INSTANCE: u16 = 0x8000;
@@ -76,13 +77,20 @@ pub struct Controller {
     owners: BTreeMap<rpc::CallId, Owner>,
     ars: Vec<Ar>,
     /// When something is due per place of `ars`.
-    due: Vec<Instant>,
+    due: Deadlines,
+    /// Places that are due in this turn; kept for its memory.
+    ready: Vec<usize>,
     /// Places of `ars` that may have a frame to send.
     senders: VecDeque<u16>,
     events: VecDeque<Event>,
     uuids: UuidSource,
     session: u16,
     next_call: u32,
+}
+
+/// Activities of devices that are remembered: each device calls with one of its own when it becomes ready, and may start again.
+const fn activities(connections: usize) -> usize {
+    connections * 2 + 16
 }
 
 impl Controller {
@@ -97,9 +105,8 @@ impl Controller {
             limit: config.timeouts.call_limit,
             ..ClientConfig::default()
         };
-        // every device calls with an activity of its own when it becomes ready
         let limits = ServerLimits {
-            activities: usize::from(config.max_connections) * 2 + 16,
+            activities: activities(0),
             activities_per_address: 8,
             stub: 64 * 1024,
         };
@@ -114,7 +121,8 @@ impl Controller {
             server: Server::new(alloc::vec![interface], limits),
             owners: BTreeMap::new(),
             ars: Vec::new(),
-            due: Vec::new(),
+            due: Deadlines::default(),
+            ready: Vec::new(),
             senders: VecDeque::new(),
             events: VecDeque::new(),
             session: u16::from_be_bytes([a, d]),
@@ -241,7 +249,8 @@ impl Controller {
             Some(place) => *place = ar,
             None => {
                 self.ars.push(ar);
-                self.due.push(Instant::MAX);
+                self.due.push();
+                self.server.set_activities(activities(self.ars.len()));
             }
         }
         self.with(now, index, Ar::start);
@@ -258,7 +267,7 @@ impl Controller {
             });
         }
         let slot = u16::try_from(self.ars.len()).unwrap_or(u16::MAX);
-        if slot >= self.config.max_connections.min(0x0FFF) {
+        if slot >= self.config.max_connections.min(MAX_CONNECTIONS) {
             return Err(Misuse::TooMany("connections"));
         }
         Ok(ArId { slot, generation: 0 })

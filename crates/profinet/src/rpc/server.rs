@@ -149,6 +149,11 @@ pub struct Server {
     activities: Vec<Activity>,
     shorts: VecDeque<(SocketAddrV4, Header, Short)>,
     serial: u16,
+    /// Nothing is waiting to be sent.
+    quiet: bool,
+    /// When something is due next: kept, because a controller of many devices remembers as many activities and looks at
+    /// each turn.
+    next: Option<Instant>,
 }
 
 /// FNV-1a.
@@ -168,7 +173,14 @@ impl Server {
             activities: Vec::new(),
             shorts: VecDeque::new(),
             serial: 0,
+            quiet: true,
+            next: None,
         }
+    }
+
+    /// Sets how many activities are remembered at most, all clients together.
+    pub const fn set_activities(&mut self, most: usize) {
+        self.limits.activities = most;
     }
 
     fn find(&self, address: Ipv4Addr, activity: Uuid) -> Option<usize> {
@@ -188,6 +200,12 @@ impl Server {
     /// Takes a datagram that arrived at the server's port. Anything that is no PDU of a client is dropped.
     #[must_use]
     pub fn handle(&mut self, now: Instant, source: SocketAddrV4, pdu: &[u8]) -> Option<Call> {
+        let call = self.take(now, source, pdu);
+        self.settle();
+        call
+    }
+
+    fn take(&mut self, now: Instant, source: SocketAddrV4, pdu: &[u8]) -> Option<Call> {
         let (header, body) = Header::decode(pdu).ok()?;
         match header.packet_type {
             PacketType::Request => return self.request(now, source, pdu.len(), &header, body),
@@ -424,6 +442,7 @@ impl Server {
                 resend: None,
                 sends: 0,
             };
+            self.settle();
         }
     }
 
@@ -452,6 +471,9 @@ impl Server {
 
     /// Does what is due.
     pub fn handle_timeout(&mut self, now: Instant) {
+        if self.next.is_none_or(|next| now < next) {
+            return;
+        }
         for activity in &mut self.activities {
             match &mut activity.state {
                 State::Receiving(incoming) if incoming.deadline <= now => activity.state = State::Dropped,
@@ -474,11 +496,22 @@ impl Server {
         }
         self.activities
             .retain(|a| matches!(a.state, State::Executing) || a.used + KEEP > now);
+        self.settle();
     }
 
     /// Returns the time of the next timeout.
     #[must_use]
-    pub fn poll_timeout(&self) -> Option<Instant> {
+    pub const fn poll_timeout(&self) -> Option<Instant> {
+        self.next
+    }
+
+    /// Notes what has changed for [`poll_timeout`](Self::poll_timeout) and [`poll_transmit`](Self::poll_transmit).
+    fn settle(&mut self) {
+        self.quiet = false;
+        self.next = self.earliest();
+    }
+
+    fn earliest(&self) -> Option<Instant> {
         let due = |a: &Activity| match &a.state {
             State::Executing => None,
             State::Receiving(incoming) => Some(incoming.deadline.min(a.used + KEEP)),
@@ -493,6 +526,16 @@ impl Server {
     /// Writes the next datagram and returns its destination.
     #[must_use]
     pub fn poll_transmit(&mut self, now: Instant, buffer: &mut [u8]) -> Option<(SocketAddrV4, usize)> {
+        if self.quiet {
+            return None;
+        }
+        let sent = self.transmit(now, buffer);
+        self.quiet = sent.is_none();
+        self.next = self.earliest();
+        sent
+    }
+
+    fn transmit(&mut self, now: Instant, buffer: &mut [u8]) -> Option<(SocketAddrV4, usize)> {
         let mut out = SliceWriter::new(buffer);
         if let Some((to, mut header, body)) = self.shorts.pop_front() {
             self.serial = self.serial.wrapping_add(1);

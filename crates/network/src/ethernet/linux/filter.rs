@@ -5,7 +5,7 @@ use profinet::MacAddress;
 use socket2::SockFilter;
 
 /// With more addresses than this the program only looks at EtherTypes; jumps reach 255 instructions.
-const MAX_ADDRESSES: usize = 100;
+pub(super) const MAX_ADDRESSES: usize = 100;
 
 /// What a socket wants.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

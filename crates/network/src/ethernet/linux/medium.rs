@@ -57,7 +57,16 @@ impl PacketMedium {
     /// # Errors
     /// No such interface, interface down, no right to raw sockets, UDP port in use.
     pub fn open(interface: &str, server: ServerPort) -> Result<Self, Error> {
-        let mut packet = PacketSocket::open(interface, Wanted::Profinet)?;
+        Self::open_for(interface, server, 1)
+    }
+
+    /// Opens an interface for a controller of so many devices: the receive ring has room for what they send while this
+    /// process does not run.
+    ///
+    /// # Errors
+    /// As [`open`](Self::open).
+    pub fn open_for(interface: &str, server: ServerPort, devices: usize) -> Result<Self, Error> {
+        let mut packet = PacketSocket::open(interface, Wanted::Profinet, devices)?;
         let mac = packet.interface().usable()?;
         packet.add_address(mac)?;
         let own = packet.interface().addresses.clone();

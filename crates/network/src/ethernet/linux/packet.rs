@@ -8,7 +8,7 @@ use profinet::{MAX_FRAME, MacAddress};
 use smoltcp::wire::{IpProtocol, Ipv4Packet, TcpPacket, UdpPacket};
 use socket2::{Domain, Protocol, Socket, Type};
 
-use super::filter::{Wanted, program};
+use super::filter::{MAX_ADDRESSES, Wanted, program};
 use super::ring::{Received, Ring, set_option};
 use crate::ethernet::PacketStatistics;
 use crate::host::ethertype;
@@ -40,20 +40,20 @@ pub(super) struct PacketSocket {
 }
 
 impl PacketSocket {
-    /// Opens the interface `name`.
-    pub(super) fn open(name: &str, wanted: Wanted) -> Result<Self, Error> {
-        Self::listen(name, Some(wanted))
+    /// Opens the interface `name` for the traffic of so many stations.
+    pub(super) fn open(name: &str, wanted: Wanted, stations: usize) -> Result<Self, Error> {
+        Self::listen(name, Some(wanted), stations)
     }
 
     /// Opens the interface `name` for all of its traffic: what it sends, and what is meant for others, too.
     pub(super) fn listen_to_all(name: &str) -> Result<Self, Error> {
-        let socket = Self::listen(name, None)?;
+        let socket = Self::listen(name, None, 1)?;
         socket.join_all()?;
         Ok(socket)
     }
 
     /// Opens the interface `name`; without a filter for what it sends itself too.
-    fn listen(name: &str, wanted: Option<Wanted>) -> Result<Self, Error> {
+    fn listen(name: &str, wanted: Option<Wanted>, stations: usize) -> Result<Self, Error> {
         let interface = InterfaceInfo::find(name)?;
         let own_mac = interface.usable()?;
         let refused = |source: io::Error| match source.kind() {
@@ -69,7 +69,7 @@ impl PacketSocket {
         let socket = Socket::new(Domain::PACKET, Type::RAW, Some(Protocol::from(0))).map_err(refused)?;
         socket.set_nonblocking(true).map_err(refused)?;
         let fd = socket.as_raw_fd();
-        let ring = Ring::new(fd).map_err(Error::system("cannot make a receive ring"))?;
+        let ring = Ring::new(fd, stations).map_err(Error::system("cannot make a receive ring"))?;
         // Room for a burst of many stations; a smaller limit of the system is not a failure.
         let _ = socket.set_send_buffer_size(1 << 20);
         if let Some(wanted) = wanted {
@@ -107,6 +107,10 @@ impl PacketSocket {
         if mac != self.own_mac && !self.promiscuous {
             self.join_all()?;
             self.promiscuous = true;
+        }
+        // a program that looks at no address is not set again for each of many
+        if self.macs.len() > MAX_ADDRESSES + 1 {
+            return Ok(());
         }
         let macs: Vec<_> = self.macs.iter().copied().collect();
         self.socket

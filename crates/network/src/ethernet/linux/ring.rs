@@ -8,8 +8,11 @@ use std::time::Duration;
 
 /// A slot; holds the largest frame, its header and what the kernel puts before it.
 const SLOT: usize = 2048;
-/// Slots of a ring: 512 frames are more than a 64-drive segment carries in 16 ms.
-const SLOTS: usize = 512;
+/// Slots of a ring for each station that is served: a station that is late by three update times has lost its connection, so
+/// more than these are of no use.
+const SLOTS_EACH: usize = 4;
+/// Slots of the smallest ring and of the largest one.
+const SLOTS: std::ops::RangeInclusive<usize> = 512..=1 << 15;
 const BLOCK: usize = 1 << 15;
 
 const TP_STATUS_KERNEL: u32 = 0;
@@ -52,14 +55,17 @@ impl Received {
 pub(super) struct Ring {
     base: NonNull<u8>,
     next: usize,
+    slots: usize,
 }
 
 // SAFETY: the mapping belongs to this value alone and is reached through `&mut self` only.
 unsafe impl Send for Ring {}
 
 impl Ring {
-    /// Asks the kernel for a ring on `fd`, which must be a packet socket and outlive it.
-    pub(super) fn new(fd: RawFd) -> io::Result<Self> {
+    /// Requests a ring on `fd`, which must be a packet socket and outlive it, for the traffic of so many stations.
+    pub(super) fn new(fd: RawFd, stations: usize) -> io::Result<Self> {
+        let wanted = stations.saturating_mul(SLOTS_EACH).max(*SLOTS.start());
+        let slots = wanted.min(*SLOTS.end()).next_power_of_two();
         set_option(
             fd,
             libc::PACKET_VERSION,
@@ -67,19 +73,19 @@ impl Ring {
         )?;
         let request = libc::tpacket_req {
             tp_block_size: BLOCK as u32,
-            tp_block_nr: (SLOT * SLOTS / BLOCK) as u32,
+            tp_block_nr: (SLOT * slots / BLOCK) as u32,
             tp_frame_size: SLOT as u32,
-            tp_frame_nr: SLOTS as u32,
+            tp_frame_nr: slots as u32,
         };
         set_option(fd, libc::PACKET_RX_RING, &request)?;
         let (protection, flags) = (libc::PROT_READ | libc::PROT_WRITE, libc::MAP_SHARED);
         // SAFETY: a new mapping at an address the kernel chooses; no existing memory is touched.
-        let base = unsafe { libc::mmap(std::ptr::null_mut(), SLOT * SLOTS, protection, flags, fd, 0) };
+        let base = unsafe { libc::mmap(std::ptr::null_mut(), SLOT * slots, protection, flags, fd, 0) };
         if base == libc::MAP_FAILED {
             return Err(io::Error::last_os_error());
         }
         let base = NonNull::new(base.cast::<u8>()).ok_or(io::ErrorKind::OutOfMemory)?;
-        Ok(Self { base, next: 0 })
+        Ok(Self { base, next: 0, slots })
     }
 
     /// Returns the oldest frame that has arrived, if any; [`release`](Self::release) gives its slot back.
@@ -88,7 +94,7 @@ impl Ring {
         if status & TP_STATUS_USER == 0 {
             return None;
         }
-        // SAFETY: `next` is below SLOTS, so the header lies within the mapping, aligned to the slot size. While the
+        // SAFETY: `next` is below `slots`, so the header lies within the mapping, aligned to the slot size. While the
         // status is USER the kernel does not touch the slot.
         let header: libc::tpacket2_hdr = unsafe { self.slot().cast::<libc::tpacket2_hdr>().read() };
         let offset = usize::from(header.tp_mac);
@@ -110,11 +116,11 @@ impl Ring {
     /// Gives the slot of the frame peeked at back to the kernel.
     pub(super) fn release(&mut self) {
         self.status().store(TP_STATUS_KERNEL, Ordering::Release);
-        self.next = (self.next + 1) % SLOTS;
+        self.next = (self.next + 1) % self.slots;
     }
 
     fn slot(&self) -> *mut u8 {
-        // SAFETY: `next` is below SLOTS, so the result is inside the mapping of SLOT * SLOTS octets.
+        // SAFETY: `next` is below `slots`, so the result is inside the mapping of SLOT * `slots` octets.
         unsafe { self.base.as_ptr().add(self.next * SLOT) }
     }
 
@@ -128,7 +134,7 @@ impl Ring {
 impl Drop for Ring {
     fn drop(&mut self) {
         // SAFETY: the mapping was made by `new` with this length and no reference into it outlives `self`.
-        unsafe { libc::munmap(self.base.as_ptr().cast(), SLOT * SLOTS) };
+        unsafe { libc::munmap(self.base.as_ptr().cast(), SLOT * self.slots) };
     }
 }
 

@@ -1,13 +1,16 @@
 //! The earliest of many deadlines, at a cost that grows with the logarithm of their number.
 
-use profinet::Instant;
+use alloc::vec;
+use alloc::vec::Vec;
+
+use crate::Instant;
 
 /// One optional deadline per index; the earliest is known at once.
 ///
 /// A complete binary tree in an array: the leaves are the deadlines, each inner node is the earlier of its two
 /// children. Nothing is allocated after [`push`](Self::push).
 #[derive(Debug, Default)]
-pub(crate) struct Deadlines {
+pub struct Deadlines {
     /// `tree[1]` is the root, the leaves start at `tree[leaves]`.
     tree: Vec<Instant>,
     leaves: usize,
@@ -19,7 +22,7 @@ const NEVER: Instant = Instant::MAX;
 
 impl Deadlines {
     /// Adds an index without a deadline and returns it.
-    pub(crate) fn push(&mut self) -> usize {
+    pub fn push(&mut self) -> usize {
         if self.used == self.leaves {
             let leaves = (self.leaves * 2).max(4);
             let mut tree = vec![NEVER; 2 * leaves];
@@ -41,7 +44,7 @@ impl Deadlines {
     }
 
     /// Sets or clears the deadline of `index`.
-    pub(crate) fn set(&mut self, index: usize, deadline: Option<Instant>) {
+    pub fn set(&mut self, index: usize, deadline: Option<Instant>) {
         let mut node = self.leaves + index;
         let value = deadline.unwrap_or(NEVER);
         match self.tree.get_mut(node) {
@@ -55,12 +58,14 @@ impl Deadlines {
     }
 
     /// Returns the earliest deadline.
-    pub(crate) fn earliest(&self) -> Option<Instant> {
+    #[must_use]
+    pub fn earliest(&self) -> Option<Instant> {
         self.tree.get(1).copied().filter(|at| *at != NEVER)
     }
 
     /// Returns the lowest index whose deadline is the earliest.
-    pub(crate) fn earliest_index(&self) -> Option<usize> {
+    #[must_use]
+    pub fn earliest_index(&self) -> Option<usize> {
         let at = self.earliest()?;
         let mut node = 1;
         while node < self.leaves {
