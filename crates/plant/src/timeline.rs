@@ -70,6 +70,12 @@ impl Timeline {
         });
     }
 
+    /// Returns true when nothing is left to happen.
+    #[must_use]
+    pub const fn is_over(&self) -> bool {
+        self.pending.is_empty()
+    }
+
     /// Returns the time when the next thing happens by time.
     #[must_use]
     pub fn next(&self) -> Option<Instant> {

@@ -1,4 +1,4 @@
-//! An allocator that counts, to show that a hot path does not allocate.
+//! An allocator that counts, to show that a hot path does not allocate and what a value keeps.
 //!
 //! A test binary that uses this crate has its allocator. The count is kept per thread, so tests that run side by side do
 //! not disturb each other.
@@ -11,6 +11,8 @@ struct Counting;
 
 thread_local! {
     static COUNT: Cell<u64> = const { Cell::new(0) };
+    /// Octets allocated and not freed by this thread.
+    static HELD: Cell<i64> = const { Cell::new(0) };
 }
 
 #[global_allocator]
@@ -21,27 +23,37 @@ fn count() {
     let _ = COUNT.try_with(|count| count.set(count.get() + 1));
 }
 
+fn hold(octets: usize, sign: i64) {
+    let octets = i64::try_from(octets).unwrap_or(i64::MAX);
+    let _ = HELD.try_with(|held| held.set(held.get() + sign * octets));
+}
+
 // SAFETY: hands everything to the system allocator unchanged; the counter needs no allocation itself.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         count();
+        hold(layout.size(), 1);
         // SAFETY: same contract.
         unsafe { System.alloc(layout) }
     }
 
     unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
         count();
+        hold(layout.size(), 1);
         // SAFETY: same contract.
         unsafe { System.alloc_zeroed(layout) }
     }
 
     unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        hold(layout.size(), -1);
         // SAFETY: same contract.
         unsafe { System.dealloc(pointer, layout) }
     }
 
     unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
         count();
+        hold(layout.size(), -1);
+        hold(size, 1);
         // SAFETY: same contract.
         unsafe { System.realloc(pointer, layout, size) }
     }
@@ -58,11 +70,34 @@ pub fn made_by(work: impl FnOnce()) -> u64 {
     COUNT.with(Cell::get) - before
 }
 
+/// What `work` returns, and the octets on the heap that it keeps.
+///
+/// ```
+/// let (list, octets) = allocations::kept_by(|| vec![0_u64; 4]);
+/// assert_eq!((list.len(), octets), (4, 32));
+/// ```
+pub fn kept_by<T>(work: impl FnOnce() -> T) -> (T, i64) {
+    let before = HELD.with(Cell::get);
+    let value = work();
+    (value, HELD.with(Cell::get) - before)
+}
+
 #[cfg(test)]
 mod tests {
     use std::hint::black_box;
 
-    use super::made_by;
+    use super::{kept_by, made_by};
+
+    #[test]
+    fn what_is_freed_is_not_kept() {
+        let grown = kept_by(|| {
+            let mut list = black_box(Vec::<u8>::with_capacity(10));
+            list.reserve_exact(100);
+            drop(black_box(vec![0_u8; 1000]));
+            list
+        });
+        assert_eq!((grown.0.capacity(), grown.1), (100, 100));
+    }
 
     #[test]
     fn the_counter_counts() {

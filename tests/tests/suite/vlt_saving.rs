@@ -43,6 +43,7 @@ fn vlt(refused: &[u16]) -> &'static Model {
     Box::leak(Box::new(Model {
         known: &KNOWN,
         catalogue: Box::leak(Box::new(own)),
+        derived: std::sync::OnceLock::new(),
         ..model::VLT
     }))
 }

@@ -36,7 +36,7 @@ pub struct Simulate {
     #[arg(long, value_name = "NAME")]
     pub name: Option<String>,
     /// How many drives
-    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=256))]
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..))]
     pub count: u16,
     /// Address of the (first) drive; without it the drive waits for its address
     #[arg(long, value_name = "A.B.C.D/NN")]

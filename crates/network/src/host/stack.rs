@@ -555,7 +555,7 @@ impl Stack {
         let sent = buffer
             .get_mut(..length)
             .map(|target| target.copy_from_slice(&frame));
-        if self.spare.len() < 4 {
+        if self.spare.is_empty() {
             self.spare.push(frame);
         }
         sent.map(|()| length)

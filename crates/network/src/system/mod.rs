@@ -32,7 +32,7 @@ pub use error::Error;
 pub use interface::InterfaceInfo;
 pub use lock::{FolderLock, LockError};
 pub use medium::{ServerPort, UdpMedium};
-pub use os::now;
+pub use os::{free_memory, now};
 pub(crate) use os::{wait_for_octets, wait_for_room};
 pub(crate) use stop::Calls;
 pub use stop::{Bell, ForcedExit, Stop};

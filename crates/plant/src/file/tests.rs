@@ -218,7 +218,7 @@ fn mistakes_are_reported_with_their_line() {
         "".parse::<Scenario>()
             .unwrap_err()
             .message
-            .contains("1 to 256 drives")
+            .contains("at least one drive")
     );
 }
 

@@ -23,6 +23,18 @@ pub enum HostError {
     /// There can be no such drives.
     #[error(transparent)]
     Fleet(#[from] FleetError),
+    /// The drives need more memory than is free.
+    #[error("{wanted} drives need about {} MB of memory and {} MB are free: {fit} drives would fit", megabytes(*needed), megabytes(*free))]
+    Memory {
+        /// Drives there are to be.
+        wanted: usize,
+        /// Octets that they need.
+        needed: u64,
+        /// Octets that are free.
+        free: u64,
+        /// Drives there is room for.
+        fit: u64,
+    },
     /// No drive can have this address on a serial line.
     #[error("no drive can have the address {number}: {lowest} to {highest} are possible")]
     LineAddress {
@@ -70,4 +82,8 @@ pub enum HostError {
     /// The end of the capture file was not written.
     #[error("the capture is not complete: {0}")]
     IncompleteCapture(io::Error),
+}
+
+const fn megabytes(octets: u64) -> u64 {
+    octets / 1_000_000
 }

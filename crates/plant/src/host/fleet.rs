@@ -1,5 +1,6 @@
 //! A number of equal drives: names, addresses, update times.
 
+use std::collections::HashMap;
 use std::net::Ipv4Addr;
 use std::time::Duration;
 
@@ -152,6 +153,7 @@ impl Fleet {
         let interval = self.min_cycle.map(interval).transpose()?;
         self.check()?;
         let mut plans: Vec<Plan> = Vec::new();
+        let mut by_mac = HashMap::new();
         for number in 1..=self.count {
             let name = match &self.name {
                 None => String::new(),
@@ -173,9 +175,9 @@ impl Fleet {
             if let Some((first, prefix)) = self.ip {
                 plan.drive.ip = address(first, prefix, number - 1);
             }
-            if let Some(other) = plans.iter().find(|other| other.drive.mac == plan.drive.mac) {
+            if let Some(first) = by_mac.insert(plan.drive.mac, key.clone()) {
                 return Err(FleetError::SameMac {
-                    first: other.key(),
+                    first,
                     second: key,
                     mac: plan.drive.mac,
                 });

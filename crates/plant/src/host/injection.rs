@@ -75,6 +75,7 @@ impl Host {
                 for event in events {
                     running.timeline.add(now(), event, lasts);
                 }
+                self.timed.insert(id);
                 let drive = running.drive.key.to_string();
                 Response::Done { drive, here }
             }

@@ -17,7 +17,7 @@ mod serial;
 mod serial_line;
 mod state_folder;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -27,7 +27,7 @@ use network::ethernet::{Runner, Turn};
 use network::files::create;
 use network::host::StationId;
 use network::pcap::Writer;
-use network::system::{Bell, Error as NetworkError, Stop, now};
+use network::system::{Bell, Error as NetworkError, Stop, free_memory, now};
 use profinet::device::Stored;
 use profinet::{Endpoint, Instant};
 use virtual_drive::model::Model;
@@ -56,6 +56,9 @@ const LONGEST_SLEEP: Duration = Duration::from_secs(3600);
 /// Time between two attempts to open an interface or a port that went away.
 const RETRY: Duration = Duration::from_secs(1);
 
+/// Memory of one drive in octets, with its connection, its saved state and its part of the receive ring; a test holds it.
+pub const DRIVE_MEMORY: u64 = 64 * 1024;
+
 /// Where the state of drives is kept.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct StatePlace {
@@ -72,6 +75,17 @@ pub enum Drives {
     Fleet(Fleet),
     /// Those of a scenario, with their time lines.
     Plans(Vec<DrivePlan>),
+}
+
+impl Drives {
+    /// Returns how many there are.
+    #[must_use]
+    pub fn count(&self) -> usize {
+        match self {
+            Self::Fleet(fleet) => fleet.count.into(),
+            Self::Plans(plans) => plans.len(),
+        }
+    }
 }
 
 /// How drives are simulated on a network interface.
@@ -165,6 +179,8 @@ struct Running {
 pub struct Host {
     runner: Runner,
     drives: BTreeMap<StationId, Running>,
+    /// Those to which something is still to happen: few of many, looked at in every turn.
+    timed: BTreeSet<StationId>,
     persistence: Persistence,
     control_socket: Option<ControlSocket>,
     duplicate_check: Option<DuplicateCheck>,
@@ -184,7 +200,8 @@ impl Host {
     /// When the drives, the interface, the state folder or the capture file cannot be used, or when another simulation
     /// has the MAC address of a drive.
     pub fn open(config: HostConfig, events: EventSender) -> Result<Self, HostError> {
-        let mut runner = Runner::open(&config.interface)?;
+        check_memory(config.drives.count(), free_memory())?;
+        let mut runner = Runner::open_for(&config.interface, config.drives.count())?;
         let plans = match &config.drives {
             Drives::Fleet(fleet) => fleet.plans(runner.interface().mac)?,
             Drives::Plans(plans) => plans.iter().cloned().map(Plan::from).collect(),
@@ -211,6 +228,7 @@ impl Host {
         let mut host = Self {
             runner,
             drives: BTreeMap::new(),
+            timed: BTreeSet::new(),
             persistence: Persistence::new(events.clone(), bell.clone()),
             control_socket: None,
             duplicate_check: Some(duplicate_check),
@@ -263,6 +281,9 @@ impl Host {
             drive: Arc::new(drive),
             timeline: Timeline::new(&plan.cues, self.start),
         };
+        if !running.timeline.is_over() {
+            self.timed.insert(id);
+        }
         self.drives.insert(id, running);
         Ok((key, ready))
     }
@@ -291,7 +312,8 @@ impl Host {
 
     /// Carries frames until something is due.
     fn step(&mut self) -> Result<Turn, HostError> {
-        let timelines = self.drives.values().filter_map(|drive| drive.timeline.next());
+        let timed = self.timed.iter().filter_map(|id| self.drives.get(id));
+        let timelines = timed.filter_map(|drive| drive.timeline.next());
         let sleep = if self.next_try.is_some() {
             RETRY
         } else {
@@ -383,24 +405,34 @@ impl Host {
     }
 
     fn play_timelines(&mut self) {
-        for (id, running) in &mut self.drives {
-            let at = now();
-            let due = running.timeline.next().is_some_and(|next| next <= at)
-                || running.timeline.watches_position()
-                    && self
-                        .runner
+        if self.timed.is_empty() {
+            return;
+        }
+        let at = now();
+        let Self {
+            timed,
+            drives,
+            runner,
+            events,
+            start,
+            ..
+        } = self;
+        timed.retain(|id| {
+            let Some(Running { drive, timeline }) = drives.get_mut(id) else {
+                return false;
+            };
+            let due = timeline.next().is_some_and(|next| next <= at)
+                || timeline.watches_position()
+                    && runner
                         .station::<Unit>(*id)
-                        .is_some_and(|unit| running.timeline.is_due(at, unit));
-            if !due {
-                continue;
-            }
-            if let Some(unit) = self.runner.station_mut::<Unit>(*id) {
-                for played in running.timeline.play(at, unit) {
-                    let what = DriveEvent::Played(played);
-                    self.events.drive(&running.drive.key, at - self.start, what);
+                        .is_some_and(|unit| timeline.is_due(at, unit));
+            if due && let Some(unit) = runner.station_mut::<Unit>(*id) {
+                for played in timeline.play(at, unit) {
+                    events.drive(&drive.key, at - *start, DriveEvent::Played(played));
                 }
             }
-        }
+            !timeline.is_over()
+        });
     }
 
     /// Switches the drives off and saves what they want saved.
@@ -441,6 +473,20 @@ fn open_state(state: Option<&StatePlace>) -> Result<Option<StateFolder>, HostErr
     state.map(open).transpose().map_err(HostError::StateFolder)
 }
 
+/// Refuses drives for which there is no memory: the system would end some program, and not necessarily this one.
+fn check_memory(wanted: usize, free: Option<u64>) -> Result<(), HostError> {
+    let needed = DRIVE_MEMORY.saturating_mul(wanted as u64);
+    match free.filter(|free| needed > *free) {
+        None => Ok(()),
+        Some(free) => Err(HostError::Memory {
+            wanted,
+            needed,
+            free,
+            fit: free / DRIVE_MEMORY,
+        }),
+    }
+}
+
 /// Without a control socket everything else works.
 fn open_control_socket(bell: Bell, events: &EventSender) -> Option<ControlSocket> {
     ControlSocket::open(bell)
@@ -469,4 +515,20 @@ fn capture(path: &Path, interface: &str) -> Result<Writer<File>, HostError> {
         path: path.to_owned(),
         source,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn drives_without_memory_are_refused_with_the_number_that_fits() {
+        assert!(check_memory(2000, Some(200_000_000)).is_ok());
+        assert!(check_memory(60_000, None).is_ok());
+        let error = check_memory(2000, Some(100_000_000)).unwrap_err();
+        assert_eq!(
+            error.to_string(),
+            "2000 drives need about 131 MB of memory and 100 MB are free: 1525 drives would fit"
+        );
+    }
 }

@@ -197,9 +197,7 @@ impl Link {
 #[derive(Debug)]
 pub struct Drive {
     model: &'static Model,
-    live: Box<[Live]>,
-    /// Every number, ascending, without those of the lists of numbers.
-    numbers: Box<[u16]>,
+    live: &'static [Live],
     /// One half of a 64-bit value.
     half: Option<Half>,
     /// Those of the active set-up.
@@ -256,9 +254,8 @@ impl Drive {
         let live = model.live_by_position();
         let mut drive = Self {
             model,
-            set_ups: SetUps::new(model, &live),
+            set_ups: SetUps::new(model, live),
             live,
-            numbers: Self::listed_numbers(model),
             half: None,
             values,
             settings,

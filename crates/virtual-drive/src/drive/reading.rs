@@ -10,9 +10,6 @@ use super::inverter::HORSEPOWER;
 use super::{Drive, Mode};
 use crate::model::{Live, Quantity, Sensor, Table, numbered};
 
-/// PNUs of the lists of PNUs.
-const LISTS: core::ops::RangeInclusive<u16> = 980..=989;
-
 /// PNUs in one list: with the closing 0 they fit the answer to one request (117 words in 240 octets).
 pub(super) const PER_LIST: usize = 116;
 
@@ -238,18 +235,9 @@ impl Drive {
             },
             Table::Numbers(list) => (element < PER_LIST)
                 .then(|| usize::from(list) * PER_LIST + element)
-                .and_then(|place| self.numbers.get(place))
+                .and_then(|place| self.model.listed_numbers().get(place))
                 .map_or(0, |pnu| i64::from(*pnu)),
         }
-    }
-
-    /// Returns the content of the lists of PNUs, which do not list themselves.
-    pub(super) fn listed_numbers(model: &crate::model::Model) -> Box<[u16]> {
-        model
-            .catalogue
-            .numbers()
-            .filter(|pnu| !LISTS.contains(pnu))
-            .collect()
     }
 }
 

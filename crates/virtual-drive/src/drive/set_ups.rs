@@ -242,7 +242,7 @@ impl Drive {
 
     /// All set-ups as delivered, the first one active.
     pub(super) fn reset_set_ups(&mut self) {
-        self.set_ups = SetUps::new(self.model, &self.live);
+        self.set_ups = SetUps::new(self.model, self.live);
     }
 
     /// Set-ups by a digit for each channel, from the right: panel, FC bus, USB, the option; A is the active one, F the

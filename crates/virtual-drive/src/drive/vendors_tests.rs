@@ -106,7 +106,12 @@ fn every_parameter_of_every_model_is_written() {
 #[test]
 fn the_tables_name_parameters_and_faults_that_exist() {
     for model in model::ALL {
-        for (parameter, live) in model.catalogue.parameters.iter().zip(model.live_by_position()) {
+        for (parameter, live) in model
+            .catalogue
+            .parameters
+            .iter()
+            .zip(model.live_by_position().iter().copied())
+        {
             match live {
                 Live::Measured(_) | Live::StatusWord | Live::AlarmWord(_) | Live::WarningWord(_) => {
                     assert_eq!(parameter.access, Access::ReadOnly, "{parameter:?}");

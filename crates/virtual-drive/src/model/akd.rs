@@ -2,6 +2,8 @@
 //!
 //! Source of the numbers: AKD PROFINET manual ed. M chapters 5 and 6; of the meanings `data/akd/`.
 
+use std::sync::OnceLock;
+
 use profile::catalogue::{self, PartNumbers};
 use profile::fault::Shape;
 
@@ -29,6 +31,7 @@ pub static AKD: Model = Model {
     connection_lost: Lost::Always,
     fault_buffer: Shape::EIGHT_BY_EIGHT,
     profile: 0x0329,
+    derived: OnceLock::new(),
 };
 
 static TERMINALS: [Terminal; 7] = Terminal::all(&catalogue::AKD);
@@ -58,7 +61,12 @@ mod tests {
 
     #[test]
     fn what_is_live_fits_its_parameter() {
-        for (parameter, live) in AKD.catalogue.parameters.iter().zip(AKD.live_by_position()) {
+        for (parameter, live) in AKD
+            .catalogue
+            .parameters
+            .iter()
+            .zip(AKD.live_by_position().iter().copied())
+        {
             let writable = parameter.access == Access::ReadWrite;
             if is_setpoint(parameter.pnu) && writable {
                 assert!(matches!(live, Live::Setpoint | Live::Through(_)), "{parameter:?}");

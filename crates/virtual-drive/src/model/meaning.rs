@@ -6,14 +6,36 @@ use profile::telegram::{Direction, Signal, signal};
 
 use super::live::{Action, Bit, Live, Place, Quantity, Sensor, Table};
 use super::process::Signals;
-use super::{Model, numbered};
+use super::{Derived, Model, numbered};
+
+/// The lists of numbers (PNU 980 and on), which do not list themselves.
+const LISTS: core::ops::RangeInclusive<u16> = 980..=989;
 
 impl Model {
-    /// What a parameter is beyond its stored number, by position in the catalogue; made once per drive.
-    ///
-    /// A parameter with several parts is what the last of them says that makes more of it than a stored number.
+    /// Returns what a parameter is beyond its stored number, by position in the catalogue.
     #[must_use]
-    pub fn live_by_position(&self) -> Box<[Live]> {
+    pub fn live_by_position(&self) -> &[Live] {
+        &self.derived().live
+    }
+
+    /// Returns every number, ascending, without those of the lists of numbers.
+    pub(crate) fn listed_numbers(&self) -> &[u16] {
+        &self.derived().numbers
+    }
+
+    fn derived(&self) -> &Derived {
+        self.derived.get_or_init(|| Derived {
+            live: self.make_live(),
+            numbers: self
+                .catalogue
+                .numbers()
+                .filter(|pnu| !LISTS.contains(pnu))
+                .collect(),
+        })
+    }
+
+    /// A parameter with several parts is what the last of them says that makes more of it than a stored number.
+    fn make_live(&self) -> Box<[Live]> {
         let tables = self.catalogue;
         let mut table: Box<[Live]> = tables
             .parameters

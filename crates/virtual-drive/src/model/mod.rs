@@ -25,6 +25,8 @@ pub use terminal::{InputFunction, Terminal};
 pub use vacon::VACON;
 pub use vlt::VLT;
 
+use std::sync::OnceLock;
+
 use profile::catalogue::{Catalogue, Parameter, Part, PartNumbers};
 use profile::fault::Shape;
 use profile::telegram::signal;
@@ -81,6 +83,17 @@ pub struct Model {
     pub fault_buffer: Shape,
     /// Value of PNU 965: profile 3, version 41.
     pub profile: u16,
+    /// What follows from the tables, made by the first drive and shared by all: `OnceLock::new()`.
+    pub derived: OnceLock<Derived>,
+}
+
+/// What follows from the tables of a model.
+#[derive(Debug, Clone)]
+pub struct Derived {
+    /// What each parameter is, by position in the catalogue.
+    live: Box<[Live]>,
+    /// Every number, ascending, without those of the lists of numbers.
+    numbers: Box<[u16]>,
 }
 
 /// Returns the index in the catalogue of the parameter with this number of its vendor: a PNU, or an application id of a

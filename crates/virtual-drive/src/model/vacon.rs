@@ -3,6 +3,8 @@
 //! Source of the numbers and their meaning: `data/vacon/`, much of it recalled; of the words: OPTEA manual p. 103-123,
 //! Vacon 100 PROFINET manual p. 25-32. Limits of the supervision are ours.
 
+use std::sync::OnceLock;
+
 use profile::catalogue::{self, Part, PartNumbers};
 use profile::fault::Shape;
 
@@ -37,6 +39,7 @@ pub static VACON: Model = Model {
     connection_lost: Lost::After(&FIELDBUS_FAULT),
     fault_buffer: Shape::EIGHT_SINGLE,
     profile: 0x0329,
+    derived: OnceLock::new(),
 };
 
 /// ID 733, from memory of the application manuals. That a drive without a reaction keeps its last control word is our

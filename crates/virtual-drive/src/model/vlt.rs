@@ -4,6 +4,8 @@
 //! (MG33B), MCA 101 and MCA 120 manuals. The answer to a connect is that of a real drive
 //! (captures of cisagov/icsnpp-profinet-io-cm). Facts without a source are ours and marked so.
 
+use std::sync::OnceLock;
+
 use profile::catalogue::{self, Part, PartNumbers};
 use profile::fault::Shape;
 use profinet::wire::ByteOrder;
@@ -46,6 +48,7 @@ pub static VLT: Model = Model {
     connection_lost: Lost::After(&CONTROL_TIMEOUT),
     fault_buffer: Shape::EIGHT_BY_EIGHT,
     profile: 0x0329,
+    derived: OnceLock::new(),
 };
 
 const PLANT: Plant = Plant {

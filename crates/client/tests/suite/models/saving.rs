@@ -54,6 +54,7 @@ fn vlt_without_request() -> &'static model::Model {
     };
     Box::leak(Box::new(model::Model {
         known: &KNOWN,
+        derived: std::sync::OnceLock::new(),
         ..model::VLT
     }))
 }

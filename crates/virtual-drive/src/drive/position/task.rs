@@ -188,9 +188,21 @@ fn code<T: Copy>(table: &[(u32, T)], code: u32) -> Option<T> {
         .map(|(_, value)| *value)
 }
 
-/// The motion task table.
+/// The motion task table, as far as it was ever filled: most drives have none.
 #[derive(Clone, PartialEq)]
-pub(in crate::drive) struct Tasks(Box<[Task]>);
+pub(in crate::drive) struct Tasks(Vec<Task>);
+
+/// What a place of the table is that was never filled.
+static EMPTY: Task = Task {
+    position: 0,
+    speed: 0.0,
+    acceleration: 0.0,
+    deceleration: 0.0,
+    control: 0,
+    next: 0,
+    dwell: 0,
+    profile: 0,
+};
 
 impl core::fmt::Debug for Tasks {
     /// Returns the tasks that are not empty, by number.
@@ -204,13 +216,13 @@ impl core::fmt::Debug for Tasks {
 
 impl Tasks {
     /// Returns all tasks empty.
-    pub fn new() -> Self {
-        Self(vec![Task::default(); MOST_TASKS].into_boxed_slice())
+    pub const fn new() -> Self {
+        Self(Vec::new())
     }
 
     /// Returns the task with this number, empty or not; none for a number that does not exist.
     pub fn at(&self, number: usize) -> Option<&Task> {
-        self.0.get(number)
+        (number < MOST_TASKS).then(|| self.0.get(number).unwrap_or(&EMPTY))
     }
 
     /// Returns the task with this number.
@@ -224,13 +236,16 @@ impl Tasks {
 
     /// Puts a task into the table; false for a number that does not exist.
     pub fn set(&mut self, number: usize, task: Task) -> bool {
-        match self.0.get_mut(number) {
-            Some(place) => {
-                *place = task;
-                true
-            }
-            None => false,
+        if number >= MOST_TASKS {
+            return false;
         }
+        if number >= self.0.len() {
+            self.0.resize(number + 1, EMPTY);
+        }
+        if let Some(place) = self.0.get_mut(number) {
+            *place = task;
+        }
+        true
     }
 
     /// Empties one task, or all.
@@ -238,7 +253,7 @@ impl Tasks {
         match number {
             Some(number) => self.set(number, Task::default()),
             None => {
-                self.0.fill(Task::default());
+                self.0.clear();
                 true
             }
         }
