@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 use std::time::Duration;
 
-use system_tests::{Lab, Side, built, judge, traffic, undisturbed};
+use system_tests::{Disturbed, Lab, Side, built, judge, traffic, undisturbed};
 
 /// 64 virtual drives on one interface, one controller process, 16 ms, 30 s.
 #[test]
@@ -11,7 +11,7 @@ fn sixty_four_drives_and_one_controller() {
     undisturbed(measure);
 }
 
-fn measure() -> Result<(), String> {
+fn measure() -> Result<(), Disturbed> {
     let lab = Lab::alone("many-drives");
     let arguments = [
         "simulate",
@@ -51,17 +51,18 @@ fn measure() -> Result<(), String> {
     let steps = finished.json_lines();
     let exchanges: Vec<_> = steps.iter().filter(|s| s["step"] == "exchange").collect();
     assert_eq!(exchanges.len(), 64);
+    let mut lost = 0;
     for exchange in &exchanges {
         assert_eq!(
             (&exchange["rejected"], &exchange["disordered"]),
             (&0.into(), &0.into()),
             "{exchange}"
         );
-        // an interval left out by a process that was held up, at either end
-        if exchange["missed"] != 0 || exchange["skipped"] != 0 {
-            return Err(exchange.to_string());
-        }
-        let received = exchange["received"].as_u64().unwrap();
+        // an interval left out by a process that was held up, at either end: the same pause for all drives
+        let count = |field: &str| exchange[field].as_u64().unwrap();
+        let missing = count("missed").max(count("skipped"));
+        lost = lost.max(missing);
+        let received = count("received") + missing;
         assert!((1870..=1880).contains(&received), "{exchange}");
         // operation enabled, 60 rpm within a few counts
         let input = u32::from_str_radix(exchange["input"].as_str().unwrap(), 16).unwrap();
@@ -89,14 +90,17 @@ fn measure() -> Result<(), String> {
     );
     judge::judge(&file)
         .clean()
-        .saw("pn_rt", 64 * 2 * 1870)
+        .saw("pn_rt", 64 * 2 * (1870 - usize::try_from(lost).unwrap()))
         .saw("pn_dcp", 64)
         .saw("pn_io", 64 * 8);
     let streams = traffic::streams(&file, 512);
     assert_eq!(streams.len(), 128);
-    if streams.values().any(|stream| stream.lost != 0) {
-        return Err(format!("{streams:?}"));
-    }
     drives.interrupt(Duration::from_secs(5)).ok();
-    Ok(())
+    if lost == 0 && streams.values().all(|stream| stream.lost == 0) {
+        return Ok(());
+    }
+    Err(Disturbed {
+        what: format!("{lost} cycles, {streams:?}"),
+        lost: Some(Duration::from_millis(16) * u32::try_from(lost.max(1)).unwrap()),
+    })
 }
