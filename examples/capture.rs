@@ -6,10 +6,10 @@ use std::error::Error;
 use std::fs::File;
 use std::io::BufReader;
 
-use client::{DriveAddress, Wait};
 use network::files;
 use network::pcap::{Reader, Writer};
 use profidrive::Way;
+use profidrive::client::{DriveAddress, Wait};
 use profinet::wire::ethernet::Frame;
 
 fn main() -> Result<(), Box<dyn Error>> {

@@ -8,8 +8,8 @@
 use std::error::Error;
 use std::process::ExitCode;
 
-use client::status::diagnose;
 use profidrive::Wait;
+use profidrive::client::status::diagnose;
 
 fn main() -> ExitCode {
     match run() {

@@ -5,10 +5,10 @@
 use std::error::Error;
 use std::time::Duration;
 
-use client::axis::{Move, Purpose};
-use client::{AxisSettings, DriveAddress, Wait};
-use profile::notation::Position;
-use profile::state::Mode;
+use profidrive::client::axis::{Move, Purpose};
+use profidrive::client::{AxisSettings, DriveAddress, Wait};
+use profidrive::profile::notation::Position;
+use profidrive::profile::state::Mode;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let mut network = profidrive::open_plant("examples/plants/one_drive.toml")?;

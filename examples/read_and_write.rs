@@ -4,8 +4,8 @@
 
 use std::error::Error;
 
-use client::{DriveAddress, Wait, WriteMode};
-use profile::value::Assignment;
+use profidrive::client::{DriveAddress, Wait, WriteMode};
+use profidrive::profile::value::Assignment;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let mut network = profidrive::open_plant("examples/plants/one_drive.toml")?;
@@ -36,7 +36,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     set.accepted()?;
     for change in set.changes() {
         let old = change.old.as_ref().and_then(|old| old.as_ref().ok()?.number());
-        println!("DRV.ACC {old:?} -> {:?}: {}", change.new.number(), change.step);
+        let new = change.new.number().unwrap_or(f64::NAN);
+        println!("DRV.ACC {} -> {new}: {}", old.unwrap_or(f64::NAN), change.step);
     }
     network.close().wait()?;
     Ok(())

@@ -7,7 +7,7 @@ use std::error::Error;
 use std::io::Write;
 use std::time::Duration;
 
-use client::{AxisSettings, DriveAddress, Samples, Wait};
+use profidrive::client::{AxisSettings, DriveAddress, Samples, Wait};
 
 /// More than the samples of this run: nothing is dropped.
 const CAPACITY: usize = 10_000;

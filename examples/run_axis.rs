@@ -5,7 +5,7 @@
 use std::error::Error;
 use std::time::Duration;
 
-use client::{AxisSettings, DriveAddress, Wait};
+use profidrive::client::{AxisSettings, DriveAddress, Wait};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let mut network = profidrive::open_plant("examples/plants/one_drive.toml")?;
@@ -21,7 +21,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
     }
     enabled.disable().wait()?;
-    println!("stopped: {:?}", axis.status().map(|status| status.speed_actual));
+    let speed = axis.status().and_then(|status| status.speed_actual);
+    println!("stopped at {:.2} rpm", speed.unwrap_or_default());
     axis.release().wait()?;
     Ok(())
 }

@@ -10,8 +10,8 @@ use std::process::ExitCode;
 use std::thread;
 use std::time::Duration;
 
-use client::axis::Trouble;
-use client::{Axis, AxisSettings, Session, StopHandle};
+use profidrive::client::axis::Trouble;
+use profidrive::client::{Axis, AxisSettings, Session, StopHandle};
 use profidrive::{Access, ForcedExit, Opening, Stop, Wait};
 
 const RPM: f64 = 60.0;

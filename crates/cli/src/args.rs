@@ -66,15 +66,14 @@ impl Cli {
     }
 }
 
-/// Returns the words of the command in a line: `read`, `gsdml show`; empty where there is none.
+/// Returns the words of the command in a line, wrong or not: `read`, `gsdml show`; empty where there is none.
 pub fn named(line: impl IntoIterator<Item = OsString>) -> String {
-    let mut command = Cli::command();
+    let matches = Cli::command().ignore_errors(true).try_get_matches_from(line);
     let mut words = Vec::new();
-    for word in line.into_iter().skip(1) {
-        if let Some(inner) = command.find_subcommand(&word) {
-            words.push(inner.get_name().to_owned());
-            command = inner.clone();
-        }
+    let mut inner = matches.as_ref().ok().and_then(clap::ArgMatches::subcommand);
+    while let Some((name, matches)) = inner {
+        words.push(name);
+        inner = matches.subcommand();
     }
     words.join(" ")
 }
@@ -335,6 +334,19 @@ mod tests {
     #[test]
     fn the_argument_tree_is_consistent() {
         Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn a_line_has_the_name_of_its_command_and_not_of_a_value() {
+        for (line, name) in [
+            ("profidrive -i scan read akd-1 930", "read"),
+            ("profidrive -i stop decode --hex 00", "decode"),
+            ("profidrive read --json", "read"),
+            ("profidrive gsdml show --wrong", "gsdml show"),
+            ("profidrive raed akd-1", ""),
+        ] {
+            assert_eq!(named(line.split(' ').map(OsString::from)), name, "{line}");
+        }
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! Drives on a real network or at a serial line: opened here, then found, read, written and run.
+//! Drives on a real network, on a serial line or in a plant in memory: opened here, then found, read, written and run.
 //!
 //! ```no_run
 //! use profidrive::Wait;
@@ -62,12 +62,16 @@ pub mod settings;
 mod simulate;
 
 pub use carrier::{CarrierError, serial_settings};
+/// The services of a drive, and the types of this library that come from there.
+pub use client;
 pub use client::Wait;
 #[cfg(feature = "gsdml")]
 pub use description::{DescriptionError, describe};
 pub use drive::{DriveError, FindEvent, FindObserver};
 pub use network::system::{ForcedExit, Stop};
 pub use open::{Access, Network, OpenError, Opening, Way, interface, open, open_line};
+/// The drive profile: parameters, values, telegrams, models.
+pub use profile;
 pub use reach::{OtherSubnet, Reach, far, reach};
 #[cfg(feature = "simulate")]
 pub use simulate::{Joined, open_plant, open_scenario};

@@ -11,7 +11,8 @@ const ROUNDING: f64 = 1.001;
 
 /// Above the limit of the caller nothing is sent at all.
 pub(super) fn within(speed: f64, limit: f64, unit: SpeedUnit) -> Result<(), Error> {
-    if speed.is_nan() || speed.abs() > limit {
+    // a limit that is no number is none that anything is within
+    if speed.is_nan() || limit.is_nan() || speed.abs() > limit {
         return Err(Error::SpeedLimit {
             wanted: speed,
             limit,
@@ -50,6 +51,14 @@ pub(super) fn jog(speed: f64, facts: &MotionFacts, drive: &Drive) -> Result<(), 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn nothing_is_within_a_limit_that_is_no_number() {
+        let within = |speed, limit| within(speed, limit, SpeedUnit::Rpm).is_ok();
+        assert!(within(60.0, 60.0) && within(-60.0, 60.0) && within(60.0, f64::INFINITY));
+        assert!(!within(60.1, 60.0) && !within(-60.1, 60.0));
+        assert!(!within(f64::NAN, 60.0) && !within(60.0, f64::NAN) && !within(0.0, f64::NAN));
+    }
 
     #[test]
     fn limits_of_the_drive_are_found() {

@@ -38,7 +38,7 @@
 //! assert_eq!((name.as_str(), value.as_str()), ("DRV.ACC", "3000.000"));
 //!
 //! let cut = NOTES.read(&text.as_bytes()[..40]).unwrap_err();
-//! assert_eq!(cut.to_string(), "line 3: the text ends within this line, its end is missing");
+//! assert_eq!(cut.to_string(), "line 3: the last line has no line break, so its value may be cut; if the file is complete, end the line with one");
 //! # Ok::<(), profidrive_profile::notation::setting::Problem>(())
 //! ```
 
@@ -57,6 +57,8 @@ pub const LONGEST: usize = 4 << 20;
 const MAGIC: &str = "profidrive ";
 /// First word of the last line.
 const CHECKSUM: &str = "checksum ";
+/// What is wrong with a text that may be cut within a value.
+const NO_LINE_BREAK: &str = "the last line has no line break, so its value may be cut; if the file is complete, end the line with one";
 /// Most characters of a text that a message quotes.
 const QUOTED: usize = 60;
 
@@ -213,7 +215,7 @@ impl Form {
         let count = text.lines().count().max(1);
         let whole = text
             .strip_suffix('\n')
-            .ok_or_else(|| Problem::new(count, "the text ends within this line, its end is missing"))?;
+            .ok_or_else(|| Problem::new(count, NO_LINE_BREAK))?;
         let (body, last) = text.split_at(whole.rfind('\n').map_or(0, |at| at + 1));
         let found = last.strip_prefix(CHECKSUM).map(str::trim_end);
         match found.filter(|found| found.len() == 8 && found.bytes().all(|octet| octet.is_ascii_hexdigit())) {

@@ -89,12 +89,12 @@ fn mistakes_are_reported_with_their_lines() {
         (
             OPEN,
             "profidrive backup 1",
-            "line 1: the text ends within this line",
+            "line 1: the last line has no line break",
         ),
         (
             OPEN,
             "profidrive backup 1\na = 24",
-            "line 2: the text ends within this line",
+            "line 2: the last line has no line break",
         ),
         (
             OPEN,
