@@ -235,16 +235,18 @@ impl Engine {
         // taken out: a task waits for the next turn, which needs the lock
         let mut tasks = {
             let mut turns = locked(&self.shared.turns);
-            turns.under_way = turns.tasks.len();
+            // in memory several callers may make turns at once: each counts its own
+            turns.under_way += turns.tasks.len();
             std::mem::take(&mut turns.tasks)
         };
+        let taken = tasks.len();
         let mut context = Context::from_waker(Waker::noop());
         tasks.retain_mut(|task| task.as_mut().poll(&mut context).is_pending());
         let mut turns = locked(&self.shared.turns);
         // what a task has begun meanwhile comes behind
         tasks.append(&mut turns.tasks);
         turns.tasks = tasks;
-        turns.under_way = 0;
+        turns.under_way -= taken;
         let due = turns.due().unwrap_or(now + IDLE).min(now + IDLE);
         self.shared.wakes.store(due.as_nanos(), Ordering::Release);
         due
@@ -451,6 +453,21 @@ mod tests {
         let busy = Arc::new(AtomicBool::new(false));
         let (inside, seen) = (engine.clone(), Arc::clone(&busy));
         engine.spawn(async move { seen.store(inside.is_busy(), Ordering::Relaxed) });
+        engine.begin_turn(Instant::ZERO);
+        assert!(busy.load(Ordering::Relaxed));
+        assert!(!engine.is_busy());
+    }
+
+    /// In memory another caller may make a turn meanwhile.
+    #[test]
+    fn a_turn_of_another_caller_does_not_end_the_turn_of_a_task() {
+        let engine = engine();
+        let busy = Arc::new(AtomicBool::new(false));
+        let (inside, seen) = (engine.clone(), Arc::clone(&busy));
+        engine.spawn(async move {
+            inside.begin_turn(Instant::ZERO);
+            seen.store(inside.is_busy(), Ordering::Relaxed);
+        });
         engine.begin_turn(Instant::ZERO);
         assert!(busy.load(Ordering::Relaxed));
         assert!(!engine.is_busy());

@@ -427,7 +427,13 @@ fn an_owner_starts_nothing_once_the_network_is_left() {
             break error;
         }
     };
-    assert!(matches!(error, Error::Closed), "{error}");
+    // virtual time goes on while this thread gets no processor: then its deadline ends the axis first
+    let ended = match &error {
+        Error::Closed => true,
+        Error::Axis { trouble, .. } => *trouble == Trouble::Unattended,
+        _ => false,
+    };
+    assert!(ended, "{error}");
     leaving.join().expect("left");
     assert!(!enabled(&world, ids[2]) && !exchanging(&world, ids[2]));
 }
