@@ -88,6 +88,7 @@ fn a_killed_device_is_noticed_and_found_again() {
         "cycle_us=8000",
         "seconds=3",
         "reconnect=1",
+        "hold=12",
     ];
     let mut controller = lab.spawn(Side::Controller, built("test-controller"), arguments);
     controller.wait_for("running", Duration::from_secs(20));
@@ -99,7 +100,7 @@ fn a_killed_device_is_noticed_and_found_again() {
     let steps = controller.finish(Duration::from_secs(60)).ok().json_lines();
     let file = capture.stop();
     let cause = step(&steps, "lost")["cause"].as_str().unwrap();
-    assert!(cause.contains("no cyclic data for 24 ms"), "{cause}");
+    assert!(cause.contains("no cyclic data for 96 ms"), "{cause}");
     assert_eq!(
         steps.iter().filter(|s| s["step"] == "running").count(),
         2,
