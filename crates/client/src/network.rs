@@ -78,6 +78,14 @@ impl Network {
         self
     }
 
+    /// Returns the same with drives that exist in the memory of this program only: what a motion changes for its time need
+    /// not be noted for the next program.
+    #[must_use]
+    pub fn simulated(self) -> Self {
+        self.session.engine().set_simulated();
+        self
+    }
+
     /// Returns the same on a medium on which drives cannot call their controller, as another program has UDP port
     /// 34964: no connection as IO controller can be made.
     #[must_use]

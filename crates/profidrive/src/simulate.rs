@@ -87,6 +87,7 @@ pub(crate) fn join(scenario: &Scenario, stop: Option<Stop>) -> Result<Network, O
     let ip = scenario.client_address()?;
     let config = ControllerConfig::new(MAC, ip, "profidrive", scenario.seed);
     let (network, world) = client::Network::on(plant::World::new(scenario)?, config);
+    let network = network.simulated();
     let way = Way::Plant(Joined { world, ip });
     Ok(Network { network, way }.stopped_by(stop))
 }
@@ -131,9 +132,9 @@ mod tests {
         scenario.seed = seed;
         let mut network = open_scenario(scenario).unwrap();
         let plant = joined(&network);
-        let (tell, told) = std::sync::mpsc::channel();
+        let (sender, entries) = std::sync::mpsc::channel();
         plant.world().observe(move |entry| {
-            let _ = tell.send(entry.to_string());
+            let _ = sender.send(entry.to_string());
         });
         let mut drive = network.find(&"akd-1".parse().unwrap()).wait().unwrap();
         let mut axis = network
@@ -152,7 +153,7 @@ mod tests {
         assert_eq!(plant.world().drive(0).unwrap().drive().fault_number(0), 439);
         let hash = plant.world().trace_hash();
         drop(network);
-        (told.try_iter().collect(), hash)
+        (entries.try_iter().collect(), hash)
     }
 
     #[test]

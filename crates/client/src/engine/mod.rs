@@ -59,6 +59,8 @@ struct Shared {
     discovery: AtomicBool,
     /// Drives can call their controller here.
     calls: AtomicBool,
+    /// The drives end with this program.
+    simulated: AtomicBool,
     /// Every axis is to be brought to rest.
     closing: RwLock<bool>,
 }
@@ -115,6 +117,7 @@ impl Engine {
                 touched: AtomicBool::new(false),
                 discovery: AtomicBool::new(true),
                 calls: AtomicBool::new(true),
+                simulated: AtomicBool::new(false),
                 closing: RwLock::new(false),
             }),
         }
@@ -169,6 +172,16 @@ impl Engine {
 
     pub(crate) fn set_hears_calls(&self, hears: bool) {
         self.shared.calls.store(hears, Ordering::Relaxed);
+    }
+
+    /// Returns whether the drives exist in the memory of this program only, and end with it.
+    #[must_use]
+    pub fn is_simulated(&self) -> bool {
+        self.shared.simulated.load(Ordering::Relaxed)
+    }
+
+    pub(crate) fn set_simulated(&self) {
+        self.shared.simulated.store(true, Ordering::Relaxed);
     }
 
     /// Returns true once every axis is to be brought to rest.

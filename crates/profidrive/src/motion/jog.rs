@@ -172,7 +172,7 @@ pub async fn plan_jog(
     let (_, telegrams) = checked_axis(session, drive, &settings, None, observer).await?;
     let setting = session.jog_speed(drive, wanted.setpoint).await?;
     let before = session.read_one(drive, &setting.selection).await?;
-    let left = Note::of(drive, setting.number).read();
+    let left = Note::of(session, drive, setting.number).read();
     if let Ok(Some(left)) = left
         && before.raw() == Some(left.set)
     {
@@ -291,7 +291,7 @@ async fn prepared(
     let (selection, number) = (setting.selection, setting.number);
     let parameter = selection.label();
     let mut speed = session.read_one(drive, &selection).await?;
-    let note = Note::of(drive, number);
+    let note = Note::of(session, drive, number);
     let noted = note.read();
     if let Ok(Some(left)) = &noted
         && speed.raw() == Some(left.set)

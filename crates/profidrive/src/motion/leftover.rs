@@ -55,15 +55,17 @@ fn briefly(parameters: &Parameters, selection: &Selection, reading: &Reading) ->
     rounded.or_else(|| format!("{number}{unit}").parse().ok())
 }
 
-/// Where a note of one drive and one number is; nothing is noted where there is no folder for it.
+/// Where a note of one drive and one number is; nothing is noted where there is no folder for it, and none is needed of a
+/// drive that ends with this program.
 #[derive(Debug, Clone)]
 pub(super) struct Note {
     pnu: u16,
     file: Option<StateFile>,
+    needed: bool,
 }
 
 impl Note {
-    pub(super) fn of(drive: &Drive, pnu: u16) -> Self {
+    pub(super) fn of(session: &Session, drive: &Drive, pnu: u16) -> Self {
         let name = format!("{}-{}-{pnu}", drive.station.mac, drive.label());
         let plain = |c: char| {
             if c.is_ascii_alphanumeric() || matches!(c, '-' | '.') {
@@ -73,9 +75,12 @@ impl Note {
             }
         };
         let name: String = name.chars().map(plain).take(200).collect();
+        let needed = !session.engine().is_simulated();
+        let folder = folder().filter(|_| needed);
         Self {
             pnu,
-            file: folder().map(|folder| StateFile::new(folder.join(name))),
+            file: folder.map(|folder| StateFile::new(folder.join(name))),
+            needed,
         }
     }
 
@@ -97,6 +102,9 @@ impl Note {
 
     /// Notes how far a change is; why it could not be noted.
     pub(super) fn write(&self, set: &ChangeSet) -> Result<(), String> {
+        if !self.needed {
+            return Ok(());
+        }
         let file = self.file.as_ref().ok_or("there is no home folder")?;
         file.replace(set.journal().as_bytes())
             .map_err(|error| error.to_string())
@@ -122,7 +130,7 @@ pub async fn leftovers(session: &mut Session, drive: &mut Drive) -> Result<Vec<L
     let mut numbers: Vec<u16> = settings.map(|one| one.base.unwrap_or(one.pnu)).collect();
     numbers.dedup();
     for pnu in numbers {
-        let note = Note::of(drive, pnu);
+        let note = Note::of(session, drive, pnu);
         let Ok(Some(leftover)) = note.read() else { continue };
         let selection = drive.parameters.select(&ParameterReference::number(pnu))?;
         match session.read_one(drive, &selection).await {
@@ -176,6 +184,7 @@ mod tests {
         let note = Note {
             pnu: 1004,
             file: Some(StateFile::new(folder.join("note"))),
+            needed: true,
         };
         assert_eq!(note.read(), Ok(None));
         let file = note.file.as_ref().unwrap();
@@ -193,5 +202,30 @@ mod tests {
             assert_eq!(file.read().unwrap().unwrap(), text.as_bytes());
         }
         std::fs::remove_dir_all(folder).unwrap();
+    }
+
+    /// The next run of the plant would read it, and be another run.
+    #[cfg(feature = "simulate")]
+    #[test]
+    fn a_plant_in_memory_has_no_note_and_needs_none() {
+        use client::Wait;
+
+        let plant = "[[drive]]\nname = \"akd-1\"\nip = \"10.0.0.1/24\"";
+        let mut network = crate::open_scenario(plant.parse().unwrap()).unwrap();
+        let mut drive = network.find(&"akd-1".parse().unwrap()).wait().unwrap();
+        assert!(Note::of(&network, &drive, 1004).file.is_none());
+        let wanted = crate::motion::Jog {
+            speed: Some(90.0),
+            ..crate::motion::Jog::lasting(std::time::Duration::from_secs(1))
+        };
+        let observer = crate::motion::Observer::new(|event| {
+            assert!(
+                !matches!(event, crate::motion::Event::NotNoted { .. }),
+                "{event:?}"
+            );
+        });
+        crate::motion::jog(&mut network, &mut drive, &wanted, &observer)
+            .wait()
+            .unwrap();
     }
 }
