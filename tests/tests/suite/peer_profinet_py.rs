@@ -179,7 +179,7 @@ fn the_script_works_with_another_device() {
 fn lost_nothing(exchange: &serde_json::Value, seconds: f64, cycle_ms: f64, taken: Duration) {
     let missed = exchange["missed"].as_f64().unwrap();
     assert!(
-        missed * cycle_ms <= taken.as_secs_f64() * 1000.0,
+        missed * cycle_ms <= 1000.0 * taken.as_secs_f64().min(seconds / 40.0),
         "missed, and the host took {taken:?}: {exchange}"
     );
     for counter in ["invalid", "duplicate", "disordered", "timeouts"] {

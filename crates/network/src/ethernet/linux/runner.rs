@@ -288,7 +288,7 @@ impl Runner {
         }
     }
 
-    /// Sleeps until the next batch of a fleet is due. A stop or a bell waits as long, which nobody notices.
+    /// Sleeps until the next batch of a fleet is due. A stop or a bell waits as long: at most 125 us.
     fn rest(&mut self, until: Instant) {
         if self.stations.len() < FLEET {
             return;
