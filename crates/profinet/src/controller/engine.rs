@@ -49,7 +49,17 @@ impl Controller {
             }
         }
         self.settle(index);
+        self.note_start_up(now, index);
         result
+    }
+
+    /// Lets another connection begin when the start-up of this one is over.
+    fn note_start_up(&mut self, now: Instant, index: usize) {
+        let Some(ar) = self.ars.get(index) else { return };
+        let over = !ar.phase.is_starting() || ar.is_held();
+        if over && self.starting.remove(&ar.id.slot) {
+            self.start_waiting(now);
+        }
     }
 
     /// Notes a connection's deadline, and that it may have something to send.

@@ -31,7 +31,7 @@ pub use phase::Phase;
 pub use record::MAX_RECORD;
 
 use alloc::boxed::Box;
-use alloc::collections::{BTreeMap, VecDeque};
+use alloc::collections::{BTreeMap, BTreeSet, VecDeque};
 use alloc::vec::Vec;
 
 use ar::{Ar, Owner, Purpose};
@@ -78,6 +78,10 @@ pub struct Controller {
     ars: Vec<Ar>,
     /// When something is due per place of `ars`.
     due: Deadlines,
+    /// Connections whose start-up is under way, by their places.
+    starting: BTreeSet<u16>,
+    /// Those that wait until another start-up is over.
+    waiting: VecDeque<ArId>,
     /// Places that are due in this turn; kept for its memory.
     ready: Vec<usize>,
     /// Places of `ars` that may have a frame to send.
@@ -87,6 +91,10 @@ pub struct Controller {
     session: u16,
     next_call: u32,
 }
+
+/// Start-ups at once: each takes some ten datagrams, and a device that waits too long for the next one, or for cyclic data
+/// from a controller that is busy with all the others, gives up.
+const MAX_STARTING: usize = 64;
 
 /// Activities of devices that are remembered: each device calls with one of its own when it becomes ready, and may start again.
 const fn activities(connections: usize) -> usize {
@@ -122,6 +130,8 @@ impl Controller {
             owners: BTreeMap::new(),
             ars: Vec::new(),
             due: Deadlines::default(),
+            starting: BTreeSet::new(),
+            waiting: VecDeque::new(),
             ready: Vec::new(),
             senders: VecDeque::new(),
             events: VecDeque::new(),
@@ -253,8 +263,22 @@ impl Controller {
                 self.server.set_activities(activities(self.ars.len()));
             }
         }
-        self.with(now, index, Ar::start);
+        self.waiting.push_back(id);
+        self.start_waiting(now);
         Ok(id)
+    }
+
+    /// Lets connections begin their start-up, as many as there may be at once.
+    fn start_waiting(&mut self, now: Instant) {
+        while self.starting.len() < MAX_STARTING {
+            let Some(id) = self.waiting.pop_front() else {
+                return;
+            };
+            // released meanwhile, or its place is taken again
+            if self.phase(id) == Some(Phase::Resolve) && self.starting.insert(id.slot) {
+                self.with(now, usize::from(id.slot), Ar::start);
+            }
+        }
     }
 
     /// Returns a free place: that of the connection closed longest ago is as good as a new one.

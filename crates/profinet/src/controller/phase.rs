@@ -92,6 +92,14 @@ impl Phase {
         )
     }
 
+    /// The start-up is under way.
+    pub(super) const fn is_starting(self) -> bool {
+        matches!(
+            self,
+            Self::Resolve | Self::SetIp | Self::Connect | Self::Parameterize | Self::AwaitReady
+        )
+    }
+
     /// Cyclic frames are sent and taken.
     #[must_use]
     pub const fn is_cyclic(self) -> bool {

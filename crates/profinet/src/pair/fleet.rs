@@ -10,7 +10,8 @@ use super::station::{PLC, Station, config, ip, target};
 use crate::controller::{ConnectConfig, Controller, ControllerConfig, Event, Phase, Resolve};
 use crate::{Endpoint, Instant, IpSuite, MAX_FRAME, MacAddress, Transmit};
 
-const COUNT: u8 = 64;
+/// More than start up at once.
+const COUNT: u8 = 100;
 
 fn mac(number: u8) -> MacAddress {
     MacAddress([2, 0x50, 0x4e, 0, 1, number])
@@ -96,7 +97,7 @@ fn give(to: &mut dyn Endpoint, now: Instant, from: IpSuite, transmit: Transmit, 
 }
 
 #[test]
-fn sixty_four_drives_half_of_them_unaddressed() {
+fn more_drives_than_start_up_at_once_half_of_them_unaddressed() {
     let stations = (0..COUNT).map(|n| {
         let suite = if n % 2 == 0 { ip(100 + n) } else { IpSuite::NONE };
         Station::with_mac(mac(n), &format!("drive-{n}"), suite)
@@ -118,7 +119,7 @@ fn sixty_four_drives_half_of_them_unaddressed() {
         };
         ars.push(fleet.controller.connect(fleet.now, to, config).unwrap());
     }
-    let events = fleet.run(Duration::from_secs(2));
+    let events = fleet.run(Duration::from_secs(5));
     let running = events
         .iter()
         .filter(|e| matches!(e, Event::Running { .. }))
