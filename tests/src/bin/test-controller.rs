@@ -3,14 +3,18 @@
 //!
 //! `test-controller INTERFACE pnio|akd NAME[,NAME...] [key=value ...]` with `cycle_us`, `seconds`, `hold` (intervals),
 //! `records` (reads of I&M0 for each device), `reconnect` (1: after a loss wait for the device and connect again, once),
-//! `hammer` (1: look for the device every 2 ms instead of once), `speed` (akd: runs at this NSOLL).
+//! `hammer` (1: look for the device every 2 ms instead of once), `speed` (akd: runs at this NSOLL), `ip` (`ADDRESS/LENGTH`: an
+//! Ethernet and an IP address of its own beside those of the interface. The kernel remembers 1,024 neighbours in all, which a
+//! controller of a large plant exceeds).
 #![forbid(unsafe_code)]
 
 use std::collections::{BTreeSet, HashMap};
+use std::net::Ipv4Addr;
 use std::process::ExitCode;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
-use network::ethernet::PacketMedium;
+use network::ethernet::{PacketMedium, Runner};
+use network::host::{Host, StationId};
 use network::system::{InterfaceInfo, ServerPort};
 use profile::catalogue::AKD;
 use profinet::controller::{
@@ -18,7 +22,7 @@ use profinet::controller::{
     RecordAddress, Resolve, SubmoduleConfig, Target,
 };
 use profinet::cyclic::{CyclicStatistics, Timing};
-use profinet::{Instant, IpSuite, Medium};
+use profinet::{Instant, IpSuite, MacAddress, Medium};
 use serde_json::json;
 
 /// What is at the other end.
@@ -34,11 +38,7 @@ fn main() -> ExitCode {
         eprintln!("usage: test-controller INTERFACE pnio|akd NAME[,NAME...] [key=value ...]");
         return ExitCode::from(2);
     };
-    let options: HashMap<&str, u64> = options
-        .iter()
-        .filter_map(|o| o.split_once('='))
-        .map(|(k, v)| (k, v.parse().unwrap()))
-        .collect();
+    let options: HashMap<&str, &str> = options.iter().filter_map(|o| o.split_once('=')).collect();
     let kind = if kind == "pnio" { Kind::Pnio } else { Kind::Akd };
     let names: Vec<&str> = names.split(',').collect();
     match App::open(interface, kind, names.len(), options).and_then(|mut app| app.run(&names)) {
@@ -50,13 +50,71 @@ fn main() -> ExitCode {
     }
 }
 
+/// Calls under way at once.
+const CALLS: usize = 256;
+
 type Outcome<T> = Result<T, Box<dyn std::error::Error>>;
 
+/// The controller and what carries its frames.
+enum Carrier {
+    /// With the addresses of the interface and the kernel's UDP.
+    Kernel(Box<PacketMedium>, Box<Controller>),
+    /// With addresses and a UDP of its own.
+    Own(Box<Runner>, StationId),
+}
+
+impl Carrier {
+    fn open(interface: &str, devices: usize, own: Option<&str>) -> Outcome<Self> {
+        let seed = SystemTime::now().duration_since(UNIX_EPOCH)?.as_nanos() as u64;
+        let config = |mac, ip| ControllerConfig::new(mac, ip, "test-controller", seed);
+        let Some(own) = own else {
+            let info = InterfaceInfo::find(interface)?;
+            let medium = PacketMedium::open_for(interface, ServerPort::Required, devices)?;
+            let controller = Controller::new(config(info.usable()?, info.ip()));
+            return Ok(Self::Kernel(Box::new(medium), Box::new(controller)));
+        };
+        let (address, length) = own.split_once('/').ok_or("ip=ADDRESS/LENGTH")?;
+        let address: Ipv4Addr = address.parse()?;
+        let mask = u32::MAX.checked_shl(32 - length.parse::<u32>()?);
+        let ip = IpSuite {
+            address,
+            mask: mask.unwrap_or(0).into(),
+            gateway: Ipv4Addr::UNSPECIFIED,
+        };
+        let [_, _, c, d] = address.octets();
+        let controller = Controller::new(config(MacAddress([2, 0x50, 0x4e, 0xFF, c, d]), ip));
+        let mut runner = Runner::open_for(interface, devices)?;
+        let station = runner.attach(Box::new(Host::new(controller).with_neighbours(devices + 16)))?;
+        Ok(Self::Own(Box::new(runner), station))
+    }
+
+    fn now(&self) -> Instant {
+        network::system::now()
+    }
+
+    fn controller(&mut self) -> &mut Controller {
+        match self {
+            Self::Kernel(_, controller) => controller,
+            Self::Own(runner, station) => runner
+                .station_mut::<Host<Controller>>(*station)
+                .unwrap()
+                .endpoint_mut(),
+        }
+    }
+
+    fn step(&mut self, until: Instant) -> Outcome<()> {
+        match self {
+            Self::Kernel(medium, controller) => medium.step(controller.as_mut(), until)?,
+            Self::Own(runner, _) => _ = runner.step(until)?,
+        }
+        Ok(())
+    }
+}
+
 struct App<'a> {
-    medium: PacketMedium,
-    controller: Controller,
+    carrier: Carrier,
     kind: Kind,
-    options: HashMap<&'a str, u64>,
+    options: HashMap<&'a str, &'a str>,
     names: HashMap<ArId, String>,
     running: BTreeSet<ArId>,
     ready: BTreeSet<ArId>,
@@ -70,14 +128,14 @@ struct App<'a> {
 }
 
 impl<'a> App<'a> {
-    fn open(interface: &str, kind: Kind, devices: usize, options: HashMap<&'a str, u64>) -> Outcome<Self> {
-        let info = InterfaceInfo::find(interface)?;
-        let medium = PacketMedium::open_for(interface, ServerPort::Required, devices)?;
-        let seed = SystemTime::now().duration_since(UNIX_EPOCH)?.as_nanos() as u64;
-        let config = ControllerConfig::new(info.usable()?, info.ip(), "test-controller", seed);
+    fn open(
+        interface: &str,
+        kind: Kind,
+        devices: usize,
+        options: HashMap<&'a str, &'a str>,
+    ) -> Outcome<Self> {
         Ok(Self {
-            medium,
-            controller: Controller::new(config),
+            carrier: Carrier::open(interface, devices, options.get("ip").copied())?,
             kind,
             options,
             names: HashMap::new(),
@@ -94,7 +152,9 @@ impl<'a> App<'a> {
     }
 
     fn option(&self, name: &str, default: u64) -> u64 {
-        self.options.get(name).copied().unwrap_or(default)
+        self.options
+            .get(name)
+            .map_or(default, |value| value.parse().unwrap())
     }
 
     fn run(&mut self, names: &[&str]) -> Outcome<()> {
@@ -138,8 +198,8 @@ impl<'a> App<'a> {
             if self.option("hammer", 0) == 1 {
                 config.resolve = Resolve::Trust;
             }
-            let now = self.medium.now();
-            let ar = self.controller.connect(now, target, config)?;
+            let now = self.carrier.now();
+            let ar = self.carrier.controller().connect(now, target, config)?;
             self.names.insert(ar, (*name).into());
             ars.push(ar);
         }
@@ -159,14 +219,14 @@ impl<'a> App<'a> {
 
     /// After a loss: the device comes back some time.
     fn connect_again(&mut self, names: &[&str]) -> Outcome<Vec<ArId>> {
-        let until = self.medium.now() + Duration::from_secs(20);
+        let until = self.carrier.now() + Duration::from_secs(20);
         loop {
             self.lost.clear();
             self.running.clear();
             self.ready.clear();
             match self.connect_all(names) {
                 Ok(ars) => return Ok(ars),
-                Err(error) if self.medium.now() > until => return Err(error),
+                Err(error) if self.carrier.now() > until => return Err(error),
                 Err(_) => {}
             }
         }
@@ -174,22 +234,25 @@ impl<'a> App<'a> {
 
     /// Looks for a device again and again, as soon as it answers it is known.
     fn hammer(&mut self, name: &str) -> Outcome<profinet::controller::Station> {
-        let until = self.medium.now() + Duration::from_secs(20);
-        while self.medium.now() < until {
+        let until = self.carrier.now() + Duration::from_secs(20);
+        while self.carrier.now() < until {
             self.identify_done = false;
             let options = IdentifyOptions {
                 delay_factor: 1,
                 margin: Duration::ZERO,
                 sends: 1,
             };
-            let now = self.medium.now();
-            let id = self.controller.identify_with(now, Filter::name(name), options)?;
+            let now = self.carrier.now();
+            let id = self
+                .carrier
+                .controller()
+                .identify_with(now, Filter::name(name), options)?;
             let short = now + Duration::from_millis(2);
-            while self.medium.now() < short && self.heard.is_empty() {
-                self.medium.step(&mut self.controller, short)?;
+            while self.carrier.now() < short && self.heard.is_empty() {
+                self.carrier.step(short)?;
                 self.drain();
             }
-            self.controller.cancel_dcp(id);
+            self.carrier.controller().cancel_dcp(id);
             if let Some(station) = self.heard.pop() {
                 return Ok(station);
             }
@@ -209,10 +272,14 @@ impl<'a> App<'a> {
     fn outputs(&mut self, ar: ArId) {
         let done = match self.kind {
             Kind::Pnio => self
-                .controller
+                .carrier
+                .controller()
                 .set_output(ar, 3, 1, &PATTERN)
-                .and(self.controller.set_output(ar, 4, 1, &[0; 4])),
-            Kind::Akd => self.controller.set_output(ar, 1, 1, &[0x04, 0x7E, 0, 0]),
+                .and(self.carrier.controller().set_output(ar, 4, 1, &[0; 4])),
+            Kind::Akd => self
+                .carrier
+                .controller()
+                .set_output(ar, 1, 1, &[0x04, 0x7E, 0, 0]),
         };
         done.unwrap();
     }
@@ -220,16 +287,16 @@ impl<'a> App<'a> {
     /// Exchanges data for the time requested. False when a connection was lost and that is allowed.
     fn exchange(&mut self, ars: &[ArId], may_lose: bool) -> Outcome<bool> {
         // the frames of the start-up do not count
-        let start = self.medium.now() + Duration::from_millis(500);
+        let start = self.carrier.now() + Duration::from_millis(500);
         self.pass(start)?;
         let before: Vec<CyclicStatistics> = ars
             .iter()
-            .map(|ar| self.controller.statistics(*ar))
+            .map(|ar| self.carrier.controller().statistics(*ar))
             .map(Option::unwrap_or_default)
             .collect();
         let sent: Vec<(u64, u64)> = ars
             .iter()
-            .map(|ar| self.controller.sent(*ar).unwrap_or_default())
+            .map(|ar| self.carrier.controller().sent(*ar).unwrap_or_default())
             .collect();
         let seconds = self.option("seconds", 20);
         let until = start + Duration::from_secs(seconds);
@@ -247,10 +314,11 @@ impl<'a> App<'a> {
             };
         }
         for ((ar, before), sent) in ars.iter().zip(before).zip(sent) {
-            let after = self.controller.statistics(*ar).unwrap_or_default();
-            let sent_after = self.controller.sent(*ar).unwrap_or_default();
+            let after = self.carrier.controller().statistics(*ar).unwrap_or_default();
+            let sent_after = self.carrier.controller().sent(*ar).unwrap_or_default();
             let input = self
-                .controller
+                .carrier
+                .controller()
                 .input(*ar, 1, 1)
                 .map(|(data, iops)| (data.to_vec(), iops.is_good()));
             let (input, good) = input.unwrap_or_default();
@@ -262,9 +330,10 @@ impl<'a> App<'a> {
                 "mirrored": input == PATTERN,
             }));
         }
-        let reads = self.option("records", 1);
-        for _ in 0..reads {
-            self.read_identification(ars)?;
+        for _ in 0..self.option("records", 1) {
+            for some in ars.chunks(CALLS) {
+                self.read_identification(some)?;
+            }
         }
         Ok(true)
     }
@@ -278,10 +347,14 @@ impl<'a> App<'a> {
             ([0x04, 0x7F], [high, low]),
         ] {
             for ar in ars {
-                self.controller
-                    .set_output(*ar, 1, 1, &[word[0], word[1], setpoint[0], setpoint[1]])?;
+                self.carrier.controller().set_output(
+                    *ar,
+                    1,
+                    1,
+                    &[word[0], word[1], setpoint[0], setpoint[1]],
+                )?;
             }
-            let soon = self.medium.now() + Duration::from_millis(200);
+            let soon = self.carrier.now() + Duration::from_millis(200);
             self.pass(soon)?;
         }
         Ok(())
@@ -297,8 +370,9 @@ impl<'a> App<'a> {
                 subslot: 1,
                 index: 0xAFF0,
             };
-            let now = self.medium.now();
-            self.calls.push(self.controller.read(now, *ar, at, 4096)?);
+            let now = self.carrier.now();
+            self.calls
+                .push(self.carrier.controller().read(now, *ar, at, 4096)?);
         }
         let count = ars.len();
         self.until("records read", Duration::from_secs(10), |app| {
@@ -315,41 +389,44 @@ impl<'a> App<'a> {
 
     fn release_all(&mut self, ars: &[ArId]) -> Outcome<()> {
         self.released = 0;
-        for ar in ars {
-            let now = self.medium.now();
-            self.controller.release(now, *ar)?;
+        let mut count = 0;
+        for some in ars.chunks(CALLS) {
+            for ar in some {
+                let now = self.carrier.now();
+                self.carrier.controller().release(now, *ar)?;
+            }
+            count += some.len();
+            self.until("all released", Duration::from_secs(10), |app| {
+                app.released == count
+            })?;
         }
-        let count = ars.len();
-        self.until("all released", Duration::from_secs(10), |app| {
-            app.released == count
-        })?;
         say(json!({"step": "released", "devices": count}));
         Ok(())
     }
 
     /// Lets time pass; ends early when a connection is lost.
     fn pass(&mut self, until: Instant) -> Outcome<()> {
-        while self.medium.now() < until && self.lost.is_empty() {
-            self.medium.step(&mut self.controller, until)?;
+        while self.carrier.now() < until && self.lost.is_empty() {
+            self.carrier.step(until)?;
             self.drain();
         }
         Ok(())
     }
 
     fn until(&mut self, what: &str, limit: Duration, mut done: impl FnMut(&Self) -> bool) -> Outcome<()> {
-        let until = self.medium.now() + limit;
+        let until = self.carrier.now() + limit;
         while !done(self) {
-            if self.medium.now() >= until {
+            if self.carrier.now() >= until {
                 return Err(format!("not within {limit:?}: {what}").into());
             }
-            self.medium.step(&mut self.controller, until)?;
+            self.carrier.step(until)?;
             self.drain();
         }
         Ok(())
     }
 
     fn drain(&mut self) {
-        while let Some(event) = self.controller.poll_event() {
+        while let Some(event) = self.carrier.controller().poll_event() {
             match event {
                 Event::Identified { station, .. } => self.heard.push(station),
                 Event::IdentifyDone { .. } => self.identify_done = true,

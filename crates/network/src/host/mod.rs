@@ -106,6 +106,14 @@ impl<E: Endpoint> Host<E> {
         Self { endpoint, stack }
     }
 
+    /// Returns the same with room for so many neighbours, as a controller of a large plant needs it: see
+    /// [`Stack::set_neighbours`].
+    #[must_use]
+    pub fn with_neighbours(mut self, most: usize) -> Self {
+        self.stack.set_neighbours(most);
+        self
+    }
+
     /// Returns the engine inside.
     #[must_use]
     pub fn endpoint(&self) -> &E {

@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use profinet::{Instant, MacAddress};
 
-/// Most neighbours remembered; the one unused for longest makes room.
+/// Most neighbours remembered unless more are wanted; the one unused for longest makes room.
 pub(super) const MAX_NEIGHBOURS: usize = 512;
 /// Most frames waiting for one neighbour; the oldest makes room.
 pub(super) const MAX_WAITING_EACH: usize = 4;
@@ -57,15 +57,33 @@ pub(super) enum Due {
 }
 
 /// The ARP cache and the frames that wait for an answer.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(super) struct Neighbours {
     entries: BTreeMap<Ipv4Addr, Neighbour>,
+    /// Most entries.
+    limit: usize,
     waiting: usize,
     /// The earliest `due` of all entries.
     next_due: Option<Instant>,
 }
 
+impl Default for Neighbours {
+    fn default() -> Self {
+        Self {
+            entries: BTreeMap::new(),
+            limit: MAX_NEIGHBOURS,
+            waiting: 0,
+            next_due: None,
+        }
+    }
+}
+
 impl Neighbours {
+    /// Remembers at most so many, at least [`MAX_NEIGHBOURS`].
+    pub(super) fn set_limit(&mut self, limit: usize) {
+        self.limit = limit.max(MAX_NEIGHBOURS);
+    }
+
     /// Forgets everything; returns how many waiting frames are lost.
     pub(super) fn clear(&mut self) -> usize {
         self.entries.clear();
@@ -213,7 +231,7 @@ impl Neighbours {
     }
 
     fn make_room(&mut self) {
-        if self.entries.len() < MAX_NEIGHBOURS {
+        if self.entries.len() < self.limit {
             return;
         }
         let oldest = self
@@ -316,5 +334,21 @@ mod tests {
         );
         let held: usize = table.entries.values().map(|entry| entry.waiting.len()).sum();
         assert_eq!(held, table.waiting);
+    }
+
+    #[test]
+    fn a_controller_of_a_large_plant_remembers_all_of_it() {
+        let mut table = Neighbours::default();
+        table.set_limit(2_000);
+        let ip = |n: u32| Ipv4Addr::from(0x0A00_0000 + n);
+        for n in 0..2_100 {
+            table.learn(at(u64::from(n)), ip(n), MAC, true);
+        }
+        assert_eq!(table.entries.len(), 2_000);
+        assert_eq!(
+            table.resolve(at(2_100), ip(2_099)),
+            Resolution::Known(MAC),
+            "the last is remembered"
+        );
     }
 }

@@ -85,6 +85,12 @@ impl Stack {
         }
     }
 
+    /// Remembers the Ethernet addresses of so many neighbours, at least 512. A station that works with more of them at
+    /// once would request addresses again and again.
+    pub fn set_neighbours(&mut self, most: usize) {
+        self.neighbours.set_limit(most);
+    }
+
     /// Own Ethernet address.
     #[must_use]
     pub fn mac(&self) -> MacAddress {

@@ -61,6 +61,8 @@ pub struct Runner {
     stop: Option<Stop>,
     bell: Option<Bell>,
     sharpened: bool,
+    /// Frames arrive from or for so many stations that they are handled in batches.
+    batches: bool,
     /// Not before this time is there another batch.
     next_batch: Instant,
     /// False from the moment the interface failed until it was opened again.
@@ -86,8 +88,8 @@ impl Runner {
         Self::open_for(interface, 1)
     }
 
-    /// Opens an interface for so many stations: the receive ring has room for what arrives for them while this process
-    /// does not run. Any number can be attached.
+    /// Opens an interface for so many stations, or for a controller of so many: the receive ring has room for what arrives
+    /// while this process does not run, and from 32 on frames are handled in batches. Any number can be attached.
     ///
     /// # Errors
     /// As [`open`](Self::open).
@@ -112,6 +114,7 @@ impl Runner {
             stop: None,
             bell: None,
             sharpened: false,
+            batches: stations >= FLEET,
             next_batch: Instant::ZERO,
             online: true,
             failure: None,
@@ -162,6 +165,7 @@ impl Runner {
         let index = self.deadlines.push();
         self.by_mac.insert(mac, index);
         self.stations.push(Some(station));
+        self.batches |= self.stations.len() >= FLEET;
         self.touched_in.push(0);
         self.dirty.push(index);
         Ok(StationId(index))
@@ -290,7 +294,7 @@ impl Runner {
 
     /// Sleeps until the next batch of a fleet is due. A stop or a bell waits as long: at most 125 us.
     fn rest(&mut self, until: Instant) {
-        if self.stations.len() < FLEET {
+        if !self.batches {
             return;
         }
         let at = now();
