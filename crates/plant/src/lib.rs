@@ -13,6 +13,8 @@ pub mod control_socket;
 mod event;
 mod file;
 pub mod host;
+#[cfg(feature = "metrics")]
+pub mod metrics;
 mod plan;
 mod program;
 mod text;

@@ -8,6 +8,7 @@ mod conformance;
 mod corpus;
 mod decode;
 mod docs;
+mod fleet;
 mod full_disk;
 mod gsdml;
 mod harness;

@@ -1,5 +1,6 @@
 //! Virtual drives: on a network, and the demonstration.
 
+use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -62,6 +63,9 @@ pub struct Simulate {
     /// Write the traffic of the drives to this file
     #[arg(long, value_name = "FILE")]
     pub pcap: Option<PathBuf>,
+    /// Serve what the drives do to Prometheus, at http://ADDRESS:PORT/metrics
+    #[arg(long, value_name = "ADDRESS:PORT", conflicts_with_all = ["virtual_time", "serial"])]
+    pub metrics: Option<SocketAddr>,
     #[command(flatten)]
     pub line: SerialOptions,
 }

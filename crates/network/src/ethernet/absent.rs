@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use profinet::{Endpoint, Instant, Medium};
 
-use super::{PacketStatistics, Turn};
+use super::{Lateness, PacketStatistics, Turn};
 use crate::host::{Station, StationId};
 use crate::segment::Tap;
 use crate::system::{Bell, Error, InterfaceInfo, ServerPort, Stop};
@@ -127,6 +127,12 @@ impl Runner {
     /// Returns the interface.
     #[must_use]
     pub fn interface(&self) -> &InterfaceInfo {
+        match self.0 {}
+    }
+
+    /// Returns how late it did what was due.
+    #[must_use]
+    pub const fn lateness(&self) -> Lateness {
         match self.0 {}
     }
 

@@ -21,6 +21,8 @@ use absent as raw;
 #[cfg(all(feature = "raw-ethernet", target_os = "linux"))]
 use linux as raw;
 
+use std::time::Duration;
+
 /// Whether this build has raw Ethernet.
 pub const AVAILABLE: bool = cfg!(all(feature = "raw-ethernet", target_os = "linux"));
 
@@ -37,6 +39,15 @@ pub enum Turn {
     Stopped,
     /// The bell has rung.
     Rung,
+}
+
+/// How late a [`Runner`] did what was due.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Lateness {
+    /// Deadlines that were met more than 1 ms late.
+    pub late: u64,
+    /// Longest delay.
+    pub longest: Duration,
 }
 
 /// What a raw socket has counted.

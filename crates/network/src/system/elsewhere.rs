@@ -12,7 +12,7 @@ use serialport::SerialPort;
 
 use super::stop::SAME_SIGNAL;
 use super::udp::Ports;
-use super::{Calls, Error, InterfaceInfo, Stop};
+use super::{Calls, Error, InterfaceInfo, Stop, ThreadTime};
 
 /// How long to sleep between two looks.
 const NAP: Duration = Duration::from_millis(1);
@@ -31,6 +31,12 @@ pub fn now() -> Instant {
 /// Returns nothing: the standard library does not know it.
 #[must_use]
 pub const fn free_memory() -> Option<u64> {
+    None
+}
+
+/// Returns nothing: the standard library does not know it.
+#[must_use]
+pub const fn thread_time() -> Option<ThreadTime> {
     None
 }
 

@@ -23,6 +23,8 @@ mod stop;
 #[cfg_attr(not(all(feature = "raw-ethernet", target_os = "linux")), allow(dead_code))]
 pub(crate) mod udp;
 
+use std::time::Duration;
+
 #[cfg(not(target_os = "linux"))]
 use elsewhere as os;
 #[cfg(target_os = "linux")]
@@ -32,7 +34,16 @@ pub use error::Error;
 pub use interface::InterfaceInfo;
 pub use lock::{FolderLock, LockError};
 pub use medium::{ServerPort, UdpMedium};
-pub use os::{free_memory, now};
+pub use os::{free_memory, now, thread_time};
 pub(crate) use os::{wait_for_octets, wait_for_room};
 pub(crate) use stop::Calls;
 pub use stop::{Bell, ForcedExit, Stop};
+
+/// Processor time of a thread.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct ThreadTime {
+    /// On a processor.
+    pub ran: Duration,
+    /// Ready to run while every processor did something else.
+    pub waited: Duration,
+}

@@ -12,6 +12,7 @@ use virtual_drive::model::Model;
 use virtual_drive::station::StationEvent;
 
 use super::duplicate_check::Duplicate;
+use super::load::{Load, Overload};
 use crate::event::ScenarioEvent;
 use crate::text::count;
 use crate::timeline::Played;
@@ -42,6 +43,10 @@ pub enum Event {
         /// It is a serial port.
         serial: bool,
     },
+    /// What the simulation does, at the times wished for.
+    Load(Load),
+    /// The drives came too late, as the processor had too much to do.
+    Overload(Overload),
     /// Interface or port failed, for this reason; the drives go on without it.
     CarrierLost(String),
     /// Interface or port is back.
@@ -127,13 +132,19 @@ impl Event {
     pub const fn is_warning(&self) -> bool {
         match self {
             Self::Drive { what, .. } => what.is_warning(),
-            Self::Running { .. } | Self::CarrierBack(_) => false,
+            Self::Running { .. } | Self::CarrierBack(_) | Self::Load(_) => false,
             _ => true,
         }
     }
 }
 
 impl DriveEvent {
+    /// Returns true for what somebody wanted to happen: by a time line, by the control socket, or its end.
+    #[must_use]
+    pub const fn is_commanded(&self) -> bool {
+        matches!(self, Self::Played(_) | Self::Injected(_) | Self::Ended(_))
+    }
+
     const fn is_warning(&self) -> bool {
         matches!(
             self,
@@ -155,6 +166,8 @@ impl fmt::Display for Event {
                 let at = if *serial { "at" } else { "on" };
                 write!(f, "{drives} {at} {place}")
             }
+            Self::Load(load) => load.fmt(f),
+            Self::Overload(overload) => overload.fmt(f),
             Self::CarrierLost(why) => {
                 write!(f, "{why}: waiting until it is back; the drives go on without it")
             }

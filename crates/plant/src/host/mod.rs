@@ -11,6 +11,7 @@ mod error;
 mod event;
 mod fleet;
 mod injection;
+mod load;
 mod persistence;
 mod save_queue;
 mod serial;
@@ -27,7 +28,7 @@ use network::ethernet::{Runner, Turn};
 use network::files::create;
 use network::host::StationId;
 use network::pcap::Writer;
-use network::system::{Bell, Error as NetworkError, Stop, free_memory, now};
+use network::system::{Bell, Error as NetworkError, Stop, free_memory, now, thread_time};
 use profinet::device::Stored;
 use profinet::{Endpoint, Instant};
 use virtual_drive::model::Model;
@@ -43,12 +44,14 @@ pub use duplicate_check::Duplicate;
 pub use error::HostError;
 pub use event::{DriveEvent, Event, EventSender, Events, SaveResult, Saved, events};
 pub use fleet::{Fleet, FleetError, MacChoice};
+pub use load::{Load, Overload};
 pub use serial::{SerialHost, SerialHostConfig};
 pub use state_folder::{DriveState, Found, StateFolder};
 
 use description::description_of;
 use duplicate_check::{DuplicateCheck, Wanted};
 use fleet::Plan;
+use load::Tally;
 use persistence::Persistence;
 
 /// How long to sleep while nothing happens.
@@ -107,6 +110,8 @@ pub struct HostConfig {
     pub capture: Option<PathBuf>,
     /// How long the simulation goes on; `None` until it is stopped.
     pub time: Option<Duration>,
+    /// Time between two reports of its [`Load`]; `None` for no reports.
+    pub load_every: Option<Duration>,
     /// Ends the simulation.
     pub stop: Stop,
 }
@@ -173,6 +178,9 @@ impl HostedDrive {
 struct Running {
     drive: Arc<HostedDrive>,
     timeline: Timeline,
+    exchanging: bool,
+    /// Time between two input frames while it exchanges data.
+    cycle: Option<Duration>,
 }
 
 /// A running simulation on a network interface.
@@ -187,6 +195,10 @@ pub struct Host {
     events: EventSender,
     start: Instant,
     end: Option<Instant>,
+    tally: Tally,
+    /// Time between two reports of the load, and when the next is due.
+    load: Option<(Duration, Instant)>,
+    reported: Load,
     /// When to look again for the interface that went away.
     next_try: Option<Instant>,
     /// Holds the lock of the folder.
@@ -235,6 +247,9 @@ impl Host {
             events,
             start,
             end: config.time.map(|time| start + time),
+            tally: Tally::default(),
+            load: config.load_every.map(|every| (every, start + every)),
+            reported: Load::default(),
             next_try: None,
             _state: state,
         };
@@ -280,6 +295,8 @@ impl Host {
         let running = Running {
             drive: Arc::new(drive),
             timeline: Timeline::new(&plan.cues, self.start),
+            exchanging: false,
+            cycle: None,
         };
         if !running.timeline.is_over() {
             self.timed.insert(id);
@@ -304,6 +321,7 @@ impl Host {
             }
             self.handle_events();
             self.play_timelines();
+            self.report_load();
             if turn == Turn::Stopped || self.end.is_some_and(|end| now() >= end) {
                 return self.finish();
             }
@@ -320,7 +338,8 @@ impl Host {
             LONGEST_SLEEP
         };
         let check = self.duplicate_check.as_ref().map(DuplicateCheck::due);
-        let until = [Some(now() + sleep), timelines.min(), self.end, check];
+        let load = self.load.map(|(_, due)| due);
+        let until = [Some(now() + sleep), timelines.min(), self.end, check, load];
         match self
             .runner
             .step(until.into_iter().flatten().min().unwrap_or(Instant::MAX))
@@ -395,13 +414,51 @@ impl Host {
 
     fn handle_events_of(&mut self, id: StationId) {
         let unit = self.runner.station_mut::<Unit>(id);
-        let Some((running, unit)) = self.drives.get(&id).zip(unit) else {
+        let Some((running, unit)) = self.drives.get_mut(&id).zip(unit) else {
             return;
         };
         let station = unit.inner_mut().endpoint_mut();
         while let Some(event) = station.poll_event() {
+            self.tally.note(&event, &mut running.exchanging);
             self.persistence.handle(&running.drive, now() - self.start, event);
         }
+        let cycle = station.device().send_interval().filter(|_| running.exchanging);
+        self.tally.change(running.cycle, cycle);
+        running.cycle = cycle;
+    }
+
+    fn report_load(&mut self) {
+        let at = now();
+        let Some((every, due)) = self.load.filter(|(_, due)| *due <= at) else {
+            return;
+        };
+        // after a time in which this process did not run one report is enough
+        self.load = Some((every, (due + every).max(at)));
+        if let Some(overload) = self.send_load(at).overload() {
+            self.events.send(Event::Overload(overload));
+        }
+    }
+
+    /// Reports the load; what happened since the last report.
+    fn send_load(&mut self, at: Instant) -> Load {
+        let load = self.measure(at);
+        let passed = load.since(&self.reported);
+        self.reported = load;
+        self.events.send(Event::Load(load));
+        passed
+    }
+
+    fn measure(&mut self, at: Instant) -> Load {
+        let mut load = Load {
+            time: at - self.start,
+            drives: self.drives.len(),
+            frames: self.runner.statistics(),
+            lateness: self.runner.lateness(),
+            processor: thread_time(),
+            ..Load::default()
+        };
+        self.tally.fill(&mut load);
+        load
     }
 
     fn play_timelines(&mut self) {
@@ -418,7 +475,7 @@ impl Host {
             ..
         } = self;
         timed.retain(|id| {
-            let Some(Running { drive, timeline }) = drives.get_mut(id) else {
+            let Some(Running { drive, timeline, .. }) = drives.get_mut(id) else {
                 return false;
             };
             let due = timeline.next().is_some_and(|next| next <= at)
@@ -437,6 +494,9 @@ impl Host {
 
     /// Switches the drives off and saves what they want saved.
     fn finish(mut self) -> Result<(), HostError> {
+        if self.load.is_some() {
+            self.send_load(now());
+        }
         let all: Vec<StationId> = self.drives.keys().copied().collect();
         for id in all {
             if let Some(unit) = self.runner.station_mut::<Unit>(id) {

@@ -40,7 +40,9 @@ pub use shapes::{
     Action, Controller, DriveWords, Error, Fault, LossReaction, Quantity, Station, Warning, Wording,
     parameter, parameter_error,
 };
-pub use simulation::{DemoEvent, DemoStep, InjectKey, InjectReport, SimulationEvent};
+pub use simulation::{
+    DemoEvent, DemoStep, InjectKey, InjectReport, SimulationEvent, SimulationLoad, SimulationReport,
+};
 pub use station::{BlinkReport, IpReport, NameReport, ResetReport};
 pub use status::{StatusNote, StatusReport};
 pub use tables::{

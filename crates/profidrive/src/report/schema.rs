@@ -10,7 +10,7 @@ use serde_json::{Map, Value, json};
 use super::{
     BackupReport, BlinkReport, DemoEvent, DescribeReport, DiffReport, Error, FaultsReport, GsdmlCheckReport,
     GsdmlExportReport, GsdmlShowReport, InfoReport, InjectReport, IpReport, ListReport, MonitorReading,
-    NameReport, ParametersReport, ResetReport, RestoreReport, ScanReport, SimulationEvent, StatusReport,
+    NameReport, ParametersReport, ResetReport, RestoreReport, ScanReport, SimulationReport, StatusReport,
     WriteReport,
 };
 use crate::motion::{JogPlan, Message, MoveReport, RunPlan, StopReport};
@@ -41,7 +41,7 @@ const COMMANDS: &[(&str, Describe)] = &[
     ("reset", of::<ResetReport>),
     ("explain", of::<Meaning>),
     ("decode", of::<DecodeReport<'_>>),
-    ("simulate", of::<SimulationEvent>),
+    ("simulate", of::<SimulationReport>),
     ("demo", of::<DemoEvent>),
     ("inject", of::<InjectReport>),
     ("status", of::<StatusReport>),

@@ -44,6 +44,77 @@ pub struct SimulationEvent {
     pub text: String,
 }
 
+/// What a simulation reports while it runs.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(untagged)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub enum SimulationReport {
+    /// Something happened to a drive.
+    Drive(SimulationEvent),
+    /// What all drives do.
+    Load(SimulationLoad),
+}
+
+/// What the drives of a simulation do at one moment, and what happened since it began. Times are in seconds.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct SimulationLoad {
+    /// Seconds since the simulation began.
+    pub time: f64,
+    /// Number of drives.
+    pub drives: usize,
+    /// Drives that exchange data with a controller.
+    pub exchanging: usize,
+    /// Shortest time between two input frames; null while no drive exchanges data.
+    pub shortest_cycle: Option<f64>,
+    /// Longest time between two input frames; null while no drive exchanges data.
+    pub longest_cycle: Option<f64>,
+    /// Connections of controllers that began to exchange data.
+    pub connections: u64,
+    /// Connections of controllers that ended.
+    pub disconnections: u64,
+    /// Faults that came.
+    pub faults: u64,
+    /// Frames received.
+    pub received: u64,
+    /// Frames sent.
+    pub sent: u64,
+    /// Frames lost because they came faster than they were handled.
+    pub missed: u64,
+    /// Deadlines of drives met more than 1 ms late.
+    pub late: u64,
+    /// Longest delay of a deadline.
+    pub longest_delay: f64,
+    /// Processor time of the thread that runs the drives; null where the system does not report it.
+    pub processor: Option<f64>,
+    /// Time in which that thread waited for a processor.
+    pub processor_waiting: Option<f64>,
+}
+
+#[cfg(feature = "simulate")]
+impl From<&plant::host::Load> for SimulationLoad {
+    fn from(load: &plant::host::Load) -> Self {
+        let seconds = |time: std::time::Duration| time.as_secs_f64();
+        Self {
+            time: seconds(load.time),
+            drives: load.drives,
+            exchanging: load.exchanging,
+            shortest_cycle: load.cycles.map(|(shortest, _)| seconds(shortest)),
+            longest_cycle: load.cycles.map(|(_, longest)| seconds(longest)),
+            connections: load.connections,
+            disconnections: load.disconnections,
+            faults: load.faults,
+            received: load.frames.received,
+            sent: load.frames.sent,
+            missed: load.frames.missed,
+            late: load.lateness.late,
+            longest_delay: seconds(load.lateness.longest),
+            processor: load.processor.map(|time| seconds(time.ran)),
+            processor_waiting: load.processor.map(|time| seconds(time.waited)),
+        }
+    }
+}
+
 /// What was injected, or what can be.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]

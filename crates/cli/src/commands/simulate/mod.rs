@@ -5,7 +5,9 @@ mod failure;
 mod report;
 mod virtual_time;
 
+use std::net::SocketAddr;
 use std::path::Path;
+use std::time::Duration;
 
 use client::LineAddress;
 use network::system::Stop;
@@ -13,6 +15,7 @@ use plant::Scenario;
 use plant::host::{
     Drives, Fleet, ForeignDescription, Host, HostConfig, MacChoice, SerialHost, SerialHostConfig, StatePlace,
 };
+use plant::metrics::MetricsServer;
 use profidrive::serial_settings;
 use virtual_drive::model::{self, Model as DriveModel};
 
@@ -20,6 +23,13 @@ use crate::args::{DcpInOperation, Interface, Protocol, Simulate};
 use crate::connect;
 use crate::failure::{Exit, Failure};
 use crate::output::Output;
+
+use report::Printer;
+
+/// Of more drives a summary is shown, not what happens to each.
+const FEW: usize = 16;
+
+const EACH_SECOND: Duration = Duration::from_secs(1);
 
 impl From<Protocol> for uss::Protocol {
     fn from(protocol: Protocol) -> Self {
@@ -40,8 +50,22 @@ pub fn run(args: &Simulate, on: &Interface, output: &Output) -> Result<(), Failu
     }
     let interface = connect::interface(on)?.ok_or_else(connect::no_interface)?;
     let description = description::read(args, scenario.as_ref(), output)?;
-    let config = on_network(args, interface, scenario, description, output)?;
-    report::shown(output, |events| Host::open(config, events)?.run())
+    let mut config = on_network(args, interface, scenario, description, output)?;
+    let summary = config.drives.count() > FEW;
+    let metrics = args.metrics.map(metrics).transpose()?;
+    if let Some(metrics) = &metrics {
+        output.say(&format!("metrics: http://{}/metrics", metrics.address()));
+    }
+    config.load_every = (summary || metrics.is_some()).then_some(EACH_SECOND);
+    let printer = Printer::new(output, summary, metrics);
+    printer.show(|events| Host::open(config, events)?.run())
+}
+
+fn metrics(address: SocketAddr) -> Result<MetricsServer, Failure> {
+    MetricsServer::open(address).map_err(|error| {
+        Failure::new(Exit::Failed, format!("--metrics {address}: {error}"))
+            .hint("give an address of this computer and a free port, for example 127.0.0.1:9464")
+    })
 }
 
 fn on_network(
@@ -61,6 +85,7 @@ fn on_network(
     Ok(HostConfig {
         interface,
         seed: scenario.as_ref().map_or(1, |scenario| scenario.seed),
+        load_every: None,
         time: args.time.or_else(|| scenario.as_ref()?.duration),
         drives: match scenario {
             None => Drives::Fleet(fleet(args, model)?),
@@ -85,7 +110,7 @@ fn at_line(args: &Simulate, port: &str, output: &Output) -> Result<(), Failure> 
         time: args.time,
         stop: stop()?,
     };
-    report::shown(output, |events| SerialHost::open(config, events)?.run())
+    Printer::new(output, false, None).show(|events| SerialHost::open(config, events)?.run())
 }
 
 /// The drives that the options describe, of the model that was chosen, else that of a device description.

@@ -3,8 +3,9 @@
 use std::thread::{JoinHandle, sleep, spawn};
 use std::time::Duration;
 
-use plant::host::{DriveEvent, Event, EventSender, HostError, SaveResult, events};
-use profidrive::report::SimulationEvent;
+use plant::host::{DriveEvent, Event, EventSender, HostError, Load, SaveResult, events};
+use plant::metrics::MetricsServer;
+use profidrive::report::{SimulationEvent, SimulationReport};
 
 use crate::failure::Failure;
 use crate::output::Output;
@@ -13,14 +14,73 @@ use crate::render::Page;
 /// How long the end waits for a terminal that takes nothing.
 const TIMEOUT: Duration = Duration::from_secs(1);
 
-/// Runs a simulation and prints its events.
-pub fn shown(output: &Output, run: impl FnOnce(EventSender) -> Result<(), HostError>) -> Result<(), Failure> {
-    let (sender, events) = events();
-    let printed = output.clone();
-    let printer = spawn(move || events.for_each(|event| print(&event, &printed)));
-    let result = run(sender);
-    finish(&printer);
-    result.map_err(Failure::from)
+/// Time between two summaries while nothing changes.
+const QUIET: Duration = Duration::from_secs(10);
+
+/// Shows what a simulation does.
+pub struct Printer {
+    output: Output,
+    /// What all drives do is printed, not what happens to each.
+    summary: bool,
+    metrics: Option<MetricsServer>,
+    /// The load printed last.
+    printed: Load,
+}
+
+impl Printer {
+    pub fn new(output: &Output, summary: bool, metrics: Option<MetricsServer>) -> Self {
+        Self {
+            output: output.clone(),
+            summary,
+            metrics,
+            printed: Load::default(),
+        }
+    }
+
+    /// Runs a simulation and shows its events.
+    pub fn show(mut self, run: impl FnOnce(EventSender) -> Result<(), HostError>) -> Result<(), Failure> {
+        let (sender, events) = events();
+        let printer = spawn(move || events.for_each(|event| self.take(&event)));
+        let result = run(sender);
+        finish(&printer);
+        result.map_err(Failure::from)
+    }
+
+    fn take(&mut self, event: &Event) {
+        let output = &self.output;
+        match event {
+            _ if event.is_warning() => output.warn(&warning(event)),
+            Event::Drive { drive, at, what } => {
+                let report = SimulationReport::Drive(SimulationEvent {
+                    time: at.as_secs_f64(),
+                    drive: drive.to_string(),
+                    text: of_drive(what),
+                });
+                if !self.summary || output.verbose() || what.is_commanded() {
+                    output.report_event(&report);
+                } else {
+                    output.json_event(&report);
+                }
+            }
+            Event::Load(load) => self.take_load(load),
+            Event::Running { .. } => output.say(&format!("{event}; Ctrl-C ends")),
+            _ => output.say(&event.to_string()),
+        }
+    }
+
+    fn take_load(&mut self, load: &Load) {
+        if let Some(metrics) = &self.metrics {
+            metrics.publish(*load);
+        }
+        let passed = load.since(&self.printed);
+        let changed = load.exchanging != self.printed.exchanging || passed.frames.missed > 0;
+        if self.summary && (changed || passed.time >= QUIET) {
+            self.printed = *load;
+            self.output.json_event(&SimulationReport::Load(load.into()));
+            self.output
+                .say(&format!("{:>8.0} s  {passed}", load.time.as_secs_f64()));
+        }
+    }
 }
 
 /// Waits until everything is printed, but not for ever.
@@ -33,25 +93,11 @@ fn finish(printer: &JoinHandle<()>) {
     }
 }
 
-fn print(event: &Event, output: &Output) {
-    match event {
-        _ if event.is_warning() => output.warn(&warning(event)),
-        Event::Drive { drive, at, what } => {
-            output.report_event(&SimulationEvent {
-                time: at.as_secs_f64(),
-                drive: drive.to_string(),
-                text: of_drive(what),
-            });
-        }
-        Event::Running { .. } => output.say(&format!("{event}; Ctrl-C ends")),
-        _ => output.say(&event.to_string()),
-    }
-}
-
-impl Page for SimulationEvent {
+impl Page for SimulationReport {
     fn print(&self, output: &Output) {
-        let Self { time, drive, text } = self;
-        output.line(&format!("{time:>10.3} s  {drive:<16} {}", text.trim_end()));
+        if let Self::Drive(SimulationEvent { time, drive, text }) = self {
+            output.line(&format!("{time:>10.3} s  {drive:<16} {}", text.trim_end()));
+        }
     }
 }
 

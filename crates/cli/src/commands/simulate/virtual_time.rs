@@ -7,7 +7,7 @@ use network::files::create;
 use network::pcap::Writer;
 use network::system::{Stop, now};
 use plant::{Entry, Scenario, World};
-use profidrive::report::SimulationEvent;
+use profidrive::report::{SimulationEvent, SimulationReport};
 use profinet::Instant;
 
 use crate::failure::{Exit, Failure};
@@ -62,11 +62,11 @@ pub fn run(
 
 fn print(entry: &Entry, output: &Output) {
     if output.json() {
-        output.json_event(&SimulationEvent {
+        output.json_event(&SimulationReport::Drive(SimulationEvent {
             time: (entry.at - Instant::ZERO).as_secs_f64(),
             drive: entry.drive.clone(),
             text: entry.what.to_string(),
-        });
+        }));
     } else {
         output.line(&entry.to_string());
     }

@@ -9,7 +9,7 @@ use profinet::{Deadlines, Instant, MAX_FRAME, MacAddress};
 use super::filter::Wanted;
 use super::packet::PacketSocket;
 use super::watch::Watch;
-use crate::ethernet::{PacketStatistics, Turn};
+use crate::ethernet::{Lateness, PacketStatistics, Turn};
 use crate::host::{Station, StationId, addresses};
 use crate::segment::{Tap, finish_all};
 use crate::system::linux::sharpen_timers;
@@ -21,6 +21,8 @@ const MAX_FRAMES: usize = 64;
 const MAX_BURST: usize = 256;
 /// Time a station gets when it asks to be called again at once.
 const BREATH: Duration = Duration::from_micros(1);
+/// A deadline met later than this counts as late: a cycle of the fastest drives.
+const LATE: Duration = Duration::from_millis(1);
 /// With so many stations frames and deadlines are handled in batches: waking up for each costs more than the work itself.
 const FLEET: usize = 32;
 /// Shortest time between the batches of a fleet, an eighth of the shortest update time.
@@ -61,6 +63,7 @@ pub struct Runner {
     stop: Option<Stop>,
     bell: Option<Bell>,
     sharpened: bool,
+    lateness: Lateness,
     /// Frames arrive from or for so many stations that they are handled in batches.
     batches: bool,
     /// Not before this time is there another batch.
@@ -114,6 +117,7 @@ impl Runner {
             stop: None,
             bell: None,
             sharpened: false,
+            lateness: Lateness::default(),
             batches: stations >= FLEET,
             next_batch: Instant::ZERO,
             online: true,
@@ -153,6 +157,12 @@ impl Runner {
     #[must_use]
     pub fn statistics(&mut self) -> PacketStatistics {
         self.socket.statistics()
+    }
+
+    /// Returns how late it did what was due.
+    #[must_use]
+    pub const fn lateness(&self) -> Lateness {
+        self.lateness
     }
 
     /// Adds a station; it is drained by the next [`step`](Self::step).
@@ -316,12 +326,10 @@ impl Runner {
                 break;
             }
         }
-        while let Some(index) = self
-            .deadlines
-            .earliest()
-            .filter(|at| *at <= now)
-            .and_then(|_| self.deadlines.earliest_index())
+        while let Some(due) = self.deadlines.earliest().filter(|due| *due <= now)
+            && let Some(index) = self.deadlines.earliest_index()
         {
+            self.note_delay(now - due);
             if let Some(Some(station)) = self.stations.get_mut(index) {
                 station.handle_timeout(now);
             }
@@ -431,6 +439,13 @@ impl Runner {
             .and_then(Option::as_ref)
             .and_then(|station| station.poll_timeout());
         self.deadlines.set(index, next.map(|at| at.max(earliest)));
+    }
+
+    fn note_delay(&mut self, delay: Duration) {
+        if delay > LATE {
+            self.lateness.late += 1;
+        }
+        self.lateness.longest = self.lateness.longest.max(delay);
     }
 
     fn touch(&mut self, index: usize) {

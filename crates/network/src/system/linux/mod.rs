@@ -3,6 +3,7 @@
 mod event;
 mod interfaces;
 mod memory;
+mod processor;
 mod wait;
 
 use std::io;
@@ -13,6 +14,7 @@ use std::os::unix::net::{SocketAddr, UnixDatagram};
 pub use event::Event;
 pub use interfaces::interfaces;
 pub use memory::free_memory;
+pub use processor::thread_time;
 pub use wait::{Waiting, now, readable, sharpen_timers, timespec, wait, wait_for_octets, wait_for_room};
 
 /// Whether a UDP port can be shared, only with programs that request sharing too.
