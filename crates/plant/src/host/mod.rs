@@ -59,6 +59,9 @@ const LONGEST_SLEEP: Duration = Duration::from_secs(3600);
 /// Time between two attempts to open an interface or a port that went away.
 const RETRY: Duration = Duration::from_secs(1);
 
+/// Time between two warnings of too many drives.
+const BETWEEN_WARNINGS: Duration = Duration::from_secs(10);
+
 /// Memory of one drive in octets, with its connection, its saved state and its part of the receive ring; a test holds it.
 pub const DRIVE_MEMORY: u64 = 64 * 1024;
 
@@ -199,6 +202,8 @@ pub struct Host {
     /// Time between two reports of the load, and when the next is due.
     load: Option<(Duration, Instant)>,
     reported: Load,
+    /// Not before this time is there another warning of too many drives.
+    next_warning: Instant,
     /// When to look again for the interface that went away.
     next_try: Option<Instant>,
     /// Holds the lock of the folder.
@@ -250,6 +255,7 @@ impl Host {
             tally: Tally::default(),
             load: config.load_every.map(|every| (every, start + every)),
             reported: Load::default(),
+            next_warning: start,
             next_try: None,
             _state: state,
         };
@@ -434,7 +440,10 @@ impl Host {
         };
         // after a time in which this process did not run one report is enough
         self.load = Some((every, (due + every).max(at)));
-        if let Some(overload) = self.send_load(at).overload() {
+        if let Some(overload) = self.send_load(at).overload()
+            && at >= self.next_warning
+        {
+            self.next_warning = at + BETWEEN_WARNINGS;
             self.events.send(Event::Overload(overload));
         }
     }

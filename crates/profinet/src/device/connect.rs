@@ -457,6 +457,7 @@ impl Device {
 
     /// Ends an AR for a reason of the application; see [`abort`] for the causes.
     pub fn abort(&mut self, now: Instant, ar: ArKey, cause: u8) {
+        self.quiet_until = None;
         let cause = PnioStatus::aborted(cause);
         if self.controller.as_ref().is_some_and(|io| io.key == ar) {
             self.close_controller(now, cause, true);
@@ -469,6 +470,7 @@ impl Device {
     /// Reports to the controller that inputs are set and the application runs. Returns false if `ar` does not wait for
     /// this (only once after [`Event::ParameterEnd`]).
     pub fn application_ready(&mut self, now: Instant, ar: ArKey) -> bool {
+        self.quiet_until = None;
         let Some(io) = self.controller.as_mut().filter(|io| io.key == ar) else {
             return false;
         };

@@ -151,6 +151,7 @@ impl Device {
     fn send_dcp(&mut self, now: Instant, due: Instant, to: MacAddress, id: FrameId, payload: &[u8]) {
         let mut frame = vec![0; MAX_FRAME];
         if let Some(length) = ethernet::emit(&mut frame, to, self.config.mac, None, id, payload) {
+            self.quiet_until = None;
             frame.truncate(length);
             if due > now {
                 let at = self.delayed.partition_point(|(other, _)| *other <= due);
@@ -293,6 +294,7 @@ impl Device {
     /// Reports that the name and the address of the last [`Event::NameChanged`] and [`Event::IpChanged`] are stored, or that
     /// they could not be: then those before count again and the answer is a resource error.
     pub fn answer_set(&mut self, now: Instant, stored: bool) {
+        self.quiet_until = None;
         let Some(WaitingSet { mut answer, name, ip }) = self.dcp.waiting.take() else {
             return;
         };

@@ -160,7 +160,10 @@ impl Device {
             data: Cow::Owned(data.to_vec()),
         };
         match &mut self.controller {
-            Some(io) if io.phase == Phase::Data => Ok(io.alarms.raise(now, alarm)?),
+            Some(io) if io.phase == Phase::Data => {
+                self.quiet_until = None;
+                Ok(io.alarms.raise(now, alarm)?)
+            }
             _ => Err(RaiseError::NotConnected),
         }
     }

@@ -120,6 +120,9 @@ pub struct Device {
     /// Identify answers that wait for their time, earliest first.
     delayed: VecDeque<(Instant, Vec<u8>)>,
     cycle_due: bool,
+    /// Until this time nothing but cyclic data is to be done; `None` when that has to be looked at. Of thousands of devices in
+    /// one process each finds its memory cold in every cycle, so what it does not look at counts.
+    quiet_until: Option<Instant>,
     /// The application moves something.
     operating: bool,
     next_ar: u32,
@@ -168,6 +171,7 @@ impl Device {
             frames: VecDeque::new(),
             delayed: VecDeque::new(),
             cycle_due: false,
+            quiet_until: None,
             operating: false,
             next_ar: 0,
             next_token: 0,
@@ -193,6 +197,7 @@ impl Device {
 
     /// Takes an address that no DCP set: of switches, of a DHCP server, a link-local one. A change ends every connection.
     pub fn take_address(&mut self, now: Instant, suite: IpSuite) {
+        self.quiet_until = None;
         if self.ip != suite {
             self.close_all(now, PnioStatus::aborted(abort::CLOSED));
             self.ip = suite;
@@ -292,6 +297,7 @@ impl Device {
         if let Some(next) = next {
             io.phase = next;
             io.activity.stop();
+            self.quiet_until = None;
         }
         if next.is_some() {
             self.event(Event::DataExchange { ar: key });
@@ -379,6 +385,7 @@ impl Endpoint for Device {
 
     fn handle_frame(&mut self, now: Instant, frame: &[u8]) {
         let Some(frame) = Frame::parse(frame) else {
+            self.quiet_until = None;
             if self.config.neighbourhood
                 && let Some((source, payload)) = lldp::payload(frame)
                 && source != self.config.mac
@@ -391,9 +398,16 @@ impl Endpoint for Device {
         if !(mine || frame.destination == DCP_IDENTIFY) || frame.source == self.config.mac {
             return;
         }
+        if mine && frame.frame_id.is_cyclic() {
+            return self.handle_cyclic(now, &frame);
+        }
+        if frame.frame_id == FrameId::DCP_IDENTIFY_REQUEST {
+            // every device of a plant gets those for all others
+            return self.handle_dcp(now, &frame);
+        }
+        self.quiet_until = None;
         match frame.frame_id {
-            FrameId::DCP_IDENTIFY_REQUEST | FrameId::DCP_GET_SET => self.handle_dcp(now, &frame),
-            id if mine && id.is_cyclic() => self.handle_cyclic(now, &frame),
+            FrameId::DCP_GET_SET => self.handle_dcp(now, &frame),
             id if mine && matches!(id.kind(), FrameKind::AlarmHigh | FrameKind::AlarmLow) => {
                 let event = self
                     .controller
@@ -408,6 +422,7 @@ impl Endpoint for Device {
     }
 
     fn handle_datagram(&mut self, now: Instant, source: SocketAddrV4, local_port: u16, payload: &[u8]) {
+        self.quiet_until = None;
         match local_port {
             RPC_PORT => {
                 if let Some(call) = self.server.handle(now, source, payload) {
@@ -435,6 +450,11 @@ impl Endpoint for Device {
         if self.controller.as_ref().is_some_and(|io| io.provider.is_due(now)) {
             self.cycle_due = true;
         }
+        let lost = self.controller.as_ref().and_then(|io| io.consumer.deadline());
+        if self.quiet_until.is_some_and(|until| now < until) && lost.is_none_or(|lost| now < lost) {
+            return;
+        }
+        self.quiet_until = None;
         while let Some((due, _)) = self.delayed.front() {
             if *due > now {
                 break;
@@ -467,6 +487,39 @@ impl Endpoint for Device {
                 return Some(Transmit::Frame { length });
             }
         }
+        if self.quiet_until.is_some() {
+            return None;
+        }
+        let transmit = self.transmit_acyclic(now, buffer);
+        if transmit.is_none() {
+            self.quiet_until = Some(self.next_acyclic().unwrap_or(Instant::MAX));
+        }
+        transmit
+    }
+
+    fn poll_timeout(&self) -> Option<Instant> {
+        let acyclic = match self.quiet_until {
+            Some(until) => {
+                debug_assert_eq!(self.next_acyclic().unwrap_or(Instant::MAX), until);
+                Some(until).filter(|until| *until != Instant::MAX)
+            }
+            None => self.next_acyclic(),
+        };
+        let io = self.controller.as_ref();
+        [
+            io.map(|io| io.provider.next_send()),
+            io.and_then(|io| io.consumer.deadline()),
+            acyclic,
+        ]
+        .into_iter()
+        .flatten()
+        .min()
+    }
+}
+
+impl Device {
+    /// Writes the next frame or datagram that is not cyclic.
+    fn transmit_acyclic(&mut self, now: Instant, buffer: &mut [u8]) -> Option<Transmit> {
         if let Some(frame) = self.frames.pop_front()
             && let Some(place) = buffer.get_mut(..frame.len())
         {
@@ -506,11 +559,10 @@ impl Endpoint for Device {
         Some(Transmit::Frame { length })
     }
 
-    fn poll_timeout(&self) -> Option<Instant> {
+    /// Returns the time when something other than cyclic data is due.
+    fn next_acyclic(&self) -> Option<Instant> {
         let io = self.controller.as_ref();
         [
-            io.map(|io| io.provider.next_send()),
-            io.and_then(|io| io.consumer.deadline()),
             io.and_then(|io| io.activity.deadline()),
             io.and_then(|io| io.alarms.poll_timeout()),
             self.delayed.front().map(|(due, _)| *due),
@@ -527,9 +579,7 @@ impl Endpoint for Device {
         .flatten()
         .min()
     }
-}
 
-impl Device {
     fn take_answers(&mut self, now: Instant) {
         while let Some((call, result)) = self.client.poll_event() {
             if self

@@ -344,6 +344,7 @@ impl Device {
 
     /// Answers [`Event::RecordRead`]. Returns false if no request waits for this answer.
     pub fn answer_read(&mut self, now: Instant, token: Token, result: Result<&[u8], PnioStatus>) -> bool {
+        self.quiet_until = None;
         let Some(job) = self.take_job(token) else {
             return false;
         };
@@ -357,6 +358,7 @@ impl Device {
 
     /// Answers [`Event::RecordWrite`]. Returns false if no request waits for this answer.
     pub fn answer_write(&mut self, now: Instant, token: Token, result: Result<(), PnioStatus>) -> bool {
+        self.quiet_until = None;
         let Some(job) = self.take_job(token) else {
             return false;
         };

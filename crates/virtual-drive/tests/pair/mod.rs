@@ -149,17 +149,16 @@ impl Pair {
             if !quiet {
                 continue;
             }
-            let next = [self.controller.poll_timeout(), self.station.poll_timeout()]
-                .into_iter()
-                .flatten()
-                .min();
+            let (mut due, station) = (None, &self.station);
+            watch("deadline", &mut || due = station.poll_timeout());
+            let next = [self.controller.poll_timeout(), due].into_iter().flatten().min();
             let Some(next) = next.filter(|next| *next <= end) else {
                 break;
             };
             self.now = next.max(self.now);
             self.controller.handle_timeout(self.now);
             let (now, station) = (self.now, &mut self.station);
-            if station.poll_timeout().is_some_and(|due| due <= now) {
+            if due.is_some_and(|due| due <= now) {
                 watch("step", &mut || station.handle_timeout(now));
             }
         }
