@@ -6,15 +6,13 @@ use client::change::{Choice, Plan};
 /// A backup file: what is read prints as something that reads the same, is no different from itself, and is planned onto
 /// itself without a change.
 pub fn backup(data: &[u8]) {
-    let Ok(text) = std::str::from_utf8(data) else {
-        return;
-    };
+    let text = String::from_utf8_lossy(data);
     if let Some(line) = text.lines().last()
         && let Ok(pattern) = line.parse::<Pattern>()
     {
         let _ = pattern.names("DRV.ACC");
     }
-    let backup = match Backup::parse(text) {
+    let backup = match Backup::read(data) {
         Ok(backup) => backup,
         Err(error) => {
             let lines = text.lines().count().max(1);
@@ -27,7 +25,7 @@ pub fn backup(data: &[u8]) {
         }
     };
     let printed = backup.to_string();
-    let again = Backup::parse(&printed).unwrap_or_else(|error| panic!("{error}: {printed}"));
+    let again = Backup::read(&printed).unwrap_or_else(|error| panic!("{error}: {printed}"));
     assert_eq!(again, backup);
     assert_eq!(again.to_string(), printed);
     assert!(compare(&again, &backup).is_empty());
@@ -39,5 +37,5 @@ pub fn backup(data: &[u8]) {
     let plan = Plan::new(&backup, &again, &choice);
     assert!(plan.set.changes().is_empty());
     let journal = plan.set.to_string();
-    assert!(Backup::parse(&journal).is_ok(), "{journal}");
+    assert!(Backup::read(&journal).is_ok(), "{journal}");
 }

@@ -334,6 +334,7 @@ fn settings_are_saved_compared_and_brought_back() {
     std::fs::write(&second, saved.replace("DRV.ACC = 3000 rpm/s", "DRV.ACC = 3000 A")).unwrap();
     let line = 1 + saved.lines().position(|line| line.starts_with("p2108 ")).unwrap();
     std::fs::write(path("letter"), "Dear Sir or Madam\n").unwrap();
+    std::fs::write(path("cut"), saved.trim_end()).unwrap();
     for (arguments, code, words) in [
         (
             vec!["restore", "akd-1", &second],
@@ -349,6 +350,11 @@ fn settings_are_saved_compared_and_brought_back() {
             vec!["diff", "akd-1", &path("letter")],
             1,
             "line 1: not a backup".into(),
+        ),
+        (
+            vec!["restore", "akd-1", &path("cut")],
+            1,
+            "if the file is complete, end its last line with a line break".into(),
         ),
         (
             vec!["backup", "akd-1", "-o", &path("letter")],

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use client::backup::{Backup, MAX_TEXT, TaskCoverage};
+use client::backup::{Backup, Cause, TaskCoverage};
 use client::{Drive, Refusal, Wait};
 use network::files::StateFile;
 use profidrive::report::BackupReport;
@@ -153,23 +153,35 @@ pub fn read(path: &Path) -> Result<Backup, Failure> {
         .read()
         .map_err(|error| Failure::new(Exit::Failed, error.to_string()))?
         .ok_or_else(|| wrong("there is no such file".to_owned()))?;
-    if content.len() > MAX_TEXT {
-        return Err(wrong(format!("longer than {MAX_TEXT} octets, not a backup")));
-    }
-    let text = String::from_utf8(content).map_err(|error| {
-        let at = error.utf8_error().valid_up_to();
-        let before = error.as_bytes().get(..at).unwrap_or_default();
-        let line = 1 + before.iter().filter(|&&octet| octet == b'\n').count();
-        wrong(format!("line {line}: not UTF-8 text"))
-    })?;
-    Backup::parse(&text).map_err(|error| match error.problems.as_slice() {
-        [one] => wrong(one.to_string()),
+    Backup::read(content).map_err(|error| match error.problems.as_slice() {
+        [one] => {
+            let failure = wrong(one.to_string());
+            match hint(&one.cause) {
+                Some(hint) => failure.hint(hint),
+                None => failure,
+            }
+        }
         many => {
             let mut failure = wrong(format!("{} lines are wrong", many.len()));
             failure.details = many.iter().map(ToString::to_string).collect();
             failure
         }
     })
+}
+
+/// What to do about a file that is not read.
+const fn hint(cause: &Cause) -> Option<&'static str> {
+    match cause {
+        Cause::TooLong { .. } | Cause::NotText { .. } | Cause::OtherKind { .. } => {
+            Some("`profidrive backup DRIVE -o FILE` writes a backup")
+        }
+        Cause::OtherVersion { .. } => Some("another version of profidrive wrote it; that version reads it"),
+        Cause::NoLineBreak => Some("if the file is complete, end its last line with a line break"),
+        Cause::Changed { .. } => {
+            Some("if the file was changed on purpose and is complete, remove its last line, the checksum")
+        }
+        _ => None,
+    }
 }
 
 /// Returns the old content if the file may be replaced: a backup may, any other file only with `force`.
@@ -218,7 +230,7 @@ mod tests {
             let text = format!(
                 "profidrive backup 1\nmodel: AKD\nvendor: 0x0105\ndevice: 0x0001\n{tasks}p2108 = 1\n"
             );
-            incomplete(&Backup::parse(&text).unwrap(), "akd-1")
+            incomplete(&Backup::read(&text).unwrap(), "akd-1")
         };
         assert_eq!(backup(""), None);
         assert_eq!(backup("tasks: all\n"), None);

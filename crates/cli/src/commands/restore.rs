@@ -402,7 +402,7 @@ mod tests {
 
     fn backup(lines: &str) -> Backup {
         let head = "profidrive backup 1\nmodel: AKD\nvendor: 0x0105\ndevice: 0x0001\n";
-        Backup::parse(&format!("{head}{lines}\n")).unwrap()
+        Backup::read(format!("{head}{lines}\n")).unwrap()
     }
 
     #[test]

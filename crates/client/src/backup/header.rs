@@ -272,6 +272,6 @@ mod tests {
             serial_number: header.serial_number.trim().to_owned(),
             ..header
         };
-        assert_eq!(Backup::parse(&text).unwrap().header, expected);
+        assert_eq!(Backup::read(&text).unwrap().header, expected);
     }
 }

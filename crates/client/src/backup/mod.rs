@@ -13,17 +13,17 @@
 //! p2108 DRV.ACC = 3000 rpm/s  # what stands behind the mark is for people
 //! DRV.DEC = 50 rps/s          # name or number is enough
 //! ";
-//! let saved = Backup::parse(text)?;
+//! let saved = Backup::read(text)?;
 //! assert_eq!(saved.readings()[1].number(), Some(3000.0)); // rpm/s
 //! // what is printed is one line for each parameter, by number, and reads back as the same
 //! assert!(saved.to_string().contains("\np2115 DRV.DEC = 3000 rpm/s "));
-//! assert_eq!(Backup::parse(&saved.to_string())?, saved);
+//! assert_eq!(Backup::read(saved.to_string())?, saved);
 //!
-//! let edited = Backup::parse(&text.replace("50 rps/s", "60 rps/s"))?;
+//! let edited = Backup::read(text.replace("50 rps/s", "60 rps/s"))?;
 //! let differences = compare(&saved, &edited);
 //! assert_eq!(differences[0].name(), Some("DRV.DEC"));
 //!
-//! let error = Backup::parse(&text.replace("3000 rpm/s", "3000 A")).unwrap_err();
+//! let error = Backup::read(text.replace("3000 rpm/s", "3000 A")).unwrap_err();
 //! assert!(error.to_string().starts_with("line 6: DRV.ACC (p2108): `A` is a unit of current"));
 //! # Ok::<(), profidrive_client::backup::BackupError>(())
 //! ```
@@ -44,7 +44,7 @@ use profile::catalogue::{BackupRule, Role};
 
 pub use compare::{Difference, Side, compare};
 pub use header::Header;
-pub use parse::{BackupError, MAX_TEXT};
+pub use parse::BackupError;
 pub use pattern::{Pattern, PatternError};
 pub(crate) use print::{FORM, value};
 pub(crate) use task::Window;
@@ -52,7 +52,7 @@ pub use task::{Task, TaskCoverage, TaskDifference, compare_tasks};
 
 use crate::Refusal;
 use profile::model::Model;
-pub use profile::notation::setting::Problem;
+pub use profile::notation::setting::{Cause, Problem};
 use profile::value::{Parameters, Reading, Selection};
 
 /// The numbers that the profile itself uses: identification, telegram, lists, faults.

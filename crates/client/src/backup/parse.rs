@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::fmt;
 
 use profile::catalogue::{Parameter, Scaling};
-use profile::notation::setting::{Entry, LONGEST, Problem, Settings, shorten};
+use profile::notation::setting::{Entry, Problem, Settings, shorten};
 use profile::notation::{Elements, ParameterReference, Quantity, Target};
 use profile::parameter::{CodeSpace, Format};
 use profile::unit::UnitChoice;
@@ -16,8 +16,6 @@ use super::task::{self, Name};
 use super::{Backup, Task, key};
 use profile::value::{Interpretation, ParameterProblem, Parameters, Reading, Selection};
 
-/// Longest text that is read, in octets.
-pub const MAX_TEXT: usize = LONGEST;
 /// Most mistakes that are reported at once.
 const MOST_PROBLEMS: usize = 20;
 /// Most octets of one value.
@@ -60,12 +58,12 @@ struct Line {
 }
 
 impl Backup {
-    /// Reads a text.
+    /// Reads the text or the octets of a file.
     ///
     /// # Errors
     /// Every line that is wrong, with its number. A backup with a mistake in it is not used at all.
-    pub fn parse(text: &str) -> Result<Self, BackupError> {
-        Self::of(FORM.read(text.as_bytes())?)
+    pub fn read(file: impl AsRef<[u8]>) -> Result<Self, BackupError> {
+        Self::of(FORM.read(file.as_ref())?)
     }
 
     /// What the lines of a text say.

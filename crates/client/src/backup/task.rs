@@ -367,7 +367,7 @@ mod tests {
     fn file(lines: &str) -> Result<Backup, String> {
         let head = "profidrive backup 1\nmodel: AKD\nvendor: 0x0105\ndevice: 0x0001\n\
                     scaling: position 1000\n";
-        Backup::parse(&format!("{head}{lines}\n")).map_err(|error| error.to_string())
+        Backup::read(format!("{head}{lines}\n")).map_err(|error| error.to_string())
     }
 
     #[test]
@@ -382,7 +382,7 @@ mod tests {
         assert!(
             printed.contains("\ntasks: all, one without a line is empty\n") && !printed.contains("MT[3]")
         );
-        assert_eq!(Backup::parse(&printed).unwrap(), backup);
+        assert_eq!(Backup::read(&printed).unwrap(), backup);
         // of a part only, an empty task has a line, and nothing is said of the others
         let part = file("MT[3] = empty").unwrap();
         assert_eq!((part.task(3), part.task(4)), (Some(&Task::Empty), None));

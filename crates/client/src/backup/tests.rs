@@ -1,6 +1,7 @@
 //! Text and comparison, without a drive.
 
 use profile::catalogue::{AKD, Access, Parameter, Scaling};
+use profile::notation::setting::{LONGEST, crc32};
 use profile::notation::{Notation, Shown};
 use profile::parameter::{ErrorNumber, Format};
 use profile::unit::UnitChoice;
@@ -68,7 +69,7 @@ pub(crate) fn drive(scaling: Scaling, values: &[(&str, i64)]) -> Backup {
 }
 
 pub(crate) fn file(lines: &str) -> Backup {
-    Backup::parse(&with_head(lines)).unwrap()
+    Backup::read(with_head(lines)).unwrap()
 }
 
 pub(crate) fn with_head(lines: &str) -> String {
@@ -125,7 +126,7 @@ fn a_value_that_its_unit_cannot_say_exactly_has_its_raw_number() {
         Some(164)
     );
     assert_eq!(file("Jog v1 = -60 rpm").readings()[0].raw(), Some(-164));
-    let error = Backup::parse(&with_head("p1004 Jog v1 = 70 rpm (raw 0x00A4)")).unwrap_err();
+    let error = Backup::read(with_head("p1004 Jog v1 = 70 rpm (raw 0x00A4)")).unwrap_err();
     assert!(
         error
             .to_string()
@@ -189,7 +190,7 @@ fn mistakes_are_reported_with_their_lines() {
         ("p65000 = 7", "line 6: `7`: nothing is known about this parameter"),
         ("p65000 = 0x123", "line 6: `0x123`"),
     ] {
-        let error = Backup::parse(&with_head(lines)).unwrap_err().to_string();
+        let error = Backup::read(with_head(lines)).unwrap_err().to_string();
         assert!(error.contains(expected), "{lines:?}: {error}");
     }
     for (text, expected) in [
@@ -207,12 +208,58 @@ fn mistakes_are_reported_with_their_lines() {
             "line 5: Jog Acc (p1006): the line `scaling:` of the head is needed",
         ),
     ] {
-        let error = Backup::parse(text).unwrap_err().to_string();
+        let error = Backup::read(text).unwrap_err().to_string();
         assert!(error.starts_with(expected), "{text:?}: {error}");
     }
-    let many = Backup::parse(&with_head(&"nonsense\n".repeat(1000))).unwrap_err();
+    let many = Backup::read(with_head(&"nonsense\n".repeat(1000))).unwrap_err();
     assert_eq!(many.problems.len(), 20);
-    assert!(Backup::parse(&format!("profidrive backup 1\n{}", " ".repeat(MAX_TEXT))).is_err());
+}
+
+#[test]
+fn the_cause_of_a_file_that_is_no_backup_is_typed() {
+    let form = ("backup", 1);
+    let found = |text: &str| text.to_owned();
+    let long = " ".repeat(LONGEST + 1).into_bytes();
+    let changed = b"profidrive backup 1\np918 = 0x0001\nchecksum 00000000\n";
+    let cases: [(&[u8], usize, Cause); 6] = [
+        (&long, 1, Cause::TooLong { kind: "backup" }),
+        (
+            b"profidrive backup 1\n\xFF\n",
+            2,
+            Cause::NotText { kind: "backup" },
+        ),
+        (
+            b"Dear Sir\n",
+            1,
+            Cause::OtherKind {
+                form,
+                found: found("Dear Sir"),
+            },
+        ),
+        (
+            b"profidrive backup 2\n",
+            1,
+            Cause::OtherVersion {
+                form,
+                found: found("2"),
+            },
+        ),
+        (b"profidrive backup 1\np918 = 1", 2, Cause::NoLineBreak),
+        (
+            changed,
+            3,
+            Cause::Changed {
+                found: found("00000000"),
+                computed: crc32(&changed[..changed.len() - "checksum 00000000\n".len()]),
+            },
+        ),
+    ];
+    for (octets, line, cause) in cases {
+        let problems = Backup::read(octets).unwrap_err().problems;
+        assert_eq!(problems, [Problem { line, cause }]);
+    }
+    let problems = Backup::read(with_head("nonsense")).unwrap_err().problems;
+    assert!(matches!(problems[0].cause, Cause::Line(_)), "{problems:?}");
 }
 
 /// The files in `tests/data` were written by the program before the form was shared with other files. What is read and
@@ -224,11 +271,11 @@ fn files_of_former_programs_read_back_and_are_written_the_same() {
         (include_str!("../../tests/data/vlt.backup"), 226, 0),
         (include_str!("../../tests/data/vacon.backup"), 122, 0),
     ] {
-        let backup = Backup::parse(text).unwrap();
+        let backup = Backup::read(text).unwrap();
         assert_eq!((backup.readings().len(), backup.task_count()), (settings, tasks));
         assert_eq!(backup.to_string(), text);
     }
-    let way_back = Backup::parse(include_str!("../../tests/data/akd.before")).unwrap();
+    let way_back = Backup::read(include_str!("../../tests/data/akd.before")).unwrap();
     assert_eq!(way_back.readings()[0].raw(), Some(0xA4));
     assert_eq!(way_back.task(3), Some(&Task::Empty));
 }
@@ -237,9 +284,9 @@ fn files_of_former_programs_read_back_and_are_written_the_same() {
 #[test]
 fn a_cut_backup_is_refused_or_has_fewer_lines() {
     let text = include_str!("../../tests/data/vacon.backup");
-    let whole = Backup::parse(text).unwrap();
+    let whole = Backup::read(text).unwrap();
     for end in 0..text.len() {
-        let Ok(cut) = Backup::parse(&text[..end]) else {
+        let Ok(cut) = Backup::read(&text[..end]) else {
             continue;
         };
         assert!(text[..end].ends_with('\n'), "{end}");
@@ -302,9 +349,9 @@ fn a_drive_without_tables_is_kept_by_number_and_octets() {
         "{text}"
     );
     assert!(text.contains("\n# reading 1300 refused: 0x0B "), "{text}");
-    let again = Backup::parse(&text).unwrap();
+    let again = Backup::read(&text).unwrap();
     assert_eq!(again.readings()[2].octets, b"feed\n#x");
-    assert_eq!(again, Backup::parse(&again.to_string()).unwrap());
+    assert_eq!(again, Backup::read(again.to_string()).unwrap());
 }
 
 #[test]
@@ -339,7 +386,7 @@ fn differences_are_in_units_and_say_what_is_missing() {
     let left = file("p2108 = 3000 rpm/s\np2115 = 1000 rpm/s\np1006 = 7630 rpm/s");
     let coarse = with_head("p2108 = 4000 rpm/s\np2117 = 1\np1006 = 7630 rpm/s")
         .replace("acceleration 763", "acceleration 109");
-    let right = Backup::parse(&coarse).unwrap();
+    let right = Backup::read(&coarse).unwrap();
     assert_ne!(left.readings()[0].raw(), right.readings()[0].raw());
     let differences = compare(&left, &right);
     let names: Vec<_> = differences.iter().filter_map(Difference::name).collect();
@@ -404,7 +451,7 @@ proptest! {
             .collect();
         let backup = Backup::new(header(), parameters, answers);
         let text = backup.to_string();
-        let again = Backup::parse(&text);
+        let again = Backup::read(&text);
         prop_assert!(again.is_ok(), "{:?}", again);
         let again = again.unwrap();
         prop_assert_eq!(&again, &backup);
@@ -417,8 +464,8 @@ proptest! {
     #[test]
     fn any_text_is_read_or_refused(lines in prop::collection::vec("[ -~\\n#=:(]{0,40}|p?2108 ?= ?[-0-9.e]{1,8} ?(rpm/s|A)?|p915\\[[0-9]{1,3}\\] = 0x[0-9A-F]{0,6}", 0..12)) {
         let text = with_head(&lines.join("\n"));
-        match Backup::parse(&text) {
-            Ok(backup) => prop_assert_eq!(&Backup::parse(&backup.to_string()).unwrap(), &backup),
+        match Backup::read(&text) {
+            Ok(backup) => prop_assert_eq!(&Backup::read(backup.to_string()).unwrap(), &backup),
             Err(error) => {
                 let count = text.lines().count();
                 prop_assert!(!error.problems.is_empty());

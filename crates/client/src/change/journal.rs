@@ -124,13 +124,13 @@ impl ChangeSet {
         self.text(&SEALED)
     }
 
-    /// Reads the [`journal`](Self::journal) of a set of plain values back: old and new value of each, and how far it may
+    /// Reads the text or the octets of the [`journal`](Self::journal) of a set of plain values back: old and new value of each, and how far it may
     /// be. What was sent counts as in doubt.
     ///
     /// # Errors
     /// When the text is not a journal, or is cut or changed; when it has motion tasks, or values that scale others.
-    pub fn from_journal(text: &str) -> Result<Self, BackupError> {
-        let old = SEALED.read(text.as_bytes())?;
+    pub fn from_journal(file: impl AsRef<[u8]>) -> Result<Self, BackupError> {
+        let old = SEALED.read(file.as_ref())?;
         let mut new = old.clone();
         let mut steps = Vec::new();
         for line in &mut new.lines {

@@ -95,7 +95,7 @@ fn scalings_go_first_and_what_they_scale_follows_in_its_unit() {
     let text = with_head(
         "p1006 Jog Acc = 7630 rpm/s\np3065 PN.ACCSCALING = 109\np2382 SWLS.EN = 3\np2439 = 2000 rpm",
     );
-    let plan = Plan::new(&Backup::parse(&text).unwrap(), &present, &Choice::default());
+    let plan = Plan::new(&Backup::read(&text).unwrap(), &present, &Choice::default());
     let order: Vec<(&str, Phase)> = plan
         .set
         .changes
@@ -118,7 +118,7 @@ fn scalings_go_first_and_what_they_scale_follows_in_its_unit() {
         only: vec!["Jog*".parse().unwrap()],
         ..Choice::default()
     };
-    let plan = Plan::new(&Backup::parse(&text).unwrap(), &present, &choice);
+    let plan = Plan::new(&Backup::read(&text).unwrap(), &present, &choice);
     assert_eq!(plan.set.changes.len(), 0);
     assert_eq!(plan.skipped[0].why, Skip::Same);
 }
@@ -154,7 +154,7 @@ fn old_and_new_values_are_each_in_the_unit_of_their_time() {
         },
         &[("UNIT.PROTARY", 2)],
     );
-    let wanted = Backup::parse(&there.to_string()).unwrap();
+    let wanted = Backup::read(there.to_string()).unwrap();
     let present = drive(Scaling::default(), &[]);
     let plan = Plan::new(&wanted, &present, &Choice::default());
     assert_ne!(
@@ -209,7 +209,7 @@ fn a_journal_is_a_backup_of_the_old_values() {
         "{text}"
     );
     assert!(text.contains("# -> 5000 rpm/s: not written"), "{text}");
-    assert_eq!(Backup::parse(&text).unwrap(), set.way_back());
+    assert_eq!(Backup::read(&text).unwrap(), set.way_back());
 }
 
 /// The drive says what kind of value it is.
@@ -217,7 +217,7 @@ fn a_journal_is_a_backup_of_the_old_values() {
 fn values_without_tables_have_the_size_and_format_of_the_drive() {
     let of = |value: &str| {
         let head = "profidrive backup 1\nmodel: PROFIdrive\nvendor: 0x1234\ndevice: 0x0000\n";
-        Backup::parse(&format!("{head}1200 = {value}\n")).unwrap()
+        Backup::read(format!("{head}1200 = {value}\n")).unwrap()
     };
     let plan = Plan::new(&of("0x0005"), &of("0xFFFE"), &Choice::default());
     let change = &plan.set.changes[0];
@@ -282,11 +282,11 @@ fn a_journal_reads_back_and_a_cut_one_is_refused() {
         assert_eq!(read.step.may_have_changed(), noted.step.may_have_changed());
     }
     // it is a backup of the old values too
-    assert_eq!(Backup::parse(&text).unwrap(), set.way_back());
+    assert_eq!(Backup::read(&text).unwrap(), set.way_back());
     for end in 0..text.len() {
         assert!(ChangeSet::from_journal(&text[..end]).is_err(), "cut at {end}");
     }
-    assert!(ChangeSet::from_journal(&set.to_string()).is_err(), "no checksum");
+    assert!(ChangeSet::from_journal(set.to_string()).is_err(), "no checksum");
 }
 
 #[test]
@@ -303,11 +303,11 @@ fn a_journal_of_any_model_reads_back() {
             (500, 250),
         ),
     ] {
-        let present = Backup::parse(text).unwrap();
-        let wanted = Backup::parse(&text.replace(jog.0, jog.1)).unwrap();
+        let present = Backup::read(text).unwrap();
+        let wanted = Backup::read(text.replace(jog.0, jog.1)).unwrap();
         let mut set = Plan::new(&wanted, &present, &Choice::default()).set;
         set.changes[0].step = Step::InDoubt;
-        let back = ChangeSet::from_journal(&set.journal()).unwrap();
+        let back = ChangeSet::from_journal(set.journal()).unwrap();
         let [change] = back.changes() else { panic!("{set}") };
         assert_eq!(
             (old(change).raw(), change.new.raw(), change.step),
@@ -322,6 +322,6 @@ fn a_journal_of_scalings_is_refused() {
     let present = drive(Scaling::default(), &[]);
     let wanted = file("PN.VELSCALING = 1000\np1004 = 90 rpm");
     let set = Plan::new(&wanted, &present, &Choice::default()).set;
-    let error = ChangeSet::from_journal(&set.journal()).unwrap_err();
+    let error = ChangeSet::from_journal(set.journal()).unwrap_err();
     assert!(!error.problems.is_empty(), "{error}");
 }

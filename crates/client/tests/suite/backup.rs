@@ -94,7 +94,7 @@ fn meddled(
     bench.wire().station().set_answer_fault(AnswerFault::None);
     let text = claims.kept.borrow().clone();
     if !text.is_empty() {
-        let back = Backup::parse(&text).unwrap();
+        let back = Backup::read(&text).unwrap();
         let mut journal = bench.journal(&back, &Choice::default());
         bench.restore(&mut journal, false).0.unwrap();
         assert!(journal.is_done());
@@ -123,7 +123,7 @@ fn a_whole_drive_is_saved_in_a_few_requests_and_twice_the_same() {
     assert_eq!(backup.header.order_id, AKD.device.order_id);
     let text = backup.to_string();
     assert_eq!(bench.backup().to_string(), text);
-    assert_eq!(Backup::parse(&text).unwrap(), backup);
+    assert_eq!(Backup::read(&text).unwrap(), backup);
 }
 
 #[test]
@@ -338,7 +338,7 @@ fn refused_values_are_reported_and_the_rest_is_written() {
     let text = text
         .replace("p2439 VL.LIMITP_32 = 3000 rpm", "p2439 VL.LIMITP_32 = 12001 rpm")
         .replace("p2108 DRV.ACC = 3000 rpm/s", "p2108 DRV.ACC = 4000 rpm/s");
-    let wanted = Backup::parse(&text).unwrap();
+    let wanted = Backup::read(&text).unwrap();
     assert_eq!(bench.journal(&wanted, &Choice::default()).total(), 1);
     let beyond = Choice {
         beyond_limits: true,
@@ -397,8 +397,8 @@ fn a_drive_without_tables() {
         "{text}"
     );
     assert!(!text.contains("\n944 = "), "read-only is not in it");
-    assert_eq!(Backup::parse(&text).unwrap(), backup);
-    let wanted = Backup::parse(&text.replace("\n1004 = 0xFF00", "\n1004 = 0x0064")).unwrap();
+    assert_eq!(Backup::read(&text).unwrap(), backup);
+    let wanted = Backup::read(text.replace("\n1004 = 0xFF00", "\n1004 = 0x0064")).unwrap();
     let choice = Choice {
         only: vec!["1004".parse().unwrap(), "922".parse().unwrap()],
         ..Choice::default()
@@ -453,7 +453,7 @@ proptest! {
         prop_assert!(result.is_ok(), "{:?}", result);
         prop_assert!(journal.is_done(), "{}", kept);
         prop_assert_eq!(bench.backup().to_string(), first.to_string());
-        let back = Backup::parse(&kept).unwrap();
+        let back = Backup::read(&kept).unwrap();
         let mut journal = bench.journal(&back, &Choice::default());
         bench.restore(&mut journal, false).0.unwrap();
         prop_assert_eq!(bench.backup().to_string(), changed.to_string());

@@ -256,7 +256,7 @@ proptest! {
         prop_assert_eq!(bench.backup().to_string(), before.to_string());
         // the journal is the same way back, as a file
         let text = set.to_string();
-        let parsed = profidrive_client::backup::Backup::parse(&text);
+        let parsed = profidrive_client::backup::Backup::read(&text);
         prop_assert!(parsed.is_ok_and(|parsed| parsed == set.way_back()), "{}", text);
     }
 }

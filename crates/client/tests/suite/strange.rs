@@ -72,7 +72,7 @@ fn serves(session: &mut Bench, id: StationId, drive: &mut Drive, change: Option<
     drive_mut(session, id).inject("fault=1".parse::<Injection>().expect("a fault"));
 
     let first = session.backup(drive, &mut |_, _| {}).wait().expect("saved");
-    let read = Backup::parse(&first.to_string()).expect("read back");
+    let read = Backup::read(first.to_string()).expect("read back");
     assert!(compare(&first, &read).is_empty());
     assert!(read.readings().len() >= 32, "{read:?}");
     let Some(change) = change else { return };

@@ -95,7 +95,7 @@ impl Note {
         let Some(content) = file.read().map_err(|error| error.to_string())? else {
             return Ok(None);
         };
-        let set = ChangeSet::from_journal(&String::from_utf8_lossy(&content));
+        let set = ChangeSet::from_journal(content);
         let wrong = |error| format!("{} is not the note of a change: {error}", file.path().display());
         Ok(Leftover::of(self.pnu, &set.map_err(wrong)?))
     }

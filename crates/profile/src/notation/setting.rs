@@ -16,7 +16,7 @@
 //! So a text that was cut is recognised, but for an unsealed one that was cut between two lines.
 //!
 //! ```
-//! use profidrive_profile::notation::setting::{Entry, Form};
+//! use profidrive_profile::notation::setting::{Cause, Entry, Form};
 //!
 //! const NOTES: Form = Form {
 //!     kind: "note",
@@ -38,7 +38,8 @@
 //! assert_eq!((name.as_str(), value.as_str()), ("DRV.ACC", "3000.000"));
 //!
 //! let cut = NOTES.read(&text.as_bytes()[..40]).unwrap_err();
-//! assert_eq!(cut.to_string(), "line 3: the last line has no line break, so its value may be cut; if the file is complete, end the line with one");
+//! assert_eq!(cut.cause, Cause::NoLineBreak);
+//! assert_eq!(cut.to_string(), "line 3: the last line has no line break, so its value may be cut");
 //! # Ok::<(), profidrive_profile::notation::setting::Problem>(())
 //! ```
 
@@ -57,8 +58,6 @@ pub const LONGEST: usize = 4 << 20;
 const MAGIC: &str = "profidrive ";
 /// First word of the last line.
 const CHECKSUM: &str = "checksum ";
-/// What is wrong with a text that may be cut within a value.
-const NO_LINE_BREAK: &str = "the last line has no line break, so its value may be cut; if the file is complete, end the line with one";
 /// Most characters of a text that a message quotes.
 const QUOTED: usize = 60;
 
@@ -126,14 +125,89 @@ pub struct Problem {
     /// Line, counted from 1.
     pub line: usize,
     /// What is wrong.
-    pub what: String,
+    pub cause: Cause,
+}
+
+/// What is wrong with a text.
+#[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Cause {
+    /// Longer than [`LONGEST`].
+    TooLong {
+        /// The kind that was expected.
+        kind: &'static str,
+    },
+    /// The octets are not UTF-8.
+    NotText {
+        /// The kind that was expected.
+        kind: &'static str,
+    },
+    /// The first line is not that of this kind of file.
+    OtherKind {
+        /// The form that was expected: its kind and newest version.
+        form: (&'static str, u32),
+        /// The first line, shortened.
+        found: String,
+    },
+    /// The version of its form is not known, so another edition of the program wrote it.
+    OtherVersion {
+        /// The form that was expected: its kind and newest version.
+        form: (&'static str, u32),
+        /// The version, shortened.
+        found: String,
+    },
+    /// The last line has no line break: its value may be cut.
+    NoLineBreak,
+    /// The checksum is missing, and with it the end of the text.
+    NoChecksum,
+    /// The checksum is not that of the text.
+    Changed {
+        /// The checksum in the text.
+        found: String,
+        /// The checksum of the text.
+        computed: u32,
+    },
+    /// The line says what this kind of file does not have, or not in this way.
+    Line(String),
+}
+
+impl fmt::Display for Cause {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::TooLong { kind } => write!(f, "longer than {LONGEST} octets, not a {kind}"),
+            Self::NotText { kind } => write!(f, "not text (UTF-8), not a {kind}"),
+            Self::OtherKind {
+                form: (kind, newest),
+                found,
+            } => write!(
+                f,
+                "not a {kind}: the first line is `{MAGIC}{kind} {newest}`, not `{found}`"
+            ),
+            Self::OtherVersion {
+                form: (kind, newest),
+                found,
+            } => write!(f, "a {kind} of form {found}, this program reads form {newest}"),
+            Self::NoLineBreak => f.write_str("the last line has no line break, so its value may be cut"),
+            Self::NoChecksum => {
+                f.write_str("the end of the text is missing: the last line is not a checksum")
+            }
+            Self::Changed { found, computed } => write!(
+                f,
+                "the text was changed: the checksum is {found}, computed {computed:08x}"
+            ),
+            Self::Line(what) => f.write_str(what),
+        }
+    }
 }
 
 impl Problem {
     /// What is wrong in a line.
     pub fn new(line: usize, what: impl Into<String>) -> Self {
-        let what = what.into();
-        Self { line, what }
+        Self::of(line, Cause::Line(what.into()))
+    }
+
+    const fn of(line: usize, cause: Cause) -> Self {
+        Self { line, cause }
     }
 }
 
@@ -141,7 +215,7 @@ impl fmt::Display for Problem {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         // text of an untrusted file must not move the cursor
         let clean = |c: char| if c.is_control() { '.' } else { c };
-        let what: String = self.what.chars().map(clean).collect();
+        let what: String = self.cause.to_string().chars().map(clean).collect();
         write!(f, "line {}: {what}", self.line)
     }
 }
@@ -163,14 +237,14 @@ impl Form {
     /// # Errors
     /// When it is not text, of another kind or version, cut, or when its checksum does not match.
     pub fn read(&self, octets: &[u8]) -> Result<Settings, Problem> {
+        let kind = self.kind;
         if octets.len() > LONGEST {
-            let what = format!("longer than {LONGEST} octets, not a {}", self.kind);
-            return Err(Problem::new(1, what));
+            return Err(Problem::of(1, Cause::TooLong { kind }));
         }
         let text = core::str::from_utf8(octets).map_err(|error| {
             let before = octets.get(..error.valid_up_to()).unwrap_or_default();
             let line = 1 + before.iter().filter(|octet| **octet == b'\n').count();
-            Problem::new(line, format!("not text (UTF-8), not a {}", self.kind))
+            Problem::of(line, Cause::NotText { kind })
         })?;
         let version = self.version_of(text.lines().next().unwrap_or_default())?;
         let lines = self
@@ -190,46 +264,37 @@ impl Form {
         let rest = line
             .strip_prefix(MAGIC)
             .and_then(|rest| rest.strip_prefix(self.kind));
-        let (kind, newest) = (self.kind, self.version);
+        let form = (self.kind, self.version);
+        let of = |cause| Problem::of(1, cause);
         let found = rest.map(str::trim).ok_or_else(|| {
-            let line = shorten(line);
-            Problem::new(
-                1,
-                format!("not a {kind}: the first line is `{MAGIC}{kind} {newest}`, not `{line}`"),
-            )
+            let found = shorten(line);
+            of(Cause::OtherKind { form, found })
         })?;
-        let mut versions = self.oldest..=newest;
+        let mut versions = self.oldest..=self.version;
         versions
             .find(|version| version.to_string() == found)
             .ok_or_else(|| {
                 let found = shorten(found);
-                Problem::new(
-                    1,
-                    format!("a {kind} of form {found}, this program reads form {newest}"),
-                )
+                of(Cause::OtherVersion { form, found })
             })
     }
 
     /// Returns the text without its checksum, which matches, or is not there and need not be.
     fn unsealed<'t>(&self, text: &'t str) -> Result<&'t str, Problem> {
-        let count = text.lines().count().max(1);
-        let whole = text
-            .strip_suffix('\n')
-            .ok_or_else(|| Problem::new(count, NO_LINE_BREAK))?;
+        let of = |cause| Problem::of(text.lines().count().max(1), cause);
+        let whole = text.strip_suffix('\n').ok_or_else(|| of(Cause::NoLineBreak))?;
         let (body, last) = text.split_at(whole.rfind('\n').map_or(0, |at| at + 1));
         let found = last.strip_prefix(CHECKSUM).map(str::trim_end);
         match found.filter(|found| found.len() == 8 && found.bytes().all(|octet| octet.is_ascii_hexdigit())) {
             Some(found) => {
-                let computed = format!("{:08x}", crc32(body.as_bytes()));
-                let what = || format!("the text was changed: the checksum is {found}, computed {computed}");
-                (found == computed)
-                    .then_some(body)
-                    .ok_or_else(|| Problem::new(count, what()))
+                let computed = crc32(body.as_bytes());
+                if found == format!("{computed:08x}") {
+                    return Ok(body);
+                }
+                let found = found.to_owned();
+                Err(of(Cause::Changed { found, computed }))
             }
-            None if self.sealed => Err(Problem::new(
-                count,
-                "the end of the text is missing: the last line is not a checksum",
-            )),
+            None if self.sealed => Err(of(Cause::NoChecksum)),
             None => Ok(text),
         }
     }

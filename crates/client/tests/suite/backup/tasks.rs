@@ -61,7 +61,7 @@ fn they_are_in_the_backup_and_their_window_is_as_it_was() {
         text.contains(line) && text.contains("\nMT[5] = P -65536 counts, V 1 rpm,"),
         "{text}"
     );
-    assert_eq!(Backup::parse(&text).unwrap(), backup);
+    assert_eq!(Backup::read(&text).unwrap(), backup);
     assert_eq!(bench.backup().to_string(), text);
 }
 
@@ -97,7 +97,7 @@ fn a_drive_that_is_switched_on_is_not_restored() {
         text.contains("\ntasks: left out, the power stage is on\n") && !text.contains("MT["),
         "{text}"
     );
-    assert_eq!(Backup::parse(&text).unwrap(), backup);
+    assert_eq!(Backup::read(&text).unwrap(), backup);
 }
 
 #[test]
@@ -154,7 +154,7 @@ fn changed_compared_restored_and_the_way_back() {
         kept.contains("\nMT[1] = empty                           # -> another task: written, read back\n"),
         "{kept}"
     );
-    let back = Backup::parse(&kept).unwrap();
+    let back = Backup::read(&kept).unwrap();
     assert_eq!(back.task(9).map(|task| *task == Task::Empty), Some(false));
     let mut journal = bench.journal(&back, &Choice::default());
     bench.restore(&mut journal, false).0.unwrap();
@@ -206,7 +206,7 @@ fn interrupted_at_every_point_nothing_wrong_is_claimed_and_the_window_is_as_it_w
             }
         }
         if !kept.is_empty() {
-            let mut back = bench.journal(&Backup::parse(&kept).unwrap(), &Choice::default());
+            let mut back = bench.journal(&Backup::read(&kept).unwrap(), &Choice::default());
             bench.restore(&mut back, false).0.unwrap();
             assert_eq!(bench.backup().to_string(), empty.to_string());
         }
@@ -236,7 +236,7 @@ fn positions_are_in_the_unit_that_the_drive_has() {
     );
     assert!(text.contains("\np2385 SWLS.LIMIT1 = 720 deg "), "{text}");
     assert!(text.contains("\nMT[1] = P 1080 deg, "), "{text}");
-    assert_eq!(Backup::parse(&text).unwrap(), degrees);
+    assert_eq!(Backup::read(&text).unwrap(), degrees);
     // the same place is the same place
     let differences: Vec<_> = compare(&counts, &degrees);
     let names: Vec<_> = differences.iter().filter_map(|one| one.name()).collect();

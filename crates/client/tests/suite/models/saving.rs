@@ -16,7 +16,7 @@ fn settings_go_there_and_back() {
         let text = first.to_string();
         assert!(text.contains(&format!("\n{} ", way.shown)), "{text}");
         assert_eq!(
-            Backup::parse(&text).expect("read back").to_string(),
+            Backup::read(&text).expect("read back").to_string(),
             text,
             "{name}"
         );

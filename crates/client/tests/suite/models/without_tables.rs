@@ -59,7 +59,7 @@ fn a_drive_without_a_built_in_catalogue_reports_its_parameters() {
     ));
     // and it is backed up by number and octets, as other programs lack its tables
     let saved = session.backup(&mut drive, &mut |_, _| {}).wait().expect("saved");
-    let read = Backup::parse(&saved.to_string()).expect("read back");
+    let read = Backup::read(saved.to_string()).expect("read back");
     assert!(compare(&saved, &read).is_empty());
     write(&mut session, &mut drive, "341=9s", WriteMode::Write).expect("taken");
     let mut plan = session
