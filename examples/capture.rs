@@ -8,7 +8,7 @@ use std::io::BufReader;
 
 use network::files;
 use network::pcap::{Reader, Writer};
-use profidrive::Way;
+use profidrive::Transport;
 use profidrive::client::{DriveAddress, Wait};
 use profinet::wire::ethernet::Frame;
 
@@ -16,7 +16,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let path = std::env::args().nth(1).ok_or("give a file to write")?;
     let file = files::create(path.as_ref())?;
     let mut network = profidrive::open_plant("examples/plants/one_drive.toml")?;
-    let Way::Plant(plant) = network.way().clone() else {
+    let Transport::Plant(plant) = network.transport().clone() else {
         return Err("not a plant".into());
     };
     plant

@@ -15,7 +15,9 @@ use std::ffi::OsString;
 use std::path::PathBuf;
 use std::time::Duration;
 
-use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
+use clap::builder::{PossibleValue, StyledStr};
+use clap::error::{ContextKind, ContextValue, ErrorKind};
+use clap::{ArgMatches, Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 use profile::notation::Quantity;
 
 pub use drives::{Backup, Diff, Faults, Restore, Status};
@@ -51,16 +53,24 @@ pub struct Cli {
     /// The words of the command: `read`, `gsdml show`
     #[arg(skip)]
     pub name: String,
+    /// The drive of the command, as the user called it
+    #[arg(skip)]
+    pub drive: Option<String>,
 }
 
 impl Cli {
     /// The command line, or what is wrong with it.
     pub fn read<T: Into<OsString> + Clone>(line: impl IntoIterator<Item = T>) -> Result<Self, clap::Error> {
         let line: Vec<OsString> = line.into_iter().map(Into::into).collect();
-        let matches = with_signs(Self::command()).try_get_matches_from(&line)?;
+        let mut command = with_signs(Self::command());
+        let matches = command.try_get_matches_from_mut(&line);
+        let matches = matches.map_err(|error| with_choices(error, &command, &named(line)))?;
         let cli = Self::from_arg_matches(&matches)?;
+        let (words, innermost) = innermost(&matches);
+        let drive = innermost.try_get_one::<String>("drive").ok().flatten();
         Ok(Self {
-            name: named(line),
+            name: words.join(" "),
+            drive: drive.cloned(),
             ..cli
         })
     }
@@ -69,13 +79,42 @@ impl Cli {
 /// Returns the words of the command in a line, wrong or not: `read`, `gsdml show`; empty where there is none.
 pub fn named(line: impl IntoIterator<Item = OsString>) -> String {
     let matches = Cli::command().ignore_errors(true).try_get_matches_from(line);
+    matches.map_or_else(|_| String::new(), |matches| innermost(&matches).0.join(" "))
+}
+
+/// Returns the words of the command, and the arguments of its last word.
+fn innermost(matches: &ArgMatches) -> (Vec<&str>, &ArgMatches) {
     let mut words = Vec::new();
-    let mut inner = matches.as_ref().ok().and_then(clap::ArgMatches::subcommand);
-    while let Some((name, matches)) = inner {
+    let mut innermost = matches;
+    while let Some((name, inner)) = innermost.subcommand() {
         words.push(name);
-        inner = matches.subcommand();
+        innermost = inner;
     }
-    words.join(" ")
+    (words, innermost)
+}
+
+/// Adds the choices of missing arguments to the error, one tip for each argument.
+fn with_choices(mut error: clap::Error, command: &clap::Command, name: &str) -> clap::Error {
+    let Some(ContextValue::Strings(missing)) = error.get(ContextKind::InvalidArg) else {
+        return error;
+    };
+    let command = name
+        .split_whitespace()
+        .try_fold(command, |command, word| command.find_subcommand(word));
+    let choices = command
+        .into_iter()
+        .flat_map(clap::Command::get_arguments)
+        .filter_map(|argument| {
+            let choices = argument.get_possible_values();
+            let choices: Vec<&str> = choices.iter().map(PossibleValue::get_name).collect();
+            let is_missing = !choices.is_empty() && missing.contains(&argument.to_string());
+            is_missing.then(|| StyledStr::from(format!("{argument} is one of {}", choices.join(", "))))
+        });
+    let choices: Vec<StyledStr> = choices.collect();
+    if error.kind() == ErrorKind::MissingRequiredArgument && !choices.is_empty() {
+        error.insert(ContextKind::Suggested, ContextValue::StyledStrs(choices));
+    }
+    error
 }
 
 /// Reports a time with a sign as an invalid time, not as an unknown option.
@@ -104,11 +143,11 @@ pub struct Interface {
 }
 
 impl Interface {
-    /// Returns the way to this drive, taken for what it says it is.
-    pub fn to(&self, drive: &str) -> Towards {
+    /// Returns the drive on this interface, as the model that it identifies itself as.
+    pub fn target(&self, drive: &str) -> Target {
         let kind = Kind::default();
         let interface = self.clone();
-        Way { interface, kind }.to(drive)
+        DriveOptions { interface, kind }.target(drive)
     }
 }
 
@@ -126,29 +165,29 @@ pub struct Kind {
 
 /// The interface towards a drive, and what the drive is taken for.
 #[derive(Debug, Clone, Default, Args)]
-pub struct Way {
+pub struct DriveOptions {
     #[command(flatten)]
     pub interface: Interface,
     #[command(flatten)]
     pub kind: Kind,
 }
 
-impl Way {
-    /// Returns the way to this drive.
-    pub fn to(&self, drive: &str) -> Towards {
-        Towards {
+impl DriveOptions {
+    /// Returns this drive with these options.
+    pub fn target(&self, drive: &str) -> Target {
+        Target {
             drive: drive.to_owned(),
-            way: self.clone(),
+            options: self.clone(),
         }
     }
 }
 
-/// A drive and the way to it.
+/// The drive of a command, and how to reach and treat it.
 #[derive(Debug)]
-pub struct Towards {
+pub struct Target {
     /// The drive as the user called it.
     pub drive: String,
-    pub way: Way,
+    pub options: DriveOptions,
 }
 
 /// A command for one drive.
@@ -159,7 +198,7 @@ pub struct OnDrive<T: Args> {
     #[command(flatten)]
     pub args: T,
     #[command(flatten)]
-    pub way: Way,
+    pub options: DriveOptions,
 }
 
 /// A command that has several drives, or files in their place, among its arguments.
@@ -168,7 +207,7 @@ pub struct OnDrives<T: Args> {
     #[command(flatten)]
     pub args: T,
     #[command(flatten)]
-    pub way: Way,
+    pub options: DriveOptions,
 }
 
 /// A command that uses the network.

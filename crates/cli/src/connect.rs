@@ -4,7 +4,7 @@ use client::{Drive, DriveAddress, Wait};
 use network::system::{Error as NetworkError, ForcedExit, Stop};
 use profidrive::{DescriptionError, DriveError, FindEvent, Network, OpenError, Opening};
 
-use crate::args::{Interface, Kind, Towards};
+use crate::args::{Interface, Kind, Target};
 use crate::commands::gsdml;
 use crate::failure::{Exit, Failure, exit_of};
 use crate::output::Output;
@@ -24,17 +24,17 @@ pub fn session(interface: &Interface, need: Need, output: &Output) -> Result<Liv
     Ok(attended(session, &stop, output))
 }
 
-/// Opens the way to a drive and finds it.
-pub fn drive(to: &Towards, need: Need, output: &Output) -> Result<(Live, Drive), Failure> {
-    let address: DriveAddress = to.drive.parse().map_err(|error: client::DriveAddressError| {
+/// Opens the network or the serial line of a drive and finds the drive.
+pub fn drive(target: &Target, need: Need, output: &Output) -> Result<(Live, Drive), Failure> {
+    let address: DriveAddress = target.drive.parse().map_err(|error: client::DriveAddressError| {
         Failure::usage(error.to_string())
             .hint("DRIVE is a station name (akd-1), an IP address, a MAC address, or fc:PORT/ADDRESS or uss:PORT/ADDRESS at a serial line")
     })?;
-    let (mut opening, stop) = opening(&to.way.interface, need)?;
-    if let Some(model) = to.way.kind.model {
+    let (mut opening, stop) = opening(&target.options.interface, need)?;
+    if let Some(model) = target.options.kind.model {
         opening = opening.as_model(model);
     }
-    if let Some(file) = &to.way.kind.gsdml {
+    if let Some(file) = &target.options.kind.gsdml {
         opening = opening.described_by(gsdml::read(file)?);
     }
     let session = opening.open_to(&address).map_err(without_right)?;
@@ -60,7 +60,10 @@ pub fn drive(to: &Towards, need: Need, output: &Output) -> Result<(Live, Drive),
     if let Some(bar) = shown {
         bar.finish_and_clear();
     }
-    Ok((session, found.map_err(|error| failed(error, &to.way.kind))?))
+    Ok((
+        session,
+        found.map_err(|error| failed(error, &target.options.kind))?,
+    ))
 }
 
 fn opening(interface: &Interface, need: Need) -> Result<(Opening, Stop), Failure> {

@@ -12,6 +12,8 @@ mod render;
 
 use std::process::ExitCode;
 
+use clap::error::{ContextKind, ContextValue, ErrorKind};
+
 use crate::args::Cli;
 use crate::failure::{Exit, Failure};
 use crate::output::Output;
@@ -24,7 +26,7 @@ fn main() -> ExitCode {
     let output = Output::new(cli.global.json, cli.global.quiet)
         .with_details(cli.global.verbose)
         .of_command(cli.name.clone())
-        .about(commands::drive(&cli.command));
+        .about(cli.drive.as_deref());
     let result = commands::run(&cli, &output);
     output.end(result.as_ref().err());
     let lost = output.lost();
@@ -47,7 +49,7 @@ fn misunderstood(error: &clap::Error, command: String) -> ExitCode {
     } else {
         output.styled(&error.render());
     }
-    output.fail(&mistake(&error.render().to_string()));
+    output.fail(&mistake(error));
     if let Some(failure) = output.lost() {
         output.error(&failure);
         return ExitCode::from(failure.exit as u8);
@@ -55,20 +57,43 @@ fn misunderstood(error: &clap::Error, command: String) -> ExitCode {
     ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(Exit::Usage as u8))
 }
 
-/// Returns the failure that the reader of the command line words: a message, indented details and tips, then the usage.
-fn mistake(text: &str) -> Failure {
-    let mut lines = text
+/// Returns the failure of a command line that is not valid: its message, what is missing or possible, and suggestions.
+fn mistake(error: &clap::Error) -> Failure {
+    let text = error.render().to_string();
+    let message = text
         .lines()
-        .take_while(|line| !line.starts_with("Usage:"))
-        .map(str::trim)
-        .filter(|line| !line.is_empty() && !line.starts_with("For more information"));
-    let message = lines.next().unwrap_or_default();
-    let (tips, details): (Vec<&str>, Vec<&str>) = lines.partition(|line| line.starts_with("tip: "));
-    let hint = tips.iter().map(|tip| tip.trim_start_matches("tip: "));
+        .next()
+        .unwrap_or_default()
+        .trim_start_matches("error: ");
+    let values = |kind| match error.get(kind) {
+        Some(ContextValue::String(value)) => vec![value.clone()],
+        Some(ContextValue::Strings(values)) => values.clone(),
+        Some(ContextValue::StyledStrs(values)) => values.iter().map(ToString::to_string).collect(),
+        _ => Vec::new(),
+    };
+    let mut details = match error.kind() {
+        ErrorKind::MissingRequiredArgument => values(ContextKind::InvalidArg),
+        ErrorKind::ArgumentConflict => values(ContextKind::PriorArg),
+        _ => Vec::new(),
+    };
+    let possible = [ContextKind::ValidValue, ContextKind::ValidSubcommand]
+        .map(values)
+        .concat();
+    if !possible.is_empty() {
+        details.push(format!("possible values: {}", possible.join(", ")));
+    }
+    let similar = [
+        ContextKind::SuggestedArg,
+        ContextKind::SuggestedSubcommand,
+        ContextKind::SuggestedValue,
+    ];
+    let similar = similar.map(values).concat();
+    let similar = similar.iter().map(|similar| format!("similar: '{similar}'"));
+    let hints: Vec<String> = similar.chain(values(ContextKind::Suggested)).collect();
     Failure {
-        details: details.into_iter().map(str::to_owned).collect(),
-        hint: Some(hint.collect::<Vec<_>>().join("; ")).filter(|hint| !hint.is_empty()),
-        ..Failure::usage(message.trim_start_matches("error: "))
+        details,
+        hint: Some(hints.join("; ")).filter(|hint| !hint.is_empty()),
+        ..Failure::usage(message)
     }
 }
 
@@ -79,7 +104,7 @@ mod tests {
     fn of(line: &str) -> Failure {
         match Cli::read(line.split(' ')) {
             Ok(_) => panic!("{line}"),
-            Err(error) => mistake(&error.render().to_string()),
+            Err(error) => mistake(&error),
         }
     }
 

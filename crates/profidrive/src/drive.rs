@@ -1,13 +1,13 @@
-//! From the address of a drive to the drive: found, taken as its model, and with the parameters of a foreign drive known.
+//! From the address of a drive to the drive: finds it, sets its model, and reads the parameters of a drive without a catalogue.
 
 use client::{Drive, DriveAddress, DriveAddressError, Error, ErrorKind, Session};
 use network::system::InterfaceInfo;
 use profinet::IpSuite;
 
-use crate::open::{Access, Network, OpenError, Opening, Way, open_line};
+use crate::open::{Access, Network, OpenError, Opening, Transport, open_line};
 use crate::reach::{OtherSubnet, Reach, far, reach};
 
-/// A step on the way to a drive.
+/// A step of opening and finding a drive.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum FindEvent<'a> {
@@ -75,11 +75,11 @@ impl DriveError {
     }
 }
 
-/// Called with each step on the way to a drive.
+/// Called with each step of opening and finding a drive.
 pub type FindObserver<'o> = dyn FnMut(FindEvent<'_>) + Send + 'o;
 
 impl Opening {
-    /// Opens the way to a drive and finds it. The address is a station name, an IP address, a MAC address, or that of a drive
+    /// Opens the network or the serial line of a drive and finds the drive. The address is a station name, an IP address, a MAC address, or that of a drive
     /// at a serial line (`fc:PORT/ADDRESS`, `uss:PORT/ADDRESS`).
     ///
     /// ```no_run
@@ -103,8 +103,8 @@ impl Opening {
         Ok((network, drive))
     }
 
-    /// Opens the way to a drive: the plant that was given, its serial line, or a network interface. For records of a drive given by its IP address UDP
-    /// alone is enough.
+    /// Opens the network of a drive: the plant that was given, its serial line, or a network interface. UDP alone is enough for
+    /// the records of a drive that is given by its IP address.
     ///
     /// # Errors
     /// As [`open`](Self::open) and [`open_line`].
@@ -136,14 +136,14 @@ impl Opening {
         address: &DriveAddress,
         observer: &mut FindObserver<'_>,
     ) -> Result<Drive, DriveError> {
-        let way = network.way().clone();
-        self.find_over(network, &way, address, observer).await
+        let transport = network.transport().clone();
+        self.find_over(network, &transport, address, observer).await
     }
 
     async fn find_over(
         &self,
         session: &mut Session,
-        way: &Way,
+        transport: &Transport,
         address: &DriveAddress,
         observer: &mut FindObserver<'_>,
     ) -> Result<Drive, DriveError> {
@@ -151,7 +151,7 @@ impl Opening {
             let (drive, what) = (at.to_string(), "station name, IP address or signal");
             return Err(Error::NotOnLine { drive, what }.into());
         }
-        if matches!(way, Way::Udp) && self.interface.is_some() {
+        if matches!(transport, Transport::Udp) && self.interface.is_some() {
             observer(FindEvent::UdpAlone);
         }
         if self.access == Access::Stop {
@@ -159,7 +159,7 @@ impl Opening {
         }
         observer(FindEvent::LookingFor(address));
         let found = session.find(address).await;
-        let drive = found.map_err(|error| not_found(error, way, address))?;
+        let drive = found.map_err(|error| not_found(error, transport, address))?;
         observer(FindEvent::Found);
         let mut drive = match self.model {
             Some(model) => drive.as_model(model),
@@ -175,12 +175,12 @@ impl Opening {
         if self.access == Access::Discovery {
             return Ok(drive);
         }
-        if let Some((name, own)) = way.place()
+        if let Some((name, own)) = transport.place()
             && let Reach::Routed(words) = reach(name, own, &drive.label(), drive.station.ip)?
         {
             observer(FindEvent::Routed(&words));
         }
-        match self.know(session, &mut drive, observer).await {
+        match self.learn(session, &mut drive, observer).await {
             // a device without parameters still has its identity
             Err(Error::NotADrive { .. } | Error::NoRoute { .. } | Error::ParametersOwned { .. })
                 if self.access == Access::Identity => {}
@@ -192,7 +192,7 @@ impl Opening {
     }
 
     /// Reads what the parameters of a foreign drive are.
-    async fn know(
+    async fn learn(
         &self,
         session: &mut Session,
         drive: &mut Drive,
@@ -202,7 +202,7 @@ impl Opening {
             return Ok(());
         }
         if self.model.is_some() {
-            // without tables only the drive knows its axis
+            // without tables only the drive has the number of its axis
             return session.find_channel(drive).await;
         }
         observer(FindEvent::Learning { done: 0, all: 0 });
@@ -212,8 +212,9 @@ impl Opening {
 }
 
 /// Without discovery the address may be the cause.
-fn not_found(error: Error, way: &Way, address: &DriveAddress) -> DriveError {
-    if let (Way::Udp, DriveAddress::Ip(ip), ErrorKind::Unreachable) = (way, address, error.kind()) {
+fn not_found(error: Error, transport: &Transport, address: &DriveAddress) -> DriveError {
+    if let (Transport::Udp, DriveAddress::Ip(ip), ErrorKind::Unreachable) = (transport, address, error.kind())
+    {
         let own = InterfaceInfo::list().unwrap_or_default();
         let own: Vec<IpSuite> = own.into_iter().flat_map(|info| info.addresses).collect();
         if let Some(subnets) = far(&own, *ip) {
@@ -266,8 +267,8 @@ mod tests {
         (network, world, station)
     }
 
-    fn way() -> Way {
-        Way::Packet(InterfaceInfo {
+    fn transport() -> Transport {
+        Transport::Packet(InterfaceInfo {
             name: "eth7".into(),
             index: 7,
             mac: None,
@@ -281,7 +282,9 @@ mod tests {
         let mut events = Vec::new();
         let address = "drive-1".parse().unwrap();
         let mut observer = |event: FindEvent<'_>| events.push(format!("{event:?}"));
-        let drive = opening.find_over(network, &way(), &address, &mut observer).wait();
+        let drive = opening
+            .find_over(network, &transport(), &address, &mut observer)
+            .wait();
         (drive, events)
     }
 
@@ -314,7 +317,7 @@ mod tests {
         let (mut network, _world, _) = foreign();
         let discovery = Opening::new(Access::Discovery);
         let at_line = discovery
-            .find_over(&mut network, &Way::Serial, &line, &mut |_| {})
+            .find_over(&mut network, &Transport::Serial, &line, &mut |_| {})
             .wait();
         assert_eq!(at_line.unwrap_err().kind(), ErrorKind::Usage);
         // on a network nothing but the station is needed

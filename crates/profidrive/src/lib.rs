@@ -40,7 +40,7 @@
 //! |---|---|
 //! | open a network interface, UDP alone or a serial line | [`open`], [`Opening`], [`open_line`] |
 //! | open a plant in memory (feature `simulate`) | `open_plant`, `open_scenario`, `Opening::in_plant` |
-//! | open the way to a drive and find it, in one call | [`Opening::drive`] |
+//! | open a network and find a drive, in one call | [`Opening::drive`] |
 //! | end waiting calls and stop axes by Ctrl-C | [`Stop`] with [`Opening::stopped_by`] |
 //! | know whether both sides can reach each other | [`reach`](reach()) |
 //! | find, read, write | [`Network`], which is a [`client::Session`] |
@@ -69,7 +69,7 @@ pub use client::Wait;
 pub use description::{DescriptionError, describe};
 pub use drive::{DriveError, FindEvent, FindObserver};
 pub use network::system::{ForcedExit, Stop};
-pub use open::{Access, Network, OpenError, Opening, Way, interface, open, open_line};
+pub use open::{Access, Network, OpenError, Opening, Transport, interface, open, open_line};
 /// The drive profile: parameters, values, telegrams, models.
 pub use profile;
 pub use reach::{OtherSubnet, Reach, far, reach};

@@ -20,12 +20,12 @@ use crate::driver::Threaded;
 #[derive(Debug)]
 pub struct Network {
     pub(crate) network: client::Network,
-    pub(crate) way: Way,
+    pub(crate) transport: Transport,
 }
 
 /// What carries a network.
 #[derive(Debug, Clone)]
-pub enum Way {
+pub enum Transport {
     /// A network interface with the right to raw frames, as it was when opened: everything.
     Packet(InterfaceInfo),
     /// UDP alone: records only.
@@ -37,7 +37,7 @@ pub enum Way {
     Plant(crate::simulate::Joined),
 }
 
-impl Way {
+impl Transport {
     /// What this computer is called there, and its addresses.
     pub(crate) fn place(&self) -> Option<(&str, &[IpSuite])> {
         match self {
@@ -50,17 +50,22 @@ impl Way {
 }
 
 impl Network {
-    /// Returns the medium that carries it.
+    /// Returns what carries this network.
     #[must_use]
-    pub const fn way(&self) -> &Way {
-        &self.way
+    pub const fn transport(&self) -> &Transport {
+        &self.transport
     }
 
-    fn start(client: Client, carrier: Carrier, way: Way, stop: Option<Stop>) -> Result<Self, OpenError> {
+    fn start(
+        client: Client,
+        carrier: Carrier,
+        transport: Transport,
+        stop: Option<Stop>,
+    ) -> Result<Self, OpenError> {
         let flag = stop.clone();
         let start = |engine| Threaded::start(engine, carrier, flag).map_err(OpenError::Thread);
         let network = client::Network::driven(client, start)?;
-        Ok(Self { network, way }.stopped_by(stop))
+        Ok(Self { network, transport }.stopped_by(stop))
     }
 
     pub(crate) fn stopped_by(mut self, stop: Option<Stop>) -> Self {
@@ -78,7 +83,7 @@ impl Network {
         }
         Self {
             network: self.network.without_calls(),
-            way: self.way,
+            transport: self.transport,
         }
     }
 }
@@ -261,7 +266,7 @@ impl Opening {
         self
     }
 
-    /// Opens it, a plant where one was given. That UDP alone had to be enough shows in its [`Network::way`].
+    /// Opens it, a plant where one was given. That UDP alone had to be enough shows in its [`Network::transport`].
     ///
     /// # Errors
     /// When there is no such interface, it is down, has no address, or the right is missing.
@@ -298,7 +303,7 @@ impl Opening {
         let client = Client::new(config(info.usable()?, info.ip()));
         let hears_calls = medium.hears_calls();
         let carrier = Carrier::Packet(Box::new(medium));
-        let network = Network::start(client, carrier, Way::Packet(info), self.stop)?;
+        let network = Network::start(client, carrier, Transport::Packet(info), self.stop)?;
         Ok(network.with_calls(hears_calls))
     }
 
@@ -313,7 +318,7 @@ impl Opening {
         let config = config(mac.unwrap_or(MacAddress([2, 0, 0, 0, 0, 1])), IpSuite::NONE);
         let hears_calls = medium.hears_calls();
         let carrier = Carrier::Udp(Box::new(medium));
-        let network = Network::start(Client::new(config), carrier, Way::Udp, self.stop)?;
+        let network = Network::start(Client::new(config), carrier, Transport::Udp, self.stop)?;
         let network = Network {
             network: network.network.without_discovery(),
             ..network
@@ -333,7 +338,7 @@ pub fn open_line(at: &LineAddress, stop: Option<Stop>) -> Result<Network, OpenEr
     }
     let client = Client::on_line(LineConfig::new(at.protocol, at.baud));
     let carrier = Carrier::Serial(Box::new(line));
-    Network::start(client, carrier, Way::Serial, stop)
+    Network::start(client, carrier, Transport::Serial, stop)
 }
 
 const fn server_port(access: Access) -> ServerPort {
@@ -400,7 +405,7 @@ mod tests {
                 "{error}"
             );
             let network = opening.by_ip(true).open().unwrap();
-            assert!(matches!(network.way(), Way::Udp));
+            assert!(matches!(network.transport(), Transport::Udp));
         }
     }
 

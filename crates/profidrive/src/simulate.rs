@@ -9,7 +9,7 @@ use plant::Scenario;
 use profinet::controller::ControllerConfig;
 use profinet::{IpSuite, MacAddress};
 
-use crate::open::{Access, Network, OpenError, Opening, Way};
+use crate::open::{Access, Network, OpenError, Opening, Transport};
 
 /// The address of this program in a plant. The drives have others: those of a file are locally administered ones made of
 /// their names.
@@ -58,11 +58,11 @@ impl Opening {
 ///
 /// ```
 /// use std::time::Duration;
-/// use profidrive::{Wait, Way};
+/// use profidrive::{Wait, Transport};
 ///
 /// let plant = "[[drive]]\nname = \"akd-1\"\nip = \"10.0.0.1/24\"";
 /// let mut network = profidrive::open_scenario(plant.parse()?)?;
-/// if let Way::Plant(plant) = network.way() {
+/// if let Transport::Plant(plant) = network.transport() {
 ///     let lasts = Some(Duration::from_millis(300));
 ///     plant.world().inject("akd-1", "cable=pulled".parse()?, lasts)?;
 /// }
@@ -88,8 +88,8 @@ pub(crate) fn join(scenario: &Scenario, stop: Option<Stop>) -> Result<Network, O
     let config = ControllerConfig::new(MAC, ip, "profidrive", scenario.seed);
     let (network, world) = client::Network::on(plant::World::new(scenario)?, config);
     let network = network.simulated();
-    let way = Way::Plant(Joined { world, ip });
-    Ok(Network { network, way }.stopped_by(stop))
+    let transport = Transport::Plant(Joined { world, ip });
+    Ok(Network { network, transport }.stopped_by(stop))
 }
 
 #[cfg(test)]
@@ -120,9 +120,9 @@ mod tests {
     "#;
 
     fn joined(network: &Network) -> Joined {
-        match network.way() {
-            Way::Plant(joined) => joined.clone(),
-            way => panic!("{way:?}"),
+        match network.transport() {
+            Transport::Plant(joined) => joined.clone(),
+            transport => panic!("{transport:?}"),
         }
     }
 

@@ -29,11 +29,7 @@ pub struct Explain {
     #[arg(allow_negative_numbers = true)]
     pub value: String,
     /// What the number is
-    #[arg(
-        long = "as",
-        value_parser = named(&KINDS),
-        value_name = "stw1|zsw1|state|fault|error|format|pnio|ctw-fc|stw-fc|ctw-vlt|stw-vlt|ctw-vlt2800|stw-vlt2800|ctw-vacon|stw-vacon|pke|alarm-word|alarm-word2|warning-word|warning-word2"
-    )]
+    #[arg(long = "as", value_parser = named(&KINDS), value_name = "KIND")]
     pub kind: Kind,
     /// Mode of the drive, for stw1 and zsw1; without it both modes are shown
     #[arg(long, value_parser = named(&MODES), value_name = "MODE")]
@@ -51,8 +47,8 @@ pub struct Decode {
     #[arg(short, long, value_name = "IFACE", conflicts_with_all = ["file", "hex"])]
     pub interface: Option<String>,
     /// Prints only what is from, to or about this station: its name, IP address or Ethernet address
-    #[arg(long, value_name = "DRIVE", conflicts_with = "hex")]
-    pub drive: Option<String>,
+    #[arg(long = "drive", value_name = "DRIVE", conflicts_with = "hex")]
+    pub station: Option<String>,
     /// Prints only what points to a fault
     #[arg(long, value_enum, value_name = "WHAT", conflicts_with = "hex")]
     pub only: Option<Only>,

@@ -23,7 +23,7 @@ pub fn name(args: &Name, interface: &Interface, output: &Output) -> Result<(), F
     {
         return Err(no_name(&args.name, rule));
     }
-    let (mut session, drive) = connect::drive(&interface.to(&args.drive), Need::Discovery, output)?;
+    let (mut session, drive) = connect::drive(&interface.target(&args.drive), Need::Discovery, output)?;
     other_of_that_name(&mut session, &drive, &args.name)?;
     not_owned(&mut session, &drive, args.force, "named")?;
     let kept = kept(args.temporary, "has no name at all");
@@ -130,7 +130,7 @@ fn other_of_that_name(session: &mut Live, drive: &Drive, name: &str) -> Result<(
 }
 
 pub fn ip(args: &Ip, interface: &Interface, output: &Output) -> Result<(), Failure> {
-    let (mut session, drive) = connect::drive(&interface.to(&args.drive), Need::Discovery, output)?;
+    let (mut session, drive) = connect::drive(&interface.target(&args.drive), Need::Discovery, output)?;
     let ip = IpSuite {
         address: args.address.address,
         mask: args.address.mask(),
@@ -190,7 +190,7 @@ fn not_our_own(address: Ipv4Addr) -> Result<(), Failure> {
 pub fn blink(args: &Blink, interface: &Interface, output: &Output) -> Result<(), Failure> {
     /// One signal lasts about three seconds.
     const EVERY: Duration = Duration::from_secs(3);
-    let (mut session, drive) = connect::drive(&interface.to(&args.drive), Need::Discovery, output)?;
+    let (mut session, drive) = connect::drive(&interface.target(&args.drive), Need::Discovery, output)?;
     let end = session.now() + args.time;
     let mut printed = false;
     loop {
@@ -219,7 +219,7 @@ pub fn blink(args: &Blink, interface: &Interface, output: &Output) -> Result<(),
 }
 
 pub fn reset(args: &Reset, interface: &Interface, output: &Output) -> Result<(), Failure> {
-    let (mut session, mut drive) = connect::drive(&interface.to(&args.drive), Need::Discovery, output)?;
+    let (mut session, mut drive) = connect::drive(&interface.target(&args.drive), Need::Discovery, output)?;
     let (mode, what) = mode(args.mode);
     let checked = !args.force && in_reach(drive.station.ip)?;
     if checked {

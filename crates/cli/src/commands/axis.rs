@@ -12,7 +12,7 @@ use profile::state::Mode;
 use profinet::cyclic::{CyclicStatistics, Timing};
 
 use crate::advice::{self, Commands};
-use crate::args::{Cyclic, Enabling, InMode, Towards};
+use crate::args::{Cyclic, Enabling, InMode, Target};
 use crate::connect::{self, Live, Need};
 use crate::failure::{self, Exit, Failure};
 use crate::output::Output;
@@ -70,12 +70,12 @@ pub fn in_mode(args: &InMode) -> Result<Control, Failure> {
 
 /// Connects to a drive and moves it; closes the connection after a motion that went well.
 pub fn with_drive<T>(
-    to: &Towards,
+    target: &Target,
     need: Need,
     output: &Output,
     work: impl FnOnce(&mut Live, &mut Drive) -> Result<T, MotionError>,
 ) -> Result<T, Failure> {
-    let (mut session, mut drive) = connect::drive(to, need, output)?;
+    let (mut session, mut drive) = connect::drive(target, need, output)?;
     let done = work(&mut session, &mut drive)?;
     session.close().wait()?;
     Ok(done)

@@ -8,18 +8,18 @@ use network::files::StateFile;
 use profidrive::report::BackupReport;
 
 use crate::advice::Commands;
-use crate::args::{self, Towards};
+use crate::args::{self, Target};
 use crate::connect::{self, Need};
 use crate::failure::{Exit, Failure};
 use crate::output::Output;
 
-pub fn run(args: &args::Backup, to: &Towards, output: &Output) -> Result<(), Failure> {
+pub fn run(args: &args::Backup, target: &Target, output: &Output) -> Result<(), Failure> {
     // what cannot be written is reported before anything is read
     let old = match &args.output {
         Some(path) => replaceable(path, args.force)?,
         None => None,
     };
-    let (backup, drive) = whole(to, output)?;
+    let (backup, drive) = whole(target, output)?;
     let label = drive.label();
     check_content(&backup, &label)?;
     let text = backup.to_string();
@@ -131,8 +131,8 @@ fn reasons(refused: &[Refusal]) -> String {
 const MOST_NAMED: usize = 3;
 
 /// Returns all settings of a drive, and the drive.
-pub fn whole(to: &Towards, output: &Output) -> Result<(Backup, Drive), Failure> {
-    let (mut session, mut drive) = connect::drive(to, Need::Records, output)?;
+pub fn whole(target: &Target, output: &Output) -> Result<(Backup, Drive), Failure> {
+    let (mut session, mut drive) = connect::drive(target, Need::Records, output)?;
     let bar = connect::bar(output, 0, "reading");
     let backup = session
         .backup(&mut drive, &mut |done, of| {

@@ -10,26 +10,26 @@ use profile::value::Reading;
 
 use super::backup;
 use crate::advice::Commands;
-use crate::args::{Diff, Towards, Way};
+use crate::args::{Diff, DriveOptions, Target};
 use crate::connect::{self, Need};
 use crate::failure::{Exit, Failure};
 use crate::output::Output;
 use crate::render::table::Table;
 use crate::render::value;
 
-pub fn run(args: &Diff, way: &Way, output: &Output) -> Result<(), Failure> {
+pub fn run(args: &Diff, options: &DriveOptions, output: &Output) -> Result<(), Failure> {
     let (left, right) = (source(&args.left)?, source(&args.right)?);
     let (left, right) = match (left, right) {
         (Some(left), Some(right)) => (left, right),
         // of a drive, what the file says counts: it may hold a part only
         (Some(file), None) => {
-            let drive = like(&file, &way.to(&args.right), output)?;
+            let drive = like(&file, &options.target(&args.right), output)?;
             (file, drive)
         }
-        (None, Some(file)) => (like(&file, &way.to(&args.left), output)?, file),
+        (None, Some(file)) => (like(&file, &options.target(&args.left), output)?, file),
         (None, None) => {
-            let (left, _) = backup::whole(&way.to(&args.left), output)?;
-            let (right, _) = backup::whole(&way.to(&args.right), output)?;
+            let (left, _) = backup::whole(&options.target(&args.left), output)?;
+            let (right, _) = backup::whole(&options.target(&args.right), output)?;
             (left, right)
         }
     };
@@ -190,8 +190,8 @@ fn source(text: &str) -> Result<Option<Backup>, Failure> {
 }
 
 /// Returns the parameters of a file, as the drive has them.
-fn like(file: &Backup, to: &Towards, output: &Output) -> Result<Backup, Failure> {
-    let (mut session, mut drive) = connect::drive(to, Need::Records, output)?;
+fn like(file: &Backup, target: &Target, output: &Output) -> Result<Backup, Failure> {
+    let (mut session, mut drive) = connect::drive(target, Need::Records, output)?;
     fits(file, &drive)?;
     let spinner = connect::spinner(output, format!("reading {}", drive.label()));
     let backup = session.backup_like(&mut drive, file).wait();

@@ -3,14 +3,14 @@
 use client::Wait;
 use profidrive::report::{Fault, FaultsReport, LogEntry};
 
-use crate::args::{Faults, Towards};
+use crate::args::{Faults, Target};
 use crate::connect::{self, Need};
 use crate::failure::Failure;
 use crate::output::{Colour, Output};
 use crate::render::Page;
 
-pub fn run(args: &Faults, to: &Towards, output: &Output) -> Result<(), Failure> {
-    let (mut session, mut drive) = connect::drive(to, Need::Records, output)?;
+pub fn run(args: &Faults, target: &Target, output: &Output) -> Result<(), Failure> {
+    let (mut session, mut drive) = connect::drive(target, Need::Records, output)?;
     let report = session.fault_report(&mut drive).wait()?;
     session.close().wait()?;
     output.report(&FaultsReport::new(drive.label(), &report, args.history));

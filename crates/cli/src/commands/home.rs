@@ -4,18 +4,18 @@ use client::Wait;
 use profidrive::motion::{self, Start};
 
 use super::axis;
-use crate::args::{Home, Towards};
+use crate::args::{Home, Target};
 use crate::connect::Need;
 use crate::failure::Failure;
 use crate::output::Output;
 use crate::render::value;
 
-pub fn run(args: &Home, to: &Towards, output: &Output) -> Result<(), Failure> {
+pub fn run(args: &Home, target: &Target, output: &Output) -> Result<(), Failure> {
     let wanted = motion::Home {
         timeout: args.timeout,
         control: axis::in_mode(&args.control)?,
     };
-    axis::with_drive(to, Need::Cyclic, output, |session, drive| {
+    axis::with_drive(target, Need::Cyclic, output, |session, drive| {
         let start =
             Box::new(|start: &_, telegram| Some(format!("homes{}, telegram {telegram}", procedure(start))));
         let observer = axis::observer(&drive.label(), start, output);

@@ -4,7 +4,7 @@ use client::{Wait, describe};
 use profidrive::report::{Controller, Identity, InfoReport, Module, Parameter, Word};
 use profile::model::PROFIDRIVE_API;
 
-use crate::args::Towards;
+use crate::args::Target;
 use crate::connect::{self, Need};
 use crate::failure::Failure;
 use crate::output::{Colour, Output};
@@ -12,8 +12,8 @@ use crate::render::Page;
 use crate::render::table::clean;
 use crate::render::words;
 
-pub fn run(to: &Towards, output: &Output) -> Result<(), Failure> {
-    let (mut session, mut drive) = connect::drive(to, Need::Identity, output)?;
+pub fn run(target: &Target, output: &Output) -> Result<(), Failure> {
+    let (mut session, mut drive) = connect::drive(target, Need::Identity, output)?;
     let spinner = connect::spinner(output, format!("reading {}", drive.label()));
     let info = session.info(&mut drive).wait();
     let readable = info.as_ref().is_ok_and(|info| !info.readings.is_empty());

@@ -6,13 +6,13 @@ use profidrive::motion::{self, JogPlan, RealTimeJog, Start};
 
 use super::axis;
 use super::run::telegram_text;
-use crate::args::{Jog, Towards};
+use crate::args::{Jog, Target};
 use crate::connect::Need;
 use crate::failure::Failure;
 use crate::output::Output;
 use crate::render::{number, value};
 
-pub fn run(args: &Jog, to: &Towards, output: &Output) -> Result<(), Failure> {
+pub fn run(args: &Jog, target: &Target, output: &Output) -> Result<(), Failure> {
     let limit = axis::rpm(&args.limit, "--limit")?.abs();
     let speed = args.velocity.as_ref();
     let speed = speed
@@ -26,7 +26,7 @@ pub fn run(args: &Jog, to: &Towards, output: &Output) -> Result<(), Failure> {
             limit,
             control,
         };
-        return real_time(args, wanted, to, output);
+        return real_time(args, wanted, target, output);
     }
     let wanted = motion::Jog {
         setpoint: match args.jog {
@@ -40,7 +40,7 @@ pub fn run(args: &Jog, to: &Towards, output: &Output) -> Result<(), Failure> {
     };
     wanted.check()?;
     if args.dry_run {
-        let plan = axis::with_drive(to, Need::Records, output, |session, drive| {
+        let plan = axis::with_drive(target, Need::Records, output, |session, drive| {
             let observer = axis::observer(&drive.label(), Box::new(|_, _| None), output);
             motion::plan_jog(session, drive, &wanted, &observer).wait()
         })?;
@@ -48,7 +48,7 @@ pub fn run(args: &Jog, to: &Towards, output: &Output) -> Result<(), Failure> {
         return Ok(());
     }
     let seconds = args.time.as_secs_f64();
-    axis::with_drive(to, Need::Cyclic, output, |session, drive| {
+    axis::with_drive(target, Need::Cyclic, output, |session, drive| {
         let start = Box::new(move |start: &_, _| match start {
             Start::Jog { speed } => Some(format!("jogs at {} for {seconds} s", value::full(speed))),
             _ => None,
@@ -59,17 +59,17 @@ pub fn run(args: &Jog, to: &Towards, output: &Output) -> Result<(), Failure> {
     .map(|_| ())
 }
 
-fn real_time(args: &Jog, wanted: RealTimeJog, to: &Towards, output: &Output) -> Result<(), Failure> {
+fn real_time(args: &Jog, wanted: RealTimeJog, target: &Target, output: &Output) -> Result<(), Failure> {
     wanted.check()?;
     if args.dry_run {
-        let plan = axis::with_drive(to, Need::Records, output, |session, drive| {
+        let plan = axis::with_drive(target, Need::Records, output, |session, drive| {
             let observer = axis::observer(&drive.label(), Box::new(|_, _| None), output);
             motion::plan_jog_in_real_time(session, drive, &wanted, &observer).wait()
         })?;
         show(&plan, output);
         return Ok(());
     }
-    axis::with_drive(to, Need::Cyclic, output, |session, drive| {
+    axis::with_drive(target, Need::Cyclic, output, |session, drive| {
         let start = Box::new(move |_: &_, telegram| {
             Some(format!(
                 "jogs at {} rpm for {} s (real-time jogging, telegram {telegram})",

@@ -11,20 +11,20 @@ use profile::value::{ParameterProblem, Selection};
 
 use super::axis::{self, FOR_EVER, fault_text};
 use crate::advice::Commands;
-use crate::args::{Ack, Monitor, Towards};
+use crate::args::{Ack, Monitor, Target};
 use crate::connect::{self, Live, Need};
 use crate::failure::{Exit, Failure};
 use crate::output::Output;
 use crate::render::{hex16, value, words};
 
-pub fn ack(args: &Ack, to: &Towards, output: &Output) -> Result<(), Failure> {
+pub fn ack(args: &Ack, target: &Target, output: &Output) -> Result<(), Failure> {
     let control = axis::control(&args.cyclic)?;
     let need = if args.by_parameter {
         Need::Records
     } else {
         Need::Cyclic
     };
-    let report = axis::with_drive(to, need, output, |session, drive| {
+    let report = axis::with_drive(target, need, output, |session, drive| {
         let observer = axis::observer(&drive.label(), Box::new(|_, _| None), output);
         if args.by_parameter {
             motion::acknowledge_by_parameter(session, drive, &observer).wait()
@@ -43,7 +43,7 @@ pub fn ack(args: &Ack, to: &Towards, output: &Output) -> Result<(), Failure> {
 /// The shortest time between two readings of a monitor: a drive has other callers too.
 const FASTEST: Duration = Duration::from_millis(10);
 
-pub fn monitor(args: &Monitor, to: &Towards, output: &Output) -> Result<(), Failure> {
+pub fn monitor(args: &Monitor, target: &Target, output: &Output) -> Result<(), Failure> {
     if args.every < FASTEST {
         return Err(
             Failure::usage(format!("--every: at least {} ms", FASTEST.as_millis()))
@@ -58,7 +58,7 @@ pub fn monitor(args: &Monitor, to: &Towards, output: &Output) -> Result<(), Fail
                 .map_err(|error| Failure::from(ParameterProblem::from(error)))
         })
         .collect::<Result<_, _>>()?;
-    let (mut session, mut drive) = connect::drive(to, Need::Records, output)?;
+    let (mut session, mut drive) = connect::drive(target, Need::Records, output)?;
     let more: Vec<Selection> = references
         .iter()
         .map(|reference| drive.parameters.select(reference))

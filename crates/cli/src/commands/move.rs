@@ -6,13 +6,13 @@ use profidrive::motion::{self, MoveReport, Start};
 use profile::notation::Quantity;
 
 use super::axis::{self, rounded};
-use crate::args::{Move, Towards};
+use crate::args::{Move, Target};
 use crate::connect::Need;
 use crate::failure::Failure;
 use crate::output::Output;
 use crate::render::number;
 
-pub fn run(args: &Move, to: &Towards, output: &Output) -> Result<(), Failure> {
+pub fn run(args: &Move, target: &Target, output: &Output) -> Result<(), Failure> {
     let order = order(args)?;
     let wanted = motion::Move {
         order,
@@ -23,9 +23,9 @@ pub fn run(args: &Move, to: &Towards, output: &Output) -> Result<(), Failure> {
     wanted.check()?;
     let relative = wanted.order.relative;
     if args.dry_run {
-        return try_out(&wanted, to, output);
+        return try_out(&wanted, target, output);
     }
-    axis::with_drive(to, Need::Cyclic, output, |session, drive| {
+    axis::with_drive(target, Need::Cyclic, output, |session, drive| {
         let start = Box::new(move |start: &_, telegram| match start {
             Start::Move(plan) => Some(format!("{}, telegram {telegram}", plan_text(plan, relative))),
             _ => None,
@@ -37,8 +37,8 @@ pub fn run(args: &Move, to: &Towards, output: &Output) -> Result<(), Failure> {
 }
 
 /// Everything that `move` reads and checks; nothing is sent that changes anything.
-fn try_out(wanted: &motion::Move, to: &Towards, output: &Output) -> Result<(), Failure> {
-    let (plan, report) = axis::with_drive(to, Need::Records, output, |session, drive| {
+fn try_out(wanted: &motion::Move, target: &Target, output: &Output) -> Result<(), Failure> {
+    let (plan, report) = axis::with_drive(target, Need::Records, output, |session, drive| {
         let observer = axis::observer(&drive.label(), Box::new(|_, _| None), output);
         let plan = motion::plan_move(session, drive, wanted, &observer).wait()?;
         let report = MoveReport::of(&plan, drive);

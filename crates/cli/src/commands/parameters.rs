@@ -16,7 +16,7 @@ use profile::telegram::Telegram;
 use profile::value::{ParameterProblem, Reading, Selection};
 
 use crate::advice::Commands;
-use crate::args::{Read, Towards};
+use crate::args::{Read, Target};
 use crate::connect::{self, Need};
 use crate::failure::Failure;
 use crate::output::Output;
@@ -26,9 +26,9 @@ pub use describe::describe;
 pub use list::list;
 pub use write::write;
 
-pub fn read(args: &Read, to: &Towards, output: &Output) -> Result<(), Failure> {
+pub fn read(args: &Read, target: &Target, output: &Output) -> Result<(), Failure> {
     let references = parse_all(&args.parameters)?;
-    let (mut session, mut drive) = connect::drive(to, Need::Records, output)?;
+    let (mut session, mut drive) = connect::drive(target, Need::Records, output)?;
     let mut selections = Vec::new();
     let mut problems: Vec<Failure> = Vec::new();
     // one unknown name does not break the whole page

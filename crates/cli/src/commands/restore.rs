@@ -13,17 +13,17 @@ use profile::value::Reading;
 
 use super::backup;
 use crate::advice::Commands;
-use crate::args::{Restore, Towards};
+use crate::args::{Restore, Target};
 use crate::connect::{self, Live, Need};
 use crate::failure::{self, Exit, Failure};
 use crate::output::Output;
 use crate::render::table::Table;
 use crate::render::{number, value};
 
-pub fn run(args: &Restore, to: &Towards, output: &Output) -> Result<(), Failure> {
+pub fn run(args: &Restore, target: &Target, output: &Output) -> Result<(), Failure> {
     let wanted = backup::read(&args.file)?;
     let way_back = way_back(args)?;
-    let (mut session, mut drive) = connect::drive(to, Need::Records, output)?;
+    let (mut session, mut drive) = connect::drive(target, Need::Records, output)?;
     if !args.force {
         settings::check_fit(&wanted, &drive)?;
         if !args.dry_run {

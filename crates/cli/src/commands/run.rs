@@ -5,12 +5,12 @@ use client::axis::SpeedUnit;
 use profidrive::motion::{self, RunPlan, Telegrams};
 
 use super::axis;
-use crate::args::{Run, Towards};
+use crate::args::{Run, Target};
 use crate::connect::Need;
 use crate::failure::Failure;
 use crate::output::Output;
 
-pub fn run(args: &Run, to: &Towards, output: &Output) -> Result<(), Failure> {
+pub fn run(args: &Run, target: &Target, output: &Output) -> Result<(), Failure> {
     let wanted = wanted(args)?;
     let speed = format!(
         "{} {} {}",
@@ -19,14 +19,14 @@ pub fn run(args: &Run, to: &Towards, output: &Output) -> Result<(), Failure> {
         duration_text(args)
     );
     if args.dry_run {
-        let plan = axis::with_drive(to, Need::Records, output, |session, drive| {
+        let plan = axis::with_drive(target, Need::Records, output, |session, drive| {
             let observer = axis::observer(&drive.label(), Box::new(|_, _| None), output);
             motion::plan_run(session, drive, &wanted, &observer).wait()
         })?;
         show(&plan, &speed, output);
         return Ok(());
     }
-    axis::with_drive(to, Need::Cyclic, output, |session, drive| {
+    axis::with_drive(target, Need::Cyclic, output, |session, drive| {
         let text = format!("turns at {speed}");
         let start = Box::new(move |_: &_, _| Some(text.clone()));
         let observer = axis::observer(&drive.label(), start, output);

@@ -7,15 +7,15 @@ use profidrive::report::{Controller, LossReaction, Quantity, StatusReport, Word}
 use profile::state::Profile;
 
 use crate::advice::{self, Commands};
-use crate::args::{Status, Towards};
+use crate::args::{Status, Target};
 use crate::connect::{self, Need};
 use crate::failure::{Exit, Failure};
 use crate::output::{Colour, Output};
 use crate::render::table::clean;
 use crate::render::{Page, hex16};
 
-pub fn run(args: &Status, to: &Towards, output: &Output) -> Result<(), Failure> {
-    let (mut session, mut drive) = connect::drive(to, Need::Records, output)?;
+pub fn run(args: &Status, target: &Target, output: &Output) -> Result<(), Failure> {
+    let (mut session, mut drive) = connect::drive(target, Need::Records, output)?;
     let status = session
         .status(&mut drive)
         .wait()

@@ -4,19 +4,19 @@ use client::{StopWay, Wait};
 use profidrive::motion;
 
 use super::axis;
-use crate::args::{Stop, Towards};
+use crate::args::{Stop, Target};
 use crate::connect::Need;
 use crate::failure::Failure;
 use crate::output::Output;
 use crate::render::table::clean;
 
-pub fn run(args: &Stop, to: &Towards, output: &Output) -> Result<(), Failure> {
+pub fn run(args: &Stop, target: &Target, output: &Output) -> Result<(), Failure> {
     let way = if args.disable {
         StopWay::Disable
     } else {
         StopWay::Stop
     };
-    let report = axis::with_drive(to, Need::Stop, output, |session, drive| {
+    let report = axis::with_drive(target, Need::Stop, output, |session, drive| {
         motion::stop(session, drive, way, args.timeout).wait()
     })?;
     let label = &report.drive;

@@ -4,19 +4,19 @@ use client::Wait;
 use profidrive::motion;
 
 use super::axis;
-use crate::args::{Task, Towards};
+use crate::args::{Target, Task};
 use crate::connect::Need;
 use crate::failure::Failure;
 use crate::output::Output;
 
-pub fn run(args: &Task, to: &Towards, output: &Output) -> Result<(), Failure> {
+pub fn run(args: &Task, target: &Target, output: &Output) -> Result<(), Failure> {
     let number = args.number;
     let wanted = motion::Task {
         number,
         timeout: args.timeout,
         control: axis::in_mode(&args.control)?,
     };
-    axis::with_drive(to, Need::Cyclic, output, |session, drive| {
+    axis::with_drive(target, Need::Cyclic, output, |session, drive| {
         let start = Box::new(move |_: &_, telegram| {
             Some(format!(
                 "carries out its motion task {number}, telegram {telegram}"

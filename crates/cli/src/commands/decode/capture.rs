@@ -39,7 +39,7 @@ pub fn file(path: &Path, args: &Decode, output: &Output) -> Result<(), Failure> 
         Ok((reader, size))
     };
     // a name may be heard only after the first frames of its station
-    let known = match args.drive {
+    let known = match args.station {
         Some(_) => Some(names(open()?.0, args)),
         None => None,
     };
@@ -208,7 +208,7 @@ impl<'a> Session<'a> {
         }
         bar.finish_and_clear();
         let mut devices = self.walker.summary();
-        if let Some(wanted) = &self.args.drive {
+        if let Some(wanted) = &self.args.station {
             devices.retain(|device| device.is(wanted));
             if devices.is_empty() && !self.met {
                 self.output
@@ -232,7 +232,7 @@ impl<'a> Session<'a> {
 
     /// Returns true for an event of the station that was requested, or of any station without such a wish.
     fn is_of_drive(&self, event: &Event) -> bool {
-        self.args.drive.as_ref().is_none_or(|wanted| {
+        self.args.station.as_ref().is_none_or(|wanted| {
             let mut walkers = std::iter::once(&self.walker).chain(&self.known);
             walkers.any(|walker| walker.is_about(event, wanted))
         })

@@ -15,7 +15,7 @@ use network::segment::Pace;
 use network::system::Stop;
 use plant::ScenarioEvent;
 use profidrive::report::{DemoEvent, DemoStep};
-use profidrive::{Access, Joined, Network, Opening, Way};
+use profidrive::{Access, Joined, Network, Opening, Transport};
 use profile::value::{Assignment, Reading, Selection};
 use virtual_drive::drive::Injection;
 
@@ -167,7 +167,7 @@ fn stage(args: &Demo) -> Result<(Network, Joined), Failure> {
         opening = opening.stopped_by(stop);
     }
     let network = opening.open().map_err(|error| failed(&error))?;
-    let Way::Plant(plant) = network.way().clone() else {
+    let Transport::Plant(plant) = network.transport().clone() else {
         return Err(failed(&"not a plant"));
     };
     if let Some(path) = &args.pcap {

@@ -12,15 +12,15 @@ use profile::value::{Reading, Selection};
 use super::limits::Limits;
 use super::{name_bits, parse_all};
 use crate::advice::Commands;
-use crate::args::{Describe, Towards};
+use crate::args::{Describe, Target};
 use crate::connect::{self, Need};
 use crate::failure::{Exit, Failure};
 use crate::output::{Colour, Output};
 use crate::render::{number, value};
 
-pub fn describe(args: &Describe, to: &Towards, output: &Output) -> Result<(), Failure> {
+pub fn describe(args: &Describe, target: &Target, output: &Output) -> Result<(), Failure> {
     let reference = parse_all(std::slice::from_ref(&args.parameter))?.remove(0);
-    let (mut session, mut drive) = connect::drive(to, Need::Records, output)?;
+    let (mut session, mut drive) = connect::drive(target, Need::Records, output)?;
     let selection = drive.parameters.select(&reference)?;
     let (Some(parameter), Some(tables)) = (selection.parameter, drive.model.catalogue) else {
         if let Some(whole) = drive

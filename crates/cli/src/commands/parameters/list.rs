@@ -3,20 +3,20 @@
 use client::{Drive, Wait};
 use profidrive::report::{ListReport, ParameterDescription, number, parameter};
 use profile::catalogue::{Catalogue, Parameter};
-use profile::notation::{Notation, ParameterReference, Shown, Target};
+use profile::notation::{self, Notation, ParameterReference, Shown};
 use profile::value::{Parameters, Selection};
 
 use super::{name_bits, values_table};
 use crate::advice::Commands;
-use crate::args::{List, Towards};
+use crate::args::{List, Target};
 use crate::connect::{self, Need};
 use crate::failure::{Exit, Failure};
 use crate::output::Output;
 use crate::render::Page;
 use crate::render::table::Table;
 
-pub fn list(args: &List, to: &Towards, output: &Output) -> Result<(), Failure> {
-    let (mut session, mut drive) = connect::drive(to, Need::Records, output)?;
+pub fn list(args: &List, target: &Target, output: &Output) -> Result<(), Failure> {
+    let (mut session, mut drive) = connect::drive(target, Need::Records, output)?;
     let Some(tables) = drive.model.catalogue else {
         return list_numbers(&mut session, &mut drive, output);
     };
@@ -126,7 +126,7 @@ fn filtered(parameters: &Parameters, tables: &'static Catalogue, text: &str) -> 
     let by_number = text
         .parse::<ParameterReference>()
         .ok()
-        .filter(|reference| matches!(reference.target, Target::Number(_)))
+        .filter(|reference| matches!(reference.target, notation::Target::Number(_)))
         .and_then(|reference| parameters.select(&reference).ok()?.parameter);
     let mut found: Vec<_> = tables.filter(text).collect();
     if let Some(exact) = by_number.filter(|exact| {

@@ -8,20 +8,20 @@ use profile::value::{Assignment, Content};
 
 use super::{last_failure, refused_failure};
 use crate::advice::Commands;
-use crate::args::{Towards, Write};
+use crate::args::{Target, Write};
 use crate::connect::{self, Need};
 use crate::failure::{Exit, Failure};
 use crate::output::Output;
 use crate::render::table::{Table, clean};
 use crate::render::{number, value};
 
-pub fn write(args: &Write, to: &Towards, output: &Output) -> Result<(), Failure> {
+pub fn write(args: &Write, target: &Target, output: &Output) -> Result<(), Failure> {
     let assignments: Vec<Assignment> = args
         .assignments
         .iter()
         .map(|text| text.parse().map_err(Failure::from))
         .collect::<Result<_, _>>()?;
-    let (mut session, mut drive) = connect::drive(to, Need::Records, output)?;
+    let (mut session, mut drive) = connect::drive(target, Need::Records, output)?;
     let controller = session.owner(&drive).wait()?;
     let mut set = session.plan_write(&mut drive, &assignments, args.save).wait()?;
     if !args.dry_run {
