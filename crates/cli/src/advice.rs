@@ -2,7 +2,7 @@
 
 use client::status::Diagnosis;
 use client::{Action, Advice, Choice};
-use profidrive::motion::Leftover;
+use profidrive::motion::{Leftover, UnreadableNote};
 use profidrive::report::Wording;
 
 /// The words of this program for advice about a drive.
@@ -131,6 +131,18 @@ pub fn leftover(left: &Leftover, drive: &str) -> (String, String) {
     (
         format!("PNU {pnu} still has the value of a `profidrive jog` that was killed, before it was {old}"),
         format!("`profidrive write {drive} {pnu}={old}` puts it back, the next `jog` does it too"),
+    )
+}
+
+/// What is not known of a drive because a note is not readable, and what to do about it.
+pub fn unreadable_note(note: &UnreadableNote, drive: &str) -> (String, String) {
+    let UnreadableNote { pnu, file, .. } = note;
+    let file = file.display();
+    (
+        format!("a `profidrive jog` that was killed may have left another value in PNU {pnu}: {note}"),
+        format!(
+            "`profidrive read {drive} {pnu}` shows the value, `profidrive write` corrects it; remove {file} then"
+        ),
     )
 }
 

@@ -184,6 +184,49 @@ fn a_jog_that_is_killed_leaves_a_note_of_the_speed_before() {
     assert!(!status.out.contains("killed"), "{status:?}");
 }
 
+/// What a note says that is cut is not known; `status` and every jog say so, and the note stays.
+#[test]
+fn a_note_of_the_jog_speed_that_is_cut_is_reported() {
+    let lab = Lab::new("moving-jog-note");
+    let _drive = simulate(&lab);
+    let speed = ["--velocity", "90rpm"];
+    let jog = |more: &[&str]| {
+        let arguments = ["jog", "akd-1", "--for"];
+        client(&lab, &[arguments.as_slice(), more].concat())
+    };
+    let mut killed = start(&lab, &["jog", "akd-1", "--for", "20s", speed[0], speed[1]]);
+    killed.wait_for("actual    9", SHORT);
+    killed.signal("KILL");
+    at_rest(&lab);
+    client(&lab, &["ack", "akd-1"]).ok();
+    let notes = std::fs::read_dir(lab.folder().join("state/profidrive")).unwrap();
+    let mut notes = notes.map(|entry| entry.unwrap().path());
+    let note = notes
+        .find(|path| path.to_string_lossy().ends_with("-1004"))
+        .unwrap();
+    let whole = std::fs::read_to_string(&note).unwrap();
+    let cut = &whole[..whole.len() / 2];
+    std::fs::write(&note, cut).unwrap();
+
+    let file = note.display().to_string();
+    let reported =
+        |words: &str| words.contains("may have left another value in PNU 1004") && words.contains(&file);
+    let status = client(&lab, &["status", "akd-1", "--short"]).ok();
+    assert!(reported(&status.out), "{status:?}");
+    assert!(status.out.contains(&format!("remove {file}")), "{status:?}");
+    let status = client(&lab, &["status", "akd-1", "--json"]).ok();
+    assert!(status.out.contains("\"note-unreadable\""), "{status:?}");
+    for more in [
+        &["100ms", "--dry-run"][..],
+        &["100ms"],
+        &["100ms", speed[0], "60rpm"],
+    ] {
+        let jog = jog(more).ok();
+        assert!(reported(&jog.err), "{more:?}: {jog:?}");
+        assert_eq!(std::fs::read_to_string(&note).unwrap(), cut, "{more:?}");
+    }
+}
+
 #[test]
 fn status_and_stop_beside_a_client_that_runs() {
     let lab = Lab::new("moving-stop");

@@ -192,6 +192,10 @@ fn words(event: &Event, drive: &str, output: &Output) {
             None => format!("mode and telegram were not put back (PNU 930, 922): {cause}"),
         }),
         Event::LeftOver(left) => output.warn(&advice::leftover(left, drive).0),
+        Event::NoteUnreadable(note) => {
+            let (sentence, next) = advice::unreadable_note(note, drive);
+            output.warn(&format!("{sentence}; {next}"));
+        }
         Event::NotNoted { setting, cause } => {
             let (name, value) = setting_text(setting);
             output.warn(&format!(

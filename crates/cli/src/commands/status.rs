@@ -27,15 +27,18 @@ pub fn run(args: &Status, target: &Target, output: &Output) -> Result<(), Failur
     };
     session.close().wait()?;
     let mut diagnosis = diagnose(&status);
+    let label = drive.label();
     diagnosis.notes.extend(left.iter().map(|left| {
-        let (sentence, next) = advice::leftover(left, &drive.label());
+        let (id, (sentence, next)) = match left {
+            Ok(left) => ("leftover", advice::leftover(left, &label)),
+            Err(note) => ("note-unreadable", advice::unreadable_note(note, &label)),
+        };
         Note {
-            id: "leftover",
+            id,
             sentence,
             next: Some(next.into()),
         }
     }));
-    let label = drive.label();
     let next = advice::next(&diagnosis, &label);
     let tables = drive.model.catalogue;
     let report = StatusReport::new(&status, &diagnosis, tables, next, &Commands(&label));

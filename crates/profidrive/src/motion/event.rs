@@ -12,7 +12,7 @@ use profile::value::Reading;
 use profinet::cyclic::CyclicStatistics;
 use serde::Serialize;
 
-use super::leftover::Leftover;
+use super::leftover::{Leftover, UnreadableNote};
 use super::report::Report;
 
 /// Something that happened on the way.
@@ -40,6 +40,8 @@ pub enum Event {
     },
     /// The jog speed still has the value of a motion whose program was killed. It is put back first, except in a dry run.
     LeftOver(Leftover),
+    /// What a killed program may have left of the jog speed is not known: its note is not readable, and stays.
+    NoteUnreadable(UnreadableNote),
     /// What the jog speed was before could not be noted on the disk: if this program is killed, it stays changed.
     NotNoted {
         /// The setting and its value.

@@ -11,7 +11,7 @@ use profile::value::{Assignment, CheckedValue, Content, Reading};
 use super::axis::{Taken, check_controller_loss, report_rounded, report_switch};
 use super::error::{End, MotionError};
 use super::event::{Event, Observer, Setting, Start};
-use super::leftover::Note;
+use super::leftover::{Leftover, Note, UnreadableNote};
 use super::limit::{self, within};
 use super::plan::{JogChange, JogPlan, checked_axis};
 use super::report::{MotionResult, Report};
@@ -172,12 +172,9 @@ pub async fn plan_jog(
     let (_, telegrams) = checked_axis(session, drive, &settings, None, observer).await?;
     let setting = session.jog_speed(drive, wanted.setpoint).await?;
     let before = session.read_one(drive, &setting.selection).await?;
-    let left = Note::of(session, drive, setting.number).read();
-    if let Ok(Some(left)) = left
-        && before.raw() == Some(left.set)
-    {
-        observer.report(&Event::LeftOver(left));
-    }
+    let note = Note::of(session, drive, setting.number);
+    // reported, and in a dry run nothing else
+    let _ = left_over(&note, &before, observer);
     let mut speed = setting.rpm(&before).unwrap_or(0.0);
     let mut change = None;
     if let Some(asked) = wanted.speed {
@@ -279,6 +276,19 @@ async fn with_setting(
     taken.finish(result, found, (session, drive)).await
 }
 
+/// What a killed program left, if the drive still has this value of it; reported, also where that is not known.
+fn left_over(note: &Note, speed: &Reading, observer: &Observer) -> Result<Option<Leftover>, UnreadableNote> {
+    let left = note
+        .read()
+        .map(|left| left.filter(|left| speed.raw() == Some(left.set)));
+    match &left {
+        Ok(Some(left)) => observer.report(&Event::LeftOver(left.clone())),
+        Ok(None) => {}
+        Err(unreadable) => observer.report(&Event::NoteUnreadable(unreadable.clone())),
+    }
+    left
+}
+
 /// The jog speed as it is to be, what a killed program left put back before.
 async fn prepared(
     axis: &mut Axis,
@@ -292,11 +302,8 @@ async fn prepared(
     let parameter = selection.label();
     let mut speed = session.read_one(drive, &selection).await?;
     let note = Note::of(session, drive, number);
-    let noted = note.read();
-    if let Ok(Some(left)) = &noted
-        && speed.raw() == Some(left.set)
-    {
-        observer.report(&Event::LeftOver(left.clone()));
+    let noted = left_over(&note, &speed, observer);
+    if let Ok(Some(left)) = &noted {
         let mut set = plan_speed(session, drive, number, &left.old).await?;
         session.apply(drive, &mut set).await?;
         set.accepted()?;
@@ -323,8 +330,10 @@ async fn prepared(
         return Ok(speed);
     }
     let temporary = session.temporarily(drive, std::slice::from_ref(&speed))?;
-    let mut unnoted = noted.err();
     // what is not readable stays: somebody may need it
+    let mut unnoted = noted
+        .err()
+        .map(|unreadable| format!("{} is kept", unreadable.file.display()));
     let keeps = unnoted.is_none();
     if keeps {
         let note = note.clone();

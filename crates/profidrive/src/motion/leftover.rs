@@ -27,6 +27,18 @@ pub struct Leftover {
     pub set: i64,
 }
 
+/// A note that is not readable: what the value was before, and whether it was changed, is not known.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("the note of PNU {pnu} is not readable: {}: {cause}", file.display())]
+pub struct UnreadableNote {
+    /// Number of the parameter.
+    pub pnu: u16,
+    /// Where the note is.
+    pub file: PathBuf,
+    /// Why: of the file, or of its text.
+    pub cause: String,
+}
+
 impl Leftover {
     /// Of the journal of one change; `None` where nothing was sent.
     fn of(pnu: u16, set: &ChangeSet) -> Option<Self> {
@@ -87,17 +99,21 @@ impl Note {
     /// Returns what a killed program left.
     ///
     /// # Errors
-    /// Why the note is not readable, with its file.
-    pub(super) fn read(&self) -> Result<Option<Leftover>, String> {
+    /// The note is not readable.
+    pub(super) fn read(&self) -> Result<Option<Leftover>, UnreadableNote> {
         let Some(file) = &self.file else {
             return Ok(None);
         };
-        let Some(content) = file.read().map_err(|error| error.to_string())? else {
+        let unreadable = |cause| UnreadableNote {
+            pnu: self.pnu,
+            file: file.path().to_owned(),
+            cause,
+        };
+        let Some(content) = file.read().map_err(|error| unreadable(error.to_string()))? else {
             return Ok(None);
         };
-        let set = ChangeSet::from_journal(content);
-        let wrong = |error| format!("{} is not the note of a change: {error}", file.path().display());
-        Ok(Leftover::of(self.pnu, &set.map_err(wrong)?))
+        let set = ChangeSet::from_journal(content).map_err(|error| unreadable(error.to_string()))?;
+        Ok(Leftover::of(self.pnu, &set))
     }
 
     /// Notes how far a change is; why it could not be noted.
@@ -119,11 +135,15 @@ impl Note {
     }
 }
 
-/// Everything that killed programs left at a drive, as far as it still has it. A note that is out of date goes.
+/// Everything that killed programs left at a drive, as far as it still has it, and the notes that are not readable. A note
+/// that is out of date goes.
 ///
 /// # Errors
 /// When the drive cannot be reached.
-pub async fn leftovers(session: &mut Session, drive: &mut Drive) -> Result<Vec<Leftover>, Error> {
+pub async fn leftovers(
+    session: &mut Session,
+    drive: &mut Drive,
+) -> Result<Vec<Result<Leftover, UnreadableNote>>, Error> {
     let mut found = Vec::new();
     let tables = drive.model.catalogue;
     let settings = PARTS.iter().filter_map(|&part| tables?.part(part));
@@ -131,10 +151,17 @@ pub async fn leftovers(session: &mut Session, drive: &mut Drive) -> Result<Vec<L
     numbers.dedup();
     for pnu in numbers {
         let note = Note::of(session, drive, pnu);
-        let Ok(Some(leftover)) = note.read() else { continue };
+        let leftover = match note.read() {
+            Ok(Some(leftover)) => leftover,
+            Ok(None) => continue,
+            Err(unreadable) => {
+                found.push(Err(unreadable));
+                continue;
+            }
+        };
         let selection = drive.parameters.select(&ParameterReference::number(pnu))?;
         match session.read_one(drive, &selection).await {
-            Ok(reading) if reading.raw() == Some(leftover.set) => found.push(leftover),
+            Ok(reading) if reading.raw() == Some(leftover.set) => found.push(Ok(leftover)),
             Ok(_) => note.clear(),
             Err(Error::Refused { .. }) => {}
             Err(error) => return Err(error),
@@ -195,10 +222,8 @@ mod tests {
         ] {
             file.replace(text.as_bytes()).unwrap();
             let why = note.read().unwrap_err();
-            assert!(
-                why.contains("note is not the note of a change: line 1: "),
-                "{why}"
-            );
+            assert_eq!((why.pnu, why.file.as_path()), (1004, file.path()));
+            assert!(why.cause.starts_with("line 1: "), "{why}");
             assert_eq!(file.read().unwrap().unwrap(), text.as_bytes());
         }
         std::fs::remove_dir_all(folder).unwrap();

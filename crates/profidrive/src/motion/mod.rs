@@ -80,7 +80,7 @@ pub use acknowledge::{acknowledge, acknowledge_by_parameter};
 pub use error::{End, MotionError, Next};
 pub use event::{Arrival, Ended, Event, Observer, Setting, Start, TelegramChange};
 pub use jog::{Jog, RealTimeJog, jog, jog_in_real_time, plan_jog, plan_jog_in_real_time};
-pub use leftover::{Leftover, leftovers};
+pub use leftover::{Leftover, UnreadableNote, leftovers};
 pub use message::{AxisState, CycleStrained, Message, RunsOn};
 pub use plan::{JogChange, JogPlan, MoveReport, RunPlan, Telegrams};
 pub use position::{Home, Move, Task, home, move_to, plan_move, task};
