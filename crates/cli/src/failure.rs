@@ -16,7 +16,7 @@ pub enum Exit {
     Failed = 1,
     /// The command line is wrong.
     Usage = 2,
-    /// The drive said no.
+    /// The drive refused.
     Refused = 3,
     /// The drive, the network or the right to use it is not there.
     Unreachable = 4,
@@ -143,7 +143,7 @@ impl From<network::serial::Error> for Failure {
 
 impl From<client::Error> for Failure {
     fn from(error: client::Error) -> Self {
-        // a carrier says itself what failed
+        // the message of a carrier already names what failed
         let message = match (&error, carrier(&error)) {
             (client::Error::Medium(_), Some(carrier)) => carrier.to_string(),
             _ => error.to_string(),
@@ -203,7 +203,7 @@ fn carrier(error: &client::Error) -> Option<&CarrierError> {
     }
 }
 
-/// What to do about an error: what its kind says, what its carrier says, and its action as a command.
+/// What to do about an error: the hints of its kind and of its carrier, and its action as a command.
 pub fn hint(error: &client::Error, of_kind: Option<Advice>) -> Option<String> {
     let action = error
         .action()

@@ -85,7 +85,7 @@ pub struct Output {
     drive: Option<String>,
 }
 
-/// What a command has to say as JSON until it ends.
+/// The JSON that a command collects until it ends.
 #[derive(Debug, Default)]
 struct Held {
     /// Its document.
@@ -131,14 +131,14 @@ impl Output {
         self
     }
 
-    /// The same, which also says how drives are reached if `verbose`.
+    /// The same, which also prints how drives are reached if `verbose`.
     #[must_use]
     pub const fn with_details(mut self, verbose: bool) -> Self {
         self.verbose = verbose;
         self
     }
 
-    /// True when particulars are wanted.
+    /// True when details are printed.
     pub const fn verbose(&self) -> bool {
         self.verbose
     }
@@ -236,7 +236,7 @@ impl Output {
         }
     }
 
-    /// Prints the one report of a command that says the same to people in other words.
+    /// Prints the one report of a command that prints the same as text.
     pub fn json_report(&self, report: &impl Serialize) {
         if self.json {
             self.document(&self.command, members(report));
@@ -262,13 +262,13 @@ impl Output {
     /// Takes the one JSON document of a command. It is printed when the command ends, with what went wrong in it.
     pub fn document(&self, command: &str, fields: Map<String, Value>) {
         let earlier = self.held().document.replace(with_schema(command, fields));
-        // nothing that was said is lost
+        // nothing that was printed is lost
         if let Some(earlier) = earlier {
             self.write_json(&Value::Object(earlier).to_string());
         }
     }
 
-    /// Prints one JSON document of a command that says many, at once and on a line of its own (JSON Lines).
+    /// Prints one JSON document of a command that has many, at once and on a line of its own (JSON Lines).
     pub fn event(&self, command: &str, fields: Map<String, Value>) {
         self.write_json(&document(command, fields));
     }
@@ -366,7 +366,7 @@ impl Output {
         }
     }
 
-    /// Says a particular, where these are wanted.
+    /// Prints a detail, with `--verbose` only.
     pub fn detail(&self, text: &str) {
         if self.verbose {
             write_err(&format!("{}\n", clean(text)));

@@ -12,17 +12,17 @@ pub enum Action {
     Scan,
     /// Make a device show itself.
     Blink {
-        /// How the device is addressed, where a name would not say which.
+        /// How the device is addressed, where a name would not identify it.
         device: Option<&'static str>,
     },
     /// Give a device a name.
     SetName {
-        /// How the device is addressed, where a name would not say which.
+        /// How the device is addressed, where a name would not identify it.
         device: Option<&'static str>,
     },
     /// Give a device an IP address.
     SetAddress {
-        /// How the device is addressed, where a name would not say which.
+        /// How the device is addressed, where a name would not identify it.
         device: Option<&'static str>,
     },
     /// Identity and plugged modules.

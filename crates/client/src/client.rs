@@ -110,7 +110,7 @@ struct AxisLink {
     control: AxisControl,
     seen: Option<Seen>,
     sent: Option<Command>,
-    /// The control word that what the drive says is an answer to.
+    /// The control word that the answer of the drive belongs to.
     answered: Stw1,
     /// Frames and status word when the present control word was sent.
     since: (u64, Option<Zsw1>),
@@ -176,7 +176,7 @@ pub struct AxisView {
     pub sent: u16,
     /// The last decoded inputs; `None` before the first valid input.
     pub seen: Option<Seen>,
-    /// The control word that what the drive said last is an answer to.
+    /// The control word that the last answer of the drive belongs to.
     pub answered: Stw1,
     /// True when the axis stands with the pulses off.
     pub at_rest: bool,
@@ -554,7 +554,7 @@ impl Client {
                     axis.note_answer(received);
                     axis.control.step(now, seen)
                 }
-                // nothing is switched on on the word of a drive that says nothing valid
+                // nothing is switched on by a drive that reports nothing valid
                 None => axis.control.step_blind(now),
             };
             if let Some(seen) = seen.filter(|_| received != axis.sampled) {

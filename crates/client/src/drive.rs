@@ -24,7 +24,7 @@ pub(crate) fn has_jog(words: Profile) -> bool {
 /// A drive that was found.
 #[derive(Debug, Clone)]
 pub struct Drive {
-    /// What it said about itself. At a serial line its name is how it is addressed, and it has no other address.
+    /// What it reported about itself. At a serial line its name is how it is addressed, and it has no other address.
     pub station: Station,
     /// What is known about its kind.
     pub model: Model,
@@ -47,7 +47,7 @@ impl Drive {
     /// Returns the parameter that a person means: `DRV.ACC`, `930`, `r947[0]`, `947[0..7]`, `0x3A2`.
     ///
     /// # Errors
-    /// When the text is not a parameter, or the drive has none of this name; the error knows the nearest names.
+    /// When the text is not a parameter, or the drive has none of this name; the error contains the nearest names.
     pub fn select(&self, text: &str) -> Result<Selection, ParameterProblem> {
         self.parameters.select(&text.parse()?)
     }

@@ -48,10 +48,10 @@ pub enum Error {
         /// The drive.
         drive: String,
     },
-    /// The caller was asked to stop.
+    /// The caller was requested to stop.
     #[error("interrupted")]
     Interrupted,
-    /// The caller was asked to stop while a drive was brought to rest.
+    /// The caller was requested to stop while a drive was brought to rest.
     #[error("{drive}: interrupted; {seen}")]
     StopInterrupted {
         /// The drive.
@@ -106,7 +106,7 @@ pub enum Error {
     /// No answer from this address of a serial line.
     #[error("no answer from {drive}{}", in_place(*.telegrams, *.noise))]
     NoAnswer {
-        /// Who was asked.
+        /// The drive that was requested.
         drive: DriveAddress,
         /// Telegrams heard of others.
         telegrams: u64,
@@ -121,7 +121,7 @@ pub enum Error {
         /// What the drive does without its master, where an axis was under control.
         reaction: Option<Box<LossReaction>>,
     },
-    /// The parameter channel of a serial line did not do what was wanted.
+    /// The parameter channel of a serial line did not do what was requested.
     #[error("{drive}: {error}")]
     Channel {
         /// The drive.
@@ -178,7 +178,7 @@ pub enum Error {
         drive: String,
         /// Its station name, if the drive reports it.
         controller: Option<String>,
-        /// What the drive said.
+        /// What the drive reported.
         cause: String,
     },
     /// The device accepts no connection beside that of its controller, and parameters need one.
@@ -205,7 +205,7 @@ pub enum Error {
         /// The device.
         drive: String,
     },
-    /// A connection ended that was wanted.
+    /// A required connection ended.
     #[error("{drive}: connection lost: {cause}{}", reaction_text(.reaction))]
     ConnectionLost {
         /// The drive.
@@ -254,7 +254,7 @@ pub enum Error {
         /// What is wrong with it.
         reason: String,
     },
-    /// The drive does not know a request of the parameter channel; nothing was changed.
+    /// The drive does not support a request of the parameter channel; nothing was changed.
     #[error("{drive} does not know parameter request 0x{id:02X}: {words}")]
     UnknownRequest {
         /// The drive.
@@ -264,7 +264,7 @@ pub enum Error {
         /// The drive's error number with its meaning.
         words: String,
     },
-    /// The axis did not do what was wanted.
+    /// The axis did not do what was requested.
     #[error("{drive}: {trouble}")]
     Axis {
         /// The drive.
@@ -475,18 +475,18 @@ pub enum Error {
         /// The parameter that scales the setpoint and its value, where the drive has one.
         scaling: Option<(String, u16)>,
     },
-    /// The axis is held by something; what the drive said while it was still in operation.
+    /// The axis is held by something; what the drive reported while it was still in operation.
     #[error("{error}; {evidence}")]
     Held {
         /// What went wrong.
         error: Box<Error>,
-        /// What the drive said.
+        /// What the drive reported.
         evidence: Evidence,
     },
     /// A speed that the caller did not allow.
     #[error("{} {unit} is above the limit of {} {unit}", figures(*.wanted), figures(*.limit))]
     SpeedLimit {
-        /// Speed wanted.
+        /// Requested speed.
         wanted: f64,
         /// Speed allowed.
         limit: f64,
@@ -524,7 +524,7 @@ pub enum Error {
     SpeedUnit {
         /// The drive.
         drive: String,
-        /// The unit that was wanted.
+        /// The requested unit.
         wanted: SpeedUnit,
     },
     /// A telegram that the drive has not.
@@ -532,7 +532,7 @@ pub enum Error {
     NoSuchTelegram {
         /// The drive.
         drive: String,
-        /// The number wanted.
+        /// The requested number.
         wanted: u16,
         /// Those that there are.
         possible: Vec<u16>,

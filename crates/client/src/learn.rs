@@ -68,7 +68,7 @@ pub fn space_of(descriptions: &[(u16, Description)]) -> CodeSpace {
     }
 }
 
-/// What makes drives one kind: vendor, device, and what PNU 964 says.
+/// What makes drives one kind: vendor, device, and PNU 964.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct KindOfDrive {
     pub vendor_id: u16,
@@ -188,7 +188,7 @@ pub struct Values {
     /// As a V4 code.
     pub format: Format,
     pub kind: Kind,
-    /// Of one value; 0 where the format does not say.
+    /// Of one value; 0 where the format does not define it.
     pub octets: usize,
     pub scale: Scale,
     pub unit: &'static str,
@@ -238,7 +238,7 @@ impl Values {
     }
 }
 
-/// A row of the tables: what a drive says of one parameter.
+/// A row of the tables: what a drive reports of one parameter.
 pub fn parameter(
     pnu: u16,
     description: &Description,

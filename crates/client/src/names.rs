@@ -1,4 +1,4 @@
-//! What a parameter is called in the models that have it: texts say what it is (`Part`), the tables of the model its name.
+//! What a parameter is called in the models that have it: texts name its role (`Part`), the tables of the model its name.
 
 use profile::catalogue::{Catalogue, Parameter, Part};
 use profile::model;

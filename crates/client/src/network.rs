@@ -28,7 +28,7 @@ impl std::fmt::Debug for Ended {
 }
 
 impl Network {
-    /// Returns a controller on a wire that is carried by whoever waits.
+    /// Returns a controller on a wire that is carried by the thread that waits.
     #[must_use]
     pub fn on<W: Wire + Send + 'static>(wire: W, config: ControllerConfig) -> (Self, Arc<World<W>>) {
         Self::in_world(wire, Client::new(config))

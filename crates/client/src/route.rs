@@ -49,7 +49,7 @@ impl fmt::Display for ClosedRoute {
     }
 }
 
-/// A step on the way to the records of a drive, for people who want to follow it.
+/// A step on the way to the records of a drive, for observers.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum RouteNotice {
     /// A way is taken.

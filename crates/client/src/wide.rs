@@ -1,7 +1,7 @@
 //! 64-bit values, which have two numbers: their own is the low half, the next one the high half.
 //!
 //! That the manual of the AKD leaves a number free behind such a parameter is known, what is behind it is our reading. A
-//! drive that does not know the second number is read and written with the low half alone.
+//! drive that does not have the second number is read and written with the low half alone.
 
 use profile::catalogue::Parameter;
 use profile::parameter::ParameterAddress;

@@ -24,7 +24,7 @@ pub enum DescriptionError {
         /// Vendor of the description.
         described: u16,
     },
-    /// No model says which telegrams the drive has.
+    /// There is no model, so the telegrams of the drive are not known.
     #[error("which telegrams {drive} has is not known")]
     UnknownTelegrams {
         /// The drive.

@@ -247,7 +247,7 @@ mod tests {
         }
     }
 
-    /// An AKD that says that it is a device of an unknown vendor.
+    /// An AKD that identifies itself as a device of an unknown vendor.
     fn foreign() -> (
         client::Network,
         std::sync::Arc<client::World<SegmentMedium>>,

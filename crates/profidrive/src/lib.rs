@@ -42,7 +42,7 @@
 //! | open a plant in memory (feature `simulate`) | `open_plant`, `open_scenario`, `Opening::in_plant` |
 //! | open a network and find a drive, in one call | [`Opening::drive`] |
 //! | end waiting calls and stop axes by Ctrl-C | [`Stop`] with [`Opening::stopped_by`] |
-//! | know whether both sides can reach each other | [`reach`](reach()) |
+//! | check whether both sides can reach each other | [`reach`](reach()) |
 //! | find, read, write | [`Network`], which is a [`client::Session`] |
 //! | move an axis, with every safety rule | [`motion`] |
 //! | restore settings, with a way back | [`settings`] |

@@ -243,7 +243,7 @@ impl Opening {
         self
     }
 
-    /// Takes the drive as this model, whatever it says that it is: see [`find`](Self::find).
+    /// Takes the drive as this model, whatever it identifies itself as: see [`find`](Self::find).
     #[must_use]
     pub const fn as_model(mut self, model: Model) -> Self {
         self.model = Some(model);

@@ -4,7 +4,7 @@ use std::net::Ipv4Addr;
 
 use profinet::IpSuite;
 
-/// What the addresses of both sides say.
+/// Whether both sides can reach each other, by their addresses.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Reach {
     /// One subnet, or nothing known against it.

@@ -19,7 +19,7 @@ const MAC: MacAddress = MacAddress([0x02, 0x50, 0x4E, 0, 0, 0xC0]);
 ///
 /// The network is of the same type as one of [`open`](crate::open()), and a program runs on both. Time advances only while a
 /// call waits, as fast as the computer can. The time line of the file plays meanwhile, its controllers run, and cables lose
-/// and delay frames as it says. One thread gets the same run every time; the seed in the file decides what happens by chance.
+/// and delay frames as the file defines. One thread gets the same run every time; the seed in the file decides what happens by chance.
 ///
 /// This program has the address [`Scenario::client_address`].
 ///

@@ -79,7 +79,7 @@ fn not_owned(session: &mut Live, drive: &Drive, force: bool, undone: &'static st
         return Ok(());
     }
     session.check_unowned(drive, undone).wait().map_err(at_work)?;
-    // the connection that asked is not to be cut by what follows
+    // the connection of the request is not to be cut by what follows
     Ok(session.close().wait()?)
 }
 
@@ -195,7 +195,7 @@ pub fn blink(args: &Blink, interface: &Interface, output: &Output) -> Result<(),
     let mut printed = false;
     loop {
         session.blink(&drive).wait()?;
-        // only the answer says that it does
+        // only the answer confirms it
         if !std::mem::replace(&mut printed, true) {
             output.say(&format!("{} blinks", describe(&drive.station)));
         }
@@ -223,7 +223,7 @@ pub fn reset(args: &Reset, interface: &Interface, output: &Output) -> Result<(),
     let (mode, what) = mode(args.mode);
     let checked = !args.force && in_reach(drive.station.ip)?;
     if checked {
-        // a person is not asked about what is refused anyway
+        // no confirmation for what is refused anyway
         session.check_idle(&mut drive, "reset").wait().map_err(at_work)?;
     }
     if !args.yes {

@@ -108,7 +108,7 @@ impl From<MotionError> for Failure {
     }
 }
 
-/// What failed, with what the drive said about itself.
+/// What failed, with what the drive reported about itself.
 fn failed(error: client::Error, findings: &[String], next: Option<Next>) -> Failure {
     let hint = match next {
         Some(Next::Diagnosis(diagnosis)) => advice::next(&diagnosis, "DRIVE"),

@@ -21,7 +21,7 @@ pub fn run(args: &Diff, options: &DriveOptions, output: &Output) -> Result<(), F
     let (left, right) = (source(&args.left)?, source(&args.right)?);
     let (left, right) = match (left, right) {
         (Some(left), Some(right)) => (left, right),
-        // of a drive, what the file says counts: it may hold a part only
+        // of a drive, the contents of the file count: it may hold a part only
         (Some(file), None) => {
             let drive = like(&file, &options.target(&args.right), output)?;
             (file, drive)

@@ -237,7 +237,7 @@ mod tests {
         single.chain(ids.map(|pair| pair.join(" "))).collect()
     }
 
-    /// `status`, `faults` and `explain` say the same about each fault of each vendor, with parameters of that vendor.
+    /// `status`, `faults` and `explain` describe each fault of each vendor alike, with parameters of that vendor.
     #[test]
     fn remedies_agree_and_name_the_vendor_s_own_parameters() {
         let mut names = 0;

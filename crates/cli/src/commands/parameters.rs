@@ -47,7 +47,7 @@ pub fn read(args: &Read, target: &Target, output: &Output) -> Result<(), Failure
     last_failure(problems, output)
 }
 
-/// What the bits of control and status words are called depends on telegram, profile and mode, which only the drive knows.
+/// What the bits of control and status words are called depends on telegram, profile and mode, which only the drive reports.
 fn name_bits(
     session: &mut connect::Live,
     drive: &mut client::Drive,

@@ -35,7 +35,7 @@ pub fn run(args: &Run, target: &Target, output: &Output) -> Result<(), Failure> 
     .map(|_| ())
 }
 
-/// What was asked for, in one unit.
+/// The requested speed, in one unit.
 fn wanted(args: &Run) -> Result<motion::Run, Failure> {
     let unit = match args.velocity.unit.as_deref() {
         Some("%") => SpeedUnit::Percent,

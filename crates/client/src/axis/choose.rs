@@ -71,7 +71,7 @@ impl Purpose {
     }
 }
 
-/// What a drive says about its telegram.
+/// What a drive reports about its telegram.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct ReportedTelegram {
     /// PNU 922.

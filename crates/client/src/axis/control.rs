@@ -53,7 +53,7 @@ pub struct AxisControl {
     controlled_since: Instant,
     was_in_operation: bool,
     quick: bool,
-    /// ON was sent and the drive has not said since that the pulses are off.
+    /// ON was sent and the drive has not reported since that the pulses are off.
     may_turn: bool,
     /// First trouble since the last goal set by the caller.
     trouble: Option<Trouble>,
@@ -125,12 +125,12 @@ impl AxisControl {
         }
     }
 
-    /// From now on only a stop and the release are pursued, whatever else is wanted.
+    /// From now on only a stop and the release are pursued, whatever else is requested.
     pub const fn end(&mut self) {
         self.ending = true;
     }
 
-    /// Sets what is wanted from now on.
+    /// Sets the target state from now on.
     pub fn pursue(&mut self, now: Instant, goal: Goal) {
         if self.ending && !matches!(goal, Goal::Stop | Goal::Released) {
             return;
@@ -193,7 +193,7 @@ impl AxisControl {
         self.trouble.map_or(self.progress, Progress::Failed)
     }
 
-    /// Returns true when the axis stands with the pulses off, as far as the drive says.
+    /// Returns true when the axis stands with the pulses off, as far as the drive reports.
     #[must_use]
     pub fn is_at_rest(&self) -> bool {
         matches!(
@@ -229,7 +229,7 @@ impl AxisControl {
         self.command
     }
 
-    /// Looks at what the drive says and chooses what to send.
+    /// Evaluates what the drive reports and chooses what to send.
     pub fn step(&mut self, now: Instant, seen: Seen) -> Command {
         let off = seen.pulses_off() && !self.command.stw1.has(Stw1::ON) && self.stood(now);
         self.may_turn &= !off;
@@ -465,7 +465,7 @@ impl AxisControl {
 
     fn stop(&mut self, now: Instant, seen: Seen) -> Command {
         if seen.pulses_off() {
-            // the word must have reached the drive: what it says may be older than the command
+            // the word must have reached the drive: what it reports may be older than the command
             if !self.command.stw1.has(Stw1::ON) && self.stood(now) {
                 self.progress = Progress::Reached;
             }

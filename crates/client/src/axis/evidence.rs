@@ -1,4 +1,4 @@
-//! What a drive says about an axis that does not get where it should, and what that points to.
+//! What a drive reports about an axis that does not get where it should, and what that points to.
 
 use std::fmt;
 
@@ -9,7 +9,7 @@ const AT_LIMIT: f64 = 0.9;
 /// Following error from which on the axis is behind its setpoint, turns.
 const BEHIND: f64 = 0.01;
 
-/// An axis in operation that stays away from its target or its speed; `None` where the drive does not say.
+/// An axis in operation that stays away from its target or its speed; `None` where the drive does not report it.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Evidence {
     /// Position command minus position, in turns.

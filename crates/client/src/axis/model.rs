@@ -121,7 +121,7 @@ impl Bench {
         self.ramps_down = false;
     }
 
-    /// Operation goes on at the same speed whatever the setpoint says.
+    /// Operation goes on at the same speed whatever the setpoint is.
     pub fn never_slows_down(&mut self) {
         self.slows_down = false;
     }

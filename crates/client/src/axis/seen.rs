@@ -43,7 +43,7 @@ impl Seen {
         self.zsw1.has(Zsw1::WARNING)
     }
 
-    /// ZSW1 bit 9: the drive asks the PLC to take control.
+    /// ZSW1 bit 9: the drive requests control by the PLC.
     #[must_use]
     pub const fn control_requested(self) -> bool {
         self.zsw1.has(Zsw1::CONTROL_REQUESTED)

@@ -7,7 +7,7 @@ use profinet::Instant;
 use super::{Engine, Wire};
 use crate::WireFailure;
 
-/// Carries the bytes and the time of an [`Engine`]: a thread of its own on a real network, or whoever waits.
+/// Carries the bytes and the time of an [`Engine`]: a thread of its own on a real network, or the thread that waits.
 pub trait Driver: Send + Sync {
     /// Returns the present time, if it can be reported now; else it is that of the last turn.
     fn now(&self) -> Option<Instant>;
@@ -22,8 +22,8 @@ pub trait Driver: Send + Sync {
     fn end(&self) {}
 }
 
-/// A wire that is carried by whoever waits: nothing happens and no time passes meanwhile. In virtual time one thread gives
-/// the same run every time.
+/// A wire that is carried by the thread that waits: nothing happens and no time passes meanwhile. In virtual time one thread
+/// gives the same run every time.
 #[derive(Debug)]
 pub struct World<W: Wire> {
     engine: Engine,

@@ -1,4 +1,4 @@
-//! What callers and the driver of a network share: the client inside, whoever waits, and what has still to be done.
+//! What callers and the driver of a network share: the client inside, the callers that wait, and what has still to be done.
 //!
 //! A call is a future that checks the client, posts its request and waits for the next turn. The driver carries bytes
 //! and time: each of its turns handles one event and wakes all waiting calls.

@@ -23,7 +23,7 @@ pub(crate) const fn at(drive: &Drive) -> At {
     (drive.station.mac, drive.station.ip.address, drive.slave)
 }
 
-/// Those who want something of the drives.
+/// Callers that use the drives.
 #[derive(Debug, Default)]
 pub(crate) struct Queues {
     tickets: u64,

@@ -88,7 +88,7 @@ impl Error {
         Some(advice.then(more))
     }
 
-    /// What to do about it, where that can be said.
+    /// What to do about it, where there is something to do.
     #[must_use]
     pub fn advice(&self) -> Option<Advice> {
         Some(match self {

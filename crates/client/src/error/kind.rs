@@ -23,7 +23,7 @@ pub enum ErrorKind {
     NotReached,
     /// The drive cannot do it, or not as it is now set up.
     Unsupported,
-    /// The caller wanted to stop.
+    /// The caller requested a stop.
     Interrupted,
     /// The drive sent an answer that has no meaning.
     Internal,

@@ -23,7 +23,7 @@ pub struct Refusal {
     pub names: ErrorNames,
     /// Additional information of the drive: often the element at fault.
     pub information: Option<u16>,
-    /// What to do about it for this parameter, where the tables of the drive know more than the number says.
+    /// What to do about it for this parameter, where the tables of the drive have more than the meaning of the number.
     pub advice: Option<&'static str>,
     /// What came of it in the parameter channel of a serial line; `None` for records.
     pub channel: Option<ChannelRefusal>,

@@ -23,7 +23,7 @@ const RECORD_LIMIT: Duration = Duration::from_secs(90);
 /// How long a release may take.
 const RELEASE_LIMIT: Duration = Duration::from_secs(10);
 
-/// The field of the answer to a connect that says whose it is.
+/// The field of the answer to a connect that identifies its owner.
 const RESPONDER: &str = "CMResponderMacAdd";
 
 /// Largest record requested.

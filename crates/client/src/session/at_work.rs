@@ -6,12 +6,12 @@ use super::{STANDS, Session};
 use crate::{AtWork, Drive, Error};
 
 impl Session {
-    /// Checks that no controller is connected to a drive. `undone` says what is not done otherwise: `renamed`.
+    /// Checks that no controller is connected to a drive. `undone` is the action that is not done otherwise: `renamed`.
     ///
-    /// A drive that cannot be asked passes: another name or address is how it becomes reachable.
+    /// A drive that cannot be read passes: another name or address is how it becomes reachable.
     ///
     /// # Errors
-    /// [`Error::AtWork`] when a controller is connected, [`Error::Interrupted`] when the caller wants to stop.
+    /// [`Error::AtWork`] when a controller is connected, [`Error::Interrupted`] when the caller requests a stop.
     pub async fn check_unowned(&mut self, drive: &Drive, undone: &'static str) -> Result<(), Error> {
         let owner = answered(self.owner(drive).await)?;
         let works = owner.flatten().flatten().map(AtWork::Controller);
@@ -19,12 +19,12 @@ impl Session {
     }
 
     /// Checks that a drive is not at work: no controller is connected, its axis stands and its power stage is off.
-    /// `undone` says what is not done otherwise: `reset`.
+    /// `undone` is the action that is not done otherwise: `reset`.
     ///
-    /// A drive that cannot be asked passes, and so does one that does not report its speed or state.
+    /// A drive that cannot be read passes, and so does one that does not report its speed or state.
     ///
     /// # Errors
-    /// [`Error::AtWork`] when it is at work, [`Error::Interrupted`] when the caller wants to stop.
+    /// [`Error::AtWork`] when it is at work, [`Error::Interrupted`] when the caller requests a stop.
     pub async fn check_idle(&mut self, drive: &mut Drive, undone: &'static str) -> Result<(), Error> {
         self.check_unowned(drive, undone).await?;
         let readings = answered(self.ask(drive, &[Part::Speed, Part::SpeedActual]).await)?;

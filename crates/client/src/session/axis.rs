@@ -31,7 +31,7 @@ pub(super) use rest::Place;
 /// How to run an axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AxisSettings {
-    /// What the axis is wanted for: decides over the telegram, and which mode the drive must be in.
+    /// The purpose of the axis: decides over the telegram, and which mode the drive must be in.
     pub purpose: Purpose,
     /// Update time; when `None` at least [`Cycle::CALM`](crate::axis::Cycle::CALM), as the drive allows it. A serial line has none.
     pub cycle: Option<Duration>,
@@ -130,7 +130,7 @@ pub struct AxisStatus {
     pub following_error: Option<f64>,
     /// Time since control was taken.
     pub time: Duration,
-    /// The connection is lost: all of this is what the drive said last.
+    /// The connection is lost: all of this is what the drive reported last.
     pub lost: bool,
 }
 
@@ -194,7 +194,7 @@ pub struct Axis {
     /// Ramps of the drive in the unit of the speeds a second.
     pub(super) acceleration: Option<f64>,
     pub(super) deceleration: Option<f64>,
-    /// What the drive said about a motion that does not get on.
+    /// What the drive reported about a motion without progress.
     pub(super) evidence: Option<Evidence>,
     /// What the drive does when this connection is lost.
     loss: Box<LossReaction>,
@@ -205,7 +205,7 @@ pub struct Axis {
     pub(super) warnings: Warnings,
     /// The trouble there is was returned to the caller.
     reported: bool,
-    /// What the one knows who brings it to rest.
+    /// State of the task that brings it to rest.
     pub(super) ending: Arc<Ending>,
 }
 
@@ -340,7 +340,7 @@ impl Axis {
     /// Takes control and gets ready for switching on (S2).
     ///
     /// # Errors
-    /// When the drive does not follow, the connection is lost or the caller wants to stop.
+    /// When the drive does not follow, the connection is lost or the caller requests a stop.
     pub async fn ready(&mut self) -> Result<(), Error> {
         self.reach(Goal::Ready).await
     }
@@ -348,7 +348,7 @@ impl Axis {
     /// As [`ready`](Self::ready), but content with a fault that waits to be acknowledged.
     ///
     /// # Errors
-    /// When the connection is lost or the caller wants to stop.
+    /// When the connection is lost or the caller requests a stop.
     pub async fn ready_or_fault(&mut self) -> Result<(), Error> {
         self.pursue(Goal::Ready);
         let fault = |status: &AxisStatus| status.view.seen.is_some_and(Seen::fault);
@@ -429,7 +429,7 @@ impl Axis {
     /// Keeps what was reached for `time`.
     ///
     /// # Errors
-    /// As soon as the drive leaves it, the connection is lost or the caller wants to stop.
+    /// As soon as the drive leaves it, the connection is lost or the caller requests a stop.
     pub async fn hold(&mut self, time: Duration) -> Result<(), Error> {
         self.hold_until(time, |_| false).await.map(|_| ())
     }
@@ -541,7 +541,7 @@ impl Axis {
         }
     }
 
-    /// Shows the axis to whoever wants to see it.
+    /// Shows the axis to its observers.
     fn show(&mut self) -> Option<AxisStatus> {
         let status = self.status();
         if let (Some(watcher), Some(status)) = (&mut self.watcher, &status) {

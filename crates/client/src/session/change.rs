@@ -134,7 +134,7 @@ impl Session {
         Ok(())
     }
 
-    /// Writes what a set plans, in its order, reads it back and lets the drive save it where that is wanted.
+    /// Writes what a set plans, in its order, reads it back and lets the drive save it where that is requested.
     ///
     /// # Errors
     /// When the power stage is on or comes on while it must be off ([`Condition`]), the drive is lost or the caller wants to
@@ -272,7 +272,7 @@ impl Session {
         kept(drive, set, keep)
     }
 
-    /// Writes with the request that saves too, where the set wants that and the drive knows it.
+    /// Writes with the request that saves too, where the set requests that and the drive supports it.
     async fn change_saving(
         &mut self,
         drive: &Drive,

@@ -9,7 +9,7 @@ use crate::learn::Values;
 use crate::{Drive, Error};
 use profile::value::Selection;
 
-/// What a drive says of one of its parameters: its description (attribute 0x20) and its texts (attribute 0x30).
+/// What a drive reports of one of its parameters: its description (attribute 0x20) and its texts (attribute 0x30).
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Described {
@@ -64,7 +64,7 @@ impl Session {
         }
         let description = match self.descriptions(drive, &[selection.pnu]).await {
             Ok(mut answers) => answers.pop().flatten(),
-            // a drive that knows values only
+            // a drive that supports values only
             Err(Error::Record { .. } | Error::Malformed { .. }) => None,
             Err(error) => return Err(error),
         };
@@ -110,7 +110,7 @@ fn limits(
     if values.kind == Kind::Float {
         return ReportedLimits::Own(low, high);
     }
-    // Byte, Word and Double word have a sign that only the tables know
+    // Byte, Word and Double word have a sign that only the tables define
     let signed = row.map_or(values.kind == Kind::Signed, |row| row.signed);
     let Some((first, last)) = description.limits(values.octets, signed) else {
         return ReportedLimits::None;

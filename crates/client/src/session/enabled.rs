@@ -61,7 +61,7 @@ impl<'a> Enabled<'a> {
     }
 
     /// Follows this speed from now on, in the unit of the axis ([`AxisSettings::unit`](crate::AxisSettings::unit)): rpm if
-    /// nothing else was said.
+    /// nothing else was set.
     ///
     /// # Errors
     /// A speed above the limit or one that cannot be reported ([`Session::check_speed`](crate::Session::check_speed)),
@@ -161,7 +161,7 @@ impl<'a> Enabled<'a> {
         }
     }
 
-    /// The setpoint means what it meant when the axis was taken, as far as the drive says so until `due`. On a serial line
+    /// The setpoint means what it meant when the axis was taken, as far as the drive reports it until `due`. On a serial line
     /// the setpoint has a scale of its own.
     async fn check_scale(&mut self, due: Instant) -> Result<(), Error> {
         if self.axis.drive.is_on_line() {
@@ -177,7 +177,7 @@ impl<'a> Enabled<'a> {
         match scale {
             Ok(()) => {}
             Err(Error::Interrupted) => return Err(Error::Interrupted),
-            // a lost connection is seen by the exchange of data; a parameter channel that is busy is asked again
+            // a lost connection is seen by the exchange of data; a parameter channel that is busy is tried again
             Err(_) => return Ok(()),
         }
         let before = self.axis.drive.parameters.scaling.velocity;
@@ -238,7 +238,7 @@ impl<'a> Enabled<'a> {
     /// Keeps a jog at this speed, in rpm, for `time`.
     ///
     /// # Errors
-    /// When the axis did not move at all in that time, as far as its telegram says so, and as [`hold`](Axis::hold).
+    /// When the axis did not move at all in that time, as far as its telegram contains it, and as [`hold`](Axis::hold).
     pub async fn keep_jog(&mut self, rpm: f64, time: Duration) -> Result<(), Error> {
         let mut seen = Moved::new(rpm);
         self.axis
@@ -311,7 +311,7 @@ impl<'a> Enabled<'a> {
     ///
     /// # Errors
     /// When it takes longer than `limit`, the axis stops elsewhere, the drive leaves operation, the connection is lost
-    /// or the caller wants to stop. The motion is still under way then until this object goes.
+    /// or the caller requests a stop. The motion is still under way then until this object goes.
     pub async fn reach_target(&mut self, limit: Option<Duration>) -> Result<AxisStatus, Error> {
         let result = self
             .axis
@@ -420,7 +420,7 @@ impl<'a> Enabled<'a> {
 struct Moved {
     /// Speed that it should have, rpm.
     rpm: f64,
-    /// `None` while the telegram has not said it.
+    /// `None` while the telegram has not reported it.
     moved: Option<bool>,
     highest: Option<f64>,
     from: Option<f64>,
@@ -450,7 +450,7 @@ impl Moved {
             self.highest = Some(self.highest.map_or(actual, |highest| highest.max(actual)));
             actual > least
         });
-        // a drive says standstill of a slow axis too
+        // a drive reports standstill of a slow axis too
         let slow = self.rpm.abs() <= standstill;
         let stopped = status
             .view

@@ -1,4 +1,4 @@
-//! What is asked of a drive whose axis does not get where it should, while it is still in operation. Reads only.
+//! What is read from a drive whose axis does not get where it should, while it is still in operation. Reads only.
 
 use profile::catalogue::Part;
 
@@ -30,7 +30,7 @@ impl Axis {
             self.session.ask(&mut drive, &PARTS).await
         };
         let Ok(readings) = readings else {
-            // asked once: the axis is to be looked at
+            // read once: the axis is to be looked at
             self.evidence = Some(Evidence::default());
             return;
         };

@@ -10,7 +10,7 @@ use super::readings::{Readings, zsw1_of};
 use crate::{Drive, Error, Refusal};
 use profile::value::{Reading, Selection};
 
-/// What is asked beside the buffer.
+/// What is read beside the buffer.
 const PARTS: [Part; 10] = [
     Part::ControlWord,
     Part::StatusWord,
@@ -37,13 +37,13 @@ pub struct FaultEntry {
     pub position: u8,
     /// The vendor's number.
     pub number: u16,
-    /// What it means, where the tables know.
+    /// What it means, where the tables have it.
     pub meaning: Option<&'static str>,
-    /// What the drive does about it, where the tables know.
+    /// What the drive does about it, where the tables have it.
     pub reaction: Option<Reaction>,
-    /// What to do, where the tables know.
+    /// What to do, where the tables have it.
     pub remedy: Option<&'static str>,
-    /// How it goes away, where the tables know.
+    /// How it goes away, where the tables have it.
     pub cleared: Option<Cleared>,
     /// The same in words, with the parameters of this vendor.
     pub clearing: Option<String>,
@@ -54,7 +54,7 @@ pub struct FaultEntry {
 }
 
 impl FaultEntry {
-    /// Creates a fault that is present, with what the tables of its vendor say.
+    /// Creates a fault that is present, with the texts of the tables of its vendor.
     #[must_use]
     pub fn of(number: u16, tables: Option<&Catalogue>) -> Self {
         let row = tables.and_then(|tables| tables.fault(number, false));
@@ -75,9 +75,9 @@ impl FaultEntry {
 pub struct WarningEntry {
     /// The vendor's number.
     pub number: u32,
-    /// What it means, where the tables know.
+    /// What it means, where the tables have it.
     pub meaning: Option<&'static str>,
-    /// What to do, where the tables know.
+    /// What to do, where the tables have it.
     pub remedy: Option<&'static str>,
 }
 
@@ -107,7 +107,7 @@ pub struct FaultReport {
 pub struct LoggedFault {
     /// The vendor's number.
     pub number: u16,
-    /// What it means, where the tables know.
+    /// What it means, where the tables have it.
     pub meaning: Option<&'static str>,
     /// What the drive noted with it.
     pub value: Option<i64>,
@@ -226,7 +226,7 @@ impl Session {
             .whole(drive, &[pnu::FAULT_NUMBERS, pnu::FAULT_TIMES, pnu::FAULT_VALUES])
             .await?;
         let part = |number| whole.iter().find(|selection| selection.pnu == number).copied();
-        // a drive without fault numbers says so itself
+        // a drive without fault numbers reports that itself
         let numbers =
             part(pnu::FAULT_NUMBERS).unwrap_or_else(|| Selection::number(pnu::FAULT_NUMBERS, Notation::Name));
         let parts = [Some(numbers), part(pnu::FAULT_TIMES), part(pnu::FAULT_VALUES)];
@@ -247,7 +247,7 @@ impl Session {
                             None => Vec::new(),
                         };
                     }
-                    // a counter of situations says nothing of an acknowledge between two parts of the buffer
+                    // a counter of situations does not count an acknowledge between two parts of the buffer
                     let one_answer = parts.iter().flatten().count() == 1;
                     if one_answer || self.read(drive, &[numbers]).await? == buffers[0] {
                         order.buffer();
@@ -305,7 +305,7 @@ fn shape_of(elements: u16) -> Shape {
     }
 }
 
-/// Faults or warnings that the bits of the drive's words say.
+/// Faults or warnings by the bits of the drive's words.
 fn by_bits(drive: &Drive, readings: &Readings, warning: bool) -> Vec<(u16, &'static Fault)> {
     let part = if warning {
         Part::WarningWord

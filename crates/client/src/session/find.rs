@@ -19,7 +19,7 @@ impl Session {
     /// Returns all stations that answer within `time`, by name and address.
     ///
     /// # Errors
-    /// When the medium fails or the caller wants to stop.
+    /// When the medium fails or the caller requests a stop.
     pub async fn scan(&mut self, time: Duration) -> Result<Vec<Station>, Error> {
         let factor = u16::try_from(time.as_millis() / 20)
             .unwrap_or(u16::MAX)

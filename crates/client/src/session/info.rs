@@ -42,7 +42,7 @@ pub struct Peer {
     pub mac: MacAddress,
 }
 
-/// Everything `info` knows about a drive.
+/// Everything that `info` reports about a drive.
 #[derive(Debug, Clone)]
 pub struct Info {
     /// I&M0 to 3; `None` when the device has no I&M0.

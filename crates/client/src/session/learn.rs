@@ -1,4 +1,4 @@
-//! Learning what a drive is of which there are no tables: how it wants to be asked, and what it says of its parameters.
+//! Reads from a drive without tables which requests it accepts and what its parameters are.
 
 use profile::notation::Notation;
 use profile::parameter::{
@@ -40,7 +40,7 @@ impl Session {
     /// receives the number of described parameters and their total.
     ///
     /// # Errors
-    /// When the drive cannot be reached, the caller wants to stop, or [too many kinds](Error::TooManyKinds) are known.
+    /// When the drive cannot be reached, the caller requests a stop, or [too many kinds](Error::TooManyKinds) are known.
     pub async fn recognise(
         &mut self,
         drive: &mut Drive,
@@ -103,11 +103,11 @@ impl Session {
         Ok(())
     }
 
-    /// Finds out how a drive of which there are no tables wants to be asked: its axis and the record of its parameter
+    /// Finds out which requests a drive without tables accepts: its axis and the record of its parameter
     /// channel. Nothing happens for a known model.
     ///
     /// # Errors
-    /// When the drive cannot be reached, or the caller wants to stop.
+    /// When the drive cannot be reached, or the caller requests a stop.
     pub async fn find_channel(&mut self, drive: &mut Drive) -> Result<(), Error> {
         if drive.model.catalogue.is_some() || drive.is_on_line() {
             return Ok(());
@@ -124,7 +124,7 @@ impl Session {
         Ok(())
     }
 
-    /// Finds out how a drive wants to be asked, and what kind it is; `None` when it answers nothing.
+    /// Finds out which requests a drive accepts, and its kind; `None` when it answers nothing.
     async fn kind(&mut self, drive: &mut Drive) -> Result<Option<KindOfDrive>, Error> {
         let own = drive.model;
         let mut ways = vec![(own.dialect, own.channel.index)];

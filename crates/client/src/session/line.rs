@@ -14,7 +14,7 @@ use crate::{Client, Drive, DriveAddress, Error, LineAddress};
 use profile::model::Model;
 use profile::value::Selection;
 
-/// Longer than a drive is asked before it counts as absent.
+/// Longer than a drive is polled before it counts as absent.
 const ASK_LIMIT: Duration = Duration::from_secs(5);
 /// Longer than the exchanges for one parameter may take, with every repetition.
 const PARAMETER_LIMIT: Duration = Duration::from_secs(10);

@@ -24,7 +24,7 @@ impl LossReaction {
     }
 }
 
-/// The parts that say what a value of the deciding parameter means.
+/// The parts that define what a value of the deciding parameter means.
 const REACTIONS: [(Part, LossAction); 6] = [
     (Part::LossKeepsTurning, LossAction::KeepsTurning),
     (Part::LossRamp, LossAction::Ramp),
@@ -41,7 +41,7 @@ impl Session {
     /// Reads what the drive does when its controller is lost. Reads only.
     ///
     /// Sources: `loss-` and `lost-controller` rows of the tables of each model (VLT 8-03 and 8-04, Vacon ID 733 and
-    /// ID 506, FAULT702.ACTION of the AKD). What no table says is [`LossAction::Unknown`].
+    /// ID 506, FAULT702.ACTION of the AKD). What no table contains is [`LossAction::Unknown`].
     ///
     /// # Errors
     /// When the drive cannot be reached.

@@ -108,7 +108,7 @@ const BESIDE: Duration = Duration::from_millis(500);
 /// ```
 pub struct Session {
     engine: Engine,
-    /// What the caller wants meanwhile.
+    /// Requests of the caller meanwhile.
     wishes: Arc<Mutex<Wishes>>,
     /// How its requests are carried out at present.
     manner: Arc<Mutex<Manner>>,
@@ -118,11 +118,11 @@ pub struct Session {
     under_control: Option<(String, Box<LossReaction>)>,
 }
 
-/// What a caller wants while it waits.
+/// Requests of a caller while it waits.
 struct Wishes {
-    /// Says that the caller wants to stop.
+    /// Records that the caller requests a stop.
     interrupted: Box<dyn FnMut() -> bool + Send>,
-    /// Says that an axis is to be stopped quickly, and that it has said so.
+    /// Requests a quick stop of an axis, and whether it has done so.
     hurry: Box<dyn FnMut() -> bool + Send>,
     hurried: bool,
     /// Follows the steps on the ways to records.
@@ -179,18 +179,18 @@ impl Session {
         self.wishes.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Asks `interrupted` now and then whether the caller wants to stop; calls then end with
+    /// Calls `interrupted` now and then to check whether the caller requests a stop; calls then end with
     /// [`Error::Interrupted`]. An axis under control is stopped all the same.
     pub fn interrupt_with(&mut self, interrupted: impl FnMut() -> bool + Send + 'static) {
         self.wishes().interrupted = Box::new(interrupted);
     }
 
-    /// Asks `hurry` while an axis stops along its ramp, until it says yes: what remains is a quick stop (OFF3).
+    /// Calls `hurry` while an axis stops along its ramp, until it returns true: what remains is a quick stop (OFF3).
     pub fn hurry_with(&mut self, hurry: impl FnMut() -> bool + Send + 'static) {
         self.wishes().hurry = Box::new(hurry);
     }
 
-    /// Makes a ramp stop a quick one once the caller wants that.
+    /// Makes a ramp stop a quick one once the caller requests it.
     fn hurry_on(&self, link: Link, view: &AxisView) {
         let ramp = view.goal == Goal::Stop && !view.quick_stop && !view.at_rest;
         if !ramp {
@@ -207,7 +207,7 @@ impl Session {
         }
     }
 
-    /// True once the caller wanted a stop to be a quick one.
+    /// True once the caller requested a quick stop.
     fn has_hurried(&self) -> bool {
         self.wishes().hurried
     }
@@ -263,7 +263,7 @@ impl Session {
     /// Lets time pass; connections and axes go on.
     ///
     /// # Errors
-    /// When the medium fails or the caller wants to stop.
+    /// When the medium fails or the caller requests a stop.
     pub async fn pass(&mut self, time: Duration) -> Result<(), Error> {
         let end = self.now() + time;
         while self.now() < end {
@@ -301,10 +301,10 @@ impl Session {
         }
     }
 
-    /// Says whether the caller wants to stop, before something is begun that should not be interrupted.
+    /// Returns an error if the caller requests a stop, before something is begun that should not be interrupted.
     ///
     /// # Errors
-    /// When the caller wants to stop ([`interrupt_with`](Self::interrupt_with)).
+    /// When the caller requests a stop ([`interrupt_with`](Self::interrupt_with)).
     pub fn glance(&mut self) -> Result<(), Error> {
         if !self.manner().stopping && (self.wishes().interrupted)() {
             return Err(Error::Interrupted);

@@ -2,7 +2,7 @@
 //! drive, and leaves nothing behind when it is released.
 //!
 //! The start-up is held: parameter jobs travel in it, no data is exchanged, and the drive sees no control word. A device
-//! that wants data first gets it with IOPS bad and the provider stopped. Valid outputs with a control word of 0 would be
+//! that requires data first gets it with IOPS bad and the provider stopped. Valid outputs with a control word of 0 would be
 //! less neutral: without bit 10 a PROFIdrive or a VLT ignores it, but the control word of a Vacon telegram has no such bit
 //! and 0 means stop there. A change from run to stop, which some drives take for a lost controller (AKD FBUS.PARAM02),
 //! never happens, as the provider never runs.
@@ -149,7 +149,7 @@ impl Session {
         let limit = START_UP_JOB + READY_LIMIT;
         match self.wait(limit, |client| client.take_record(call)).await? {
             Some(Err(error)) if wants_data(&error) => self.exchange_data(drive, ar).await,
-            // whatever else is wrong shows with the job that is wanted
+            // whatever else is wrong shows with the requested job
             _ => Ok(()),
         }
     }

@@ -142,7 +142,7 @@ impl Plugged {
         Some(modules)
     }
 
-    /// Returns the telegram that is plugged, where the tables know its module.
+    /// Returns the telegram that is plugged, where the tables have its module.
     pub(super) fn telegram(&self, device: &Device) -> Option<u16> {
         let module = self.drive.as_ref().filter(|module| is_ours(device, module))?;
         device
@@ -152,7 +152,7 @@ impl Plugged {
 
     /// Returns the modules to connect with: the tables' where the drive has those, else the ones that are plugged.
     /// `None` when the telegram wanted is not the one plugged and its ident number is not known. Of a drive without
-    /// tables no ident number is; where it does not say which telegram is plugged either, telegram 1 is tried.
+    /// tables no ident number is; where it does not report which telegram is plugged either, telegram 1 is tried.
     pub(super) fn layout(
         &self,
         device: &Device,

@@ -298,7 +298,7 @@ impl Session {
             drive: drive.label(),
             problem,
         })?;
-        // what a vendor's file says is surer than that the module plugged is the one of PNU 922
+        // a vendor's file is more certain than that the module plugged is the one of PNU 922
         let layout = |choice: &Choice| {
             plugged
                 .layout_of(&drive.vendor_modules, device, &choice.module)
@@ -323,7 +323,7 @@ impl Session {
     }
 
     /// Puts what the drive has now into the words of the telegram whose parameter settings choose: they are written
-    /// with the first frame, and are to keep their values. To be asked with the telegram in place.
+    /// with the first frame, and are to keep their values. To be called with the telegram in place.
     pub(super) async fn preset_chosen(
         &mut self,
         drive: &mut Drive,
@@ -368,7 +368,7 @@ impl Session {
         permitted(drive, authority)
     }
 
-    /// Returns the telegram of a drive's process data: what PNU 922 says, or that of its line.
+    /// Returns the telegram of a drive's process data: that of PNU 922, or that of its line.
     pub(super) async fn telegram_now(&mut self, drive: &mut Drive) -> Result<Option<u16>, Error> {
         let readings = self.read_numbers(drive, &[pnu::TELEGRAM]).await?;
         let raw = readings.first().and_then(Reading::raw);

@@ -123,7 +123,7 @@ pub(super) const fn is_no_service(error: &ServiceError) -> bool {
     }
 }
 
-/// Returns whether the state of the connection forbids the write: the device may want cyclic data first.
+/// Returns whether the state of the connection forbids the write: the device may require cyclic data first.
 pub(super) const fn wants_data(error: &ServiceError) -> bool {
     const WRITE: u8 = 0xDF;
     const fn forbids(status: PnioStatus) -> bool {

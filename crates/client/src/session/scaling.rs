@@ -14,7 +14,7 @@ impl Session {
         let Some(tables) = drive.model.catalogue.filter(|_| !drive.scaled) else {
             return Ok(());
         };
-        // what is read here scales nothing itself: asked again, nothing would be read
+        // what is read here scales nothing itself: a second time nothing would be read
         drive.scaled = true;
         // reading looks at the scaling first: the two call each other
         let readings = match Box::pin(self.ask(drive, &SCALING)).await {

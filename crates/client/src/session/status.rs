@@ -11,14 +11,14 @@ use crate::status::DriveStatus;
 use crate::{Drive, Error};
 use profile::value::Reading;
 
-/// What every drive is asked by number.
+/// Parameters read from every drive by number.
 const PROFILE: [u16; 4] = [
     pnu::TELEGRAM,
     pnu::SETPOINT_SIGNALS,
     pnu::ACTUAL_SIGNALS,
     pnu::OPERATING_MODE,
 ];
-/// What it is asked by what it is.
+/// Parameters read by role.
 const PARTS: [Part; 22] = [
     Part::ControlWord,
     Part::StatusWord,

@@ -25,7 +25,7 @@ pub enum StopWay {
     /// All motion stops along the ramp. A drive with a parameter for it (AKD DRV.STOP) stays enabled, all others are switched
     /// off by OFF1.
     Stop,
-    /// The power stage is switched off too (AKD DRV.DIS, as DRV.DISMODE says); a controller needs OFF and ON afterwards.
+    /// The power stage is switched off too (AKD DRV.DIS, by DRV.DISMODE); a controller needs OFF and ON afterwards.
     Disable,
 }
 
@@ -54,7 +54,7 @@ impl StopWay {
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub enum StopMeans {
-    /// A parameter of the drive commands it, whoever else commands the drive.
+    /// A parameter of the drive commands it, beside any other controller of the drive.
     Parameter(&'static Parameter),
     /// No controller has the control word: it is taken over without a jump, then the axis ramps down and is released.
     TakeOver,
@@ -81,7 +81,7 @@ pub struct StopOutcome {
     pub by_word: bool,
     /// The power stage is on at the end.
     pub enabled: Option<bool>,
-    /// The axis stands, and is off where that was wanted.
+    /// The axis stands, and is off where that was requested.
     pub at_rest: bool,
     /// Why parameters of the drive could not be read: it was stopped by what else is known of it.
     pub unread: Option<String>,
@@ -118,9 +118,9 @@ impl Session {
     /// An axis that turns with its power stage off, because it coasts or a load pulls at it, is only waited for.
     ///
     /// A parameter that the drive does not answer, or not properly, is not an error: control word and status word are
-    /// enough. After the first one none is requested, and [`StopOutcome::unread`] says why.
+    /// enough. After the first one none is requested, and [`StopOutcome::unread`] is the reason.
     ///
-    /// A controller of the drive is not asked and goes on: what it commands next may move the axis again.
+    /// A controller of the drive is not involved and goes on: what it commands next may move the axis again.
     ///
     /// # Errors
     /// [`Error::StopUnanswered`] when the drive does not answer its parameter and a controller has its control word,
@@ -215,7 +215,7 @@ impl Session {
 
     /// Takes the control word over as it is, ramps down by OFF1 and gives it back.
     async fn take_over_and_stop(&mut self, drive: &mut Drive, limit: Duration) -> Result<(), Error> {
-        // a service channel may have it: with silent parameters only its telegram says so
+        // a service channel may have it: with silent parameters only its telegram shows it
         let by_parameter = StopWay::Stop.parameter(drive).is_some();
         let settings = AxisSettings {
             stop: limit,
@@ -295,13 +295,13 @@ impl Session {
         set.accepted()
     }
 
-    /// How the axis is; `off` when its telegram has said that the power stage is off, for a drive without a status word.
+    /// How the axis is; `off` when its telegram has reported that the power stage is off, for a drive without a status word.
     async fn look_at(&mut self, drive: &mut Drive, way: StopWay, off: bool) -> Result<StopOutcome, Error> {
         let enabled = self.is_enabled(drive).await?.or(off.then_some(false));
         let readings = self.ask(drive, &[Part::Speed, Part::SpeedActual]).await?;
         let speed = readings.rpm(Part::Speed);
         let percent = readings.percent(Part::SpeedActual).filter(|_| speed.is_none());
-        // of a drive that reports no speed the power stage is all there is to know
+        // of a drive that reports no speed the power stage is all there is
         let stands = readings.stands(STANDS).unwrap_or(enabled == Some(false));
         Ok(StopOutcome {
             sent: false,
@@ -322,7 +322,7 @@ fn asks_for_control(status: &AxisStatus) -> bool {
     status.view.seen.is_some_and(Seen::control_requested)
 }
 
-/// How a drive was seen last, for whoever gives up a stop.
+/// How a drive was seen last, for a caller that gives up a stop.
 fn seen_last(last: Option<&StopOutcome>) -> String {
     let Some(last) = last else {
         return "nothing was sent, and how it is was not read".to_owned();

@@ -189,7 +189,7 @@ impl Session {
     }
 
     /// Gives the window what it had. A 0 where none can be written is that of an empty task, which has to be loaded first.
-    /// False when the window is not as it was. A person who wants to stop waits for this.
+    /// False when the window is not as it was. A person who stops the program waits for this.
     async fn put_back(
         &mut self,
         drive: &mut Drive,

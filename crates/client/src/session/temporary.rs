@@ -43,7 +43,7 @@ pub struct TemporaryChange {
     work: Arc<Work>,
 }
 
-/// What a piece of work and the task that puts back both know.
+/// State shared by a piece of work and the task that restores values.
 pub(super) struct Work {
     at: At,
     over: AtomicBool,

@@ -8,10 +8,10 @@ use super::BESIDE;
 use super::axis::{Axis, AxisStatus, WarningWatcher};
 use crate::{Connection, Error};
 
-/// How often a drive that has a warning is asked which ones it has.
+/// How often the warnings of a drive that has one are read.
 const AGAIN: Duration = Duration::from_secs(1);
 
-/// Who wants to know, and what was reported.
+/// The observer, and what was reported to it.
 #[derive(Default)]
 pub(super) struct Warnings {
     watcher: Option<WarningWatcher>,
@@ -24,7 +24,7 @@ enum Reported {
     /// There is no warning.
     #[default]
     Nothing,
-    /// These numbers; the drive was asked at this time.
+    /// These numbers; read from the drive at this time.
     Numbers(Vec<u32>, Instant),
     /// That there is one: the drive has no number for it, or does not answer.
     TheBit,

@@ -124,11 +124,11 @@ pub struct Diagnosis {
     pub cause: Cause,
     /// What kind of answer it is.
     pub verdict: Verdict,
-    /// One sentence, with the bit or parameter that says so.
+    /// One sentence, with the bit or parameter that shows it.
     pub sentence: String,
     /// What to do next, where something is to be done.
     pub next: Option<Advice>,
-    /// What to do next as actions, in their order; what [`next`](Self::next) says is besides.
+    /// What to do next as actions, in their order; the text of [`next`](Self::next) is besides.
     pub actions: Vec<Action>,
     /// What else stands in the way, or is about to.
     pub notes: Vec<Note>,
@@ -158,10 +158,10 @@ pub fn diagnose(status: &DriveStatus) -> Diagnosis {
     rules::first(status)
 }
 
-/// Why a drive has left operation though its controller wanted it there, as far as only its parameters can say: nothing
+/// Why a drive has left operation though its controller commanded it, as far as its parameters alone show: nothing
 /// at its inputs, no fault, no warning is left that would. `None` where something else is known.
 ///
-/// Read after the axis was released: what the drive says of its power stage then is what the release did.
+/// Read after the axis was released: what the drive reports of its power stage then is the effect of the release.
 #[must_use]
 pub fn switched_off_beside(status: &DriveStatus) -> Option<Note> {
     notes::switched_off_beside(status)

@@ -649,7 +649,7 @@ fn fault(status: &DriveStatus) -> String {
     }
 }
 
-/// The parameter that says so, as the model calls it: ` (STO.STATE is 0)`. Nothing for a drive without a name for it.
+/// The parameter that shows it, by its name in the model: ` (STO.STATE is 0)`. Nothing for a drive without a name for it.
 fn by(status: &DriveStatus, part: Part, says: &str) -> String {
     in_model(status.model, part).map_or_else(String::new, |name| {
         format!(" ({})", format!("{name} {says}").trim_end())
@@ -681,7 +681,7 @@ fn speed(status: &DriveStatus) -> String {
     }
 }
 
-/// In operation and turning; in position mode the drive says so itself.
+/// In operation and turning; in position mode the drive reports it itself.
 fn moves(status: &DriveStatus) -> bool {
     turns(status) || (positioning(status) && !status.has(Zsw1::STOPPED))
 }

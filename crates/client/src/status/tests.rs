@@ -566,7 +566,7 @@ fn further_obstacles_are_listed_with_the_cause() {
         text.contains("HWLS.POSSTATE") && text.contains("less load"),
         "{text}"
     );
-    // what weighs more is the sentence, and not said twice
+    // what weighs more is the sentence, and not printed twice
     status.torque_allowed = Some(false);
     status.bus_voltage = Some(0.0);
     let (cause, notes) = ids(&status);

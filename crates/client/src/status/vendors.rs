@@ -52,7 +52,7 @@ pub(super) fn disable(model: &str) -> Option<(&'static str, &'static str)> {
     row.map(|(_, command, advice)| (*command, *advice))
 }
 
-/// A warning of the drive that says this cause.
+/// A warning of the drive that means this cause.
 pub(super) fn warned(status: &DriveStatus, cause: Cause) -> Option<&WarningEntry> {
     status
         .warnings
@@ -60,7 +60,7 @@ pub(super) fn warned(status: &DriveStatus, cause: Cause) -> Option<&WarningEntry
         .find(|warning| causes(status.model, warning).contains(&cause))
 }
 
-/// The causes that a warning says.
+/// The causes that a warning means.
 pub(super) fn causes(model: &str, warning: &WarningEntry) -> &'static [Cause] {
     let row = WARNINGS
         .iter()

@@ -17,7 +17,7 @@ use super::report::{MotionResult, Report};
 use crate::report::Fault;
 
 /// Acknowledges the faults of a drive by an edge of STW1 bit 7. Enables nothing. Where there is none, control of the axis is
-/// not taken, and the report says so.
+/// not taken, which is in the report.
 ///
 /// # Errors
 /// When no command clears what is present, when a fault stays, and when the axis cannot be taken.
@@ -64,7 +64,7 @@ pub async fn acknowledge(
 const CLEAR_TIMEOUT: Duration = Duration::from_secs(1);
 const GLANCE: Duration = Duration::from_millis(50);
 
-/// Acknowledges the faults of a drive by the parameter that it has for that, beside whoever has control.
+/// Acknowledges the faults of a drive by the parameter that it has for that, beside the controller that has it.
 ///
 /// # Errors
 /// When the drive has no such parameter or refuses it, and when a fault stays.

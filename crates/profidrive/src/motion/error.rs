@@ -36,16 +36,16 @@ impl End {
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum MotionError {
-    /// Nothing was enabled, or there is nothing to add to what the client says.
+    /// Nothing was enabled, or there is nothing to add to the error of the client.
     #[error(transparent)]
     Client(#[from] Error),
-    /// The motion failed. With what the drive says about itself.
+    /// The motion failed. With what the drive reports about itself.
     #[error("{error}{}", joined(.findings))]
     Failed {
         /// What failed.
         #[source]
         error: Box<Error>,
-        /// What the drive says: faults, warnings, why it does not run.
+        /// What the drive reports: faults, warnings, why it does not run.
         findings: Vec<String>,
         /// What to do about the findings.
         next: Option<Box<Next>>,
@@ -63,7 +63,7 @@ pub enum MotionError {
     AboveLimit {
         /// The drive.
         drive: String,
-        /// Speed asked for, rpm.
+        /// Requested speed, rpm.
         speed: f64,
         /// Highest speed in that direction, rpm; 0 where the drive does not turn in it.
         limit: f64,
@@ -141,7 +141,7 @@ pub enum MotionError {
 /// What to do about the state of a drive.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Next {
-    /// As its diagnosis says.
+    /// As its diagnosis.
     Diagnosis(Diagnosis),
     /// This.
     Advice(Advice),
@@ -173,7 +173,7 @@ impl MotionError {
         }
     }
 
-    /// What to do about it, where that can be said. A front end puts its own words in the place of the actions.
+    /// What to do about it, where there is something to do. A front end puts its own words in the place of the actions.
     #[must_use]
     pub fn advice(&self) -> Option<Advice> {
         match self {
@@ -219,7 +219,7 @@ impl MotionError {
     }
 }
 
-/// A failed motion with what the drive says about itself: faults and warnings by number and text, and why it does not run.
+/// A failed motion with what the drive reports about itself: faults and warnings by number and text, and why it does not run.
 pub(super) async fn explained(
     error: Error,
     end: End,
@@ -232,7 +232,7 @@ pub(super) async fn explained(
             end,
         };
     }
-    // what the drive said while it was still in operation is in the error already
+    // what the drive reported while it was still in operation is in the error already
     let read = matches!(
         error,
         Error::Axis { .. }

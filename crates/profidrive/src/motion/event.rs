@@ -56,7 +56,7 @@ pub enum Event {
     AtSwitch,
     /// The speed travels as the nearest representable value. The difference may be too small for the figures shown.
     Rounded {
-        /// The speed asked for.
+        /// The requested speed.
         asked: f64,
         /// The speed that is sent.
         sent: f64,
@@ -94,7 +94,7 @@ pub enum Event {
     LongStop,
     /// The motion was stopped before the axis was at its speed.
     SpeedNotReached {
-        /// The speed asked for.
+        /// The requested speed.
         wanted: f64,
         /// The speed that it had.
         actual: Option<f64>,
@@ -148,7 +148,7 @@ pub struct Ended {
     pub statistics: Option<CyclicStatistics>,
     /// How the axis was when control of it was given back.
     pub rest: Rest,
-    /// The caller wanted to stop.
+    /// The caller requested a stop.
     pub interrupted: bool,
     /// The report of a motion that came to its end, or that the caller stopped.
     pub report: Option<Report>,

@@ -10,7 +10,7 @@ use super::event::{Event, TelegramChange};
 use super::report::Report;
 use crate::report::{DriveWords, LossReaction, Quantity, Warning, Word, Wording};
 
-/// An [`Event`] of a motion that serialises. The fields say which one it is.
+/// An [`Event`] of a motion that serialises. Its fields identify the event.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(untagged)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -90,7 +90,7 @@ impl From<Report> for Message {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct RunsOn {
-    /// What it does, and which setting says so.
+    /// What it does, and the setting that decides it.
     #[serde(flatten)]
     pub on_loss: LossReaction,
     /// The call that makes it stop.

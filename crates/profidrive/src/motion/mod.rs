@@ -14,7 +14,7 @@
 //! | bring a drive to rest | [`stop`] | |
 //!
 //! A call sends its [`Event`]s to an [`Observer`] and returns a [`Report`]. What went wrong is a [`MotionError`], with what
-//! the drive says about itself.
+//! the drive reports about itself.
 //!
 //! However a call ends, by its end, an error, a wish to stop ([`Session::interrupt_with`](client::Session::interrupt_with)) or a panic, the axis is ramped
 //! down and released, then mode, telegram and jog speed are put back. A future that is dropped early leaves all of that to

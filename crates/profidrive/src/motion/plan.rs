@@ -128,7 +128,7 @@ impl MoveReport {
     }
 }
 
-/// Checks what taking the axis and enabling it would meet: whoever has the drive, its mode, the telegram, and what holds
+/// Checks what taking the axis and enabling it would meet: the controller of the drive, its mode, the telegram, and what holds
 /// it back. Reads only. The drive would be put into mode `set_mode` where it is in another one.
 pub(super) async fn checked_axis(
     session: &mut Session,

@@ -164,7 +164,7 @@ async fn travel(
 }
 
 async fn reach(enabled: &mut Enabled<'_>, wanted: &Move, last: &mut Option<AxisStatus>) -> Result<(), Error> {
-    // with what the telegram says now
+    // with the present contents of the telegram
     let plan = enabled.plan(&wanted.order).await?;
     enabled.start(&plan).await?;
     let limit = wanted.timeout.unwrap_or_else(|| patience(&plan));

@@ -165,7 +165,7 @@ pub async fn plan_run(
     })
 }
 
-/// What the drive itself says against a speed, before anything is sent.
+/// The objections of the drive to a speed, before anything is sent.
 async fn permitted(
     session: &mut Session,
     drive: &mut Drive,
@@ -181,7 +181,7 @@ async fn permitted(
         }
         let facts = session.motion_facts(drive).await?;
         report_switch(speed, &facts, observer);
-        // a caller that names 100 % knows better than the drive
+        // the value for 100 % that the caller gives takes precedence
         let counts = |part: &Option<Part>| *part != Some(Part::Reference) || wanted.reference_speed.is_none();
         if let Some(limit) = above(speed, &facts).filter(|(_, part)| counts(part)) {
             return Err(too_fast(speed, limit, drive));

@@ -24,7 +24,7 @@ pub struct StopReport {
     pub speed: Option<Quantity>,
     /// The power stage is on at the end.
     pub enabled: Option<bool>,
-    /// The axis stands, and is off where that was wanted.
+    /// The axis stands, and is off where that was requested.
     pub at_rest: bool,
     /// The controller that goes on commanding the drive; null where it does not report that.
     pub controller: Option<Controller>,

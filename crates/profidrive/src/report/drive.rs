@@ -28,7 +28,7 @@ pub struct InfoReport {
     pub is_drive: bool,
     /// How it answers to discovery.
     pub station: Station,
-    /// What its identification records say (I&M0 to I&M3).
+    /// Its identification records (I&M0 to I&M3).
     pub identity: Option<Identity>,
     /// Its state and words.
     #[serde(flatten)]

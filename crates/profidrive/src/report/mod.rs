@@ -1,4 +1,4 @@
-//! What each verb reports: data that serialises, in one shape for each idea, whoever prints it.
+//! What each verb reports: data that serialises, in one shape for each idea, for every front end.
 //!
 //! | shape | what it is |
 //! |---|---|
@@ -9,7 +9,7 @@
 //! | [`Station`], [`Controller`] | who a drive is, and who has its cyclic connection |
 //! | [`Error`] | why a verb failed |
 //!
-//! Every field is always there: `null` says that it is not known or does not apply, a list without entries is `[]`.
+//! Every field is always there: `null` means not known or not applicable, a list without entries is `[]`.
 //! Times are in seconds. With the feature `schema` each report has a JSON schema.
 
 mod backup;

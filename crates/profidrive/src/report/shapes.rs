@@ -78,7 +78,7 @@ impl Quantity {
     }
 }
 
-/// State of a drive and the words that say so. The bits have the names of the vendor's words.
+/// State of a drive, with the control and status word that it is decoded from. The bits have the names of the vendor's words.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct DriveWords {

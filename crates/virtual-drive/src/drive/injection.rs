@@ -57,7 +57,7 @@ pub enum Injection {
     HomeSwitch(Option<bool>),
     /// `feedback=lost`, `ok`: the feedback of the motor.
     FeedbackLoss(bool),
-    /// `brake=on`, `off`, `auto`: the holding brake; `None` is as the drive wants it.
+    /// `brake=on`, `off`, `auto`: the holding brake; `None` is as the drive commands it.
     Brake(Option<bool>),
     /// `bus=450V`, `auto`: voltage of the DC bus, `None` as mains and motor make it.
     BusVoltage(Option<f64>),

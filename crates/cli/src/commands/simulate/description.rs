@@ -8,7 +8,7 @@ use crate::failure::{Exit, Failure};
 use crate::output::Output;
 use crate::render::table::clean;
 
-/// Reads the device description on the command line, and says what was taken from it.
+/// Reads the device description on the command line, and prints what was taken from it.
 pub fn read(
     args: &Simulate,
     scenario: Option<&Scenario>,

@@ -53,45 +53,45 @@ pub enum Objection {
     },
     /// No speed at all, or none that the drive could take.
     NoSpeed {
-        /// Speed wanted, rpm.
+        /// Requested speed, rpm.
         speed: f64,
     },
     /// A distance of less than half an increment: the axis would not move.
     NoDistance {
-        /// Distance wanted, in increments.
+        /// Requested distance, in increments.
         counts: f64,
     },
     /// A speed between two that can be reported, and neither is near.
     SpeedStep {
-        /// Speed wanted, rpm.
+        /// Requested speed, rpm.
         speed: f64,
         /// The speeds below and above it that can be reported, rpm.
         nearest: [f64; 2],
     },
     /// Above what the setpoint carries.
     SpeedRange {
-        /// Speed wanted, rpm.
+        /// Requested speed, rpm.
         speed: f64,
         /// The highest speed of MDI_VELOCITY, rpm.
         highest: f64,
     },
     /// Above what the caller allows.
     SpeedLimit {
-        /// Speed wanted, rpm.
+        /// Requested speed, rpm.
         speed: f64,
         /// Speed allowed, rpm.
         limit: f64,
     },
     /// Above what the drive allows.
     DriveLimit {
-        /// Speed wanted, rpm.
+        /// Requested speed, rpm.
         speed: f64,
         /// Its limit in that direction, rpm.
         limit: f64,
     },
     /// A ramp that the drive cannot take.
     Ramp {
-        /// Ramp wanted, rpm/s.
+        /// Requested ramp, rpm/s.
         ramp: f64,
         /// Lowest, rpm/s.
         lowest: f64,

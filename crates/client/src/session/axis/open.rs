@@ -213,7 +213,7 @@ impl Session {
     /// is put back.
     ///
     /// # Errors
-    /// When the wire fails or the caller wants to stop.
+    /// When the wire fails or the caller requests a stop.
     pub async fn settled(&mut self) -> Result<(), Error> {
         while self.engine.records().ends_any_work() {
             self.look_again().await?;
@@ -274,7 +274,7 @@ fn standstill(scale: &SpeedScale) -> u16 {
     raw.unsigned_abs().max(1)
 }
 
-/// An axis whose telegram is attached once the drive says what is in its words.
+/// An axis whose telegram is attached once the drive reports the contents of its words.
 type Waiting = (ArId, u16, u16, Wiring, AxisControl);
 
 impl Axis {
@@ -288,7 +288,7 @@ impl Axis {
             self.session.share(&drive, ar);
         }
         if let Some((ar, slot, subslot, mut wiring, control)) = waiting {
-            // nothing was sent yet: only now the drive says what is in the words of this telegram
+            // nothing was sent yet: only now the drive reports what is in the words of this telegram
             self.session.preset_chosen(&mut self.drive, &mut wiring).await?;
             self.session
                 .client()

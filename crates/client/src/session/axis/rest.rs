@@ -24,7 +24,7 @@ const LONGEST_RAMP: Duration = Duration::from_secs(600);
 /// Every turn comes before that.
 const FAR: Duration = Duration::from_secs(3600);
 
-/// What an axis and the one who ends it both know.
+/// State shared by an axis and the task that ends it.
 #[derive(Debug)]
 pub(in crate::session) struct Ending {
     reported: AtomicBool,
@@ -97,7 +97,7 @@ impl Ending {
     }
 }
 
-/// An axis that was taken, for those who want its drive after it.
+/// An axis that was taken, for callers that use its drive after it.
 #[derive(Debug)]
 pub(in crate::session) struct Place {
     at: At,
@@ -154,7 +154,7 @@ impl Closer {
         let _meanwhile = self.session.unstoppable();
         let engine = self.session.engine().clone();
         while !self.ending.is_reported() && !engine.is_closing() {
-            // what the wire does meanwhile is the owner's to know
+            // what the wire does meanwhile is reported to the owner
             if let Err(Error::Closed) = engine.next_turn(engine.now() + FAR).await {
                 return;
             }

@@ -154,7 +154,7 @@ fn encode(
     let CheckedValue { raw, engineering, .. } = value;
     let model = &drive.model;
     let (format, width) = match (selection.parameter, old) {
-        // a description does not say in which format the drive takes the value
+        // a description does not define in which format the drive takes the value
         (Some(_), Some(Ok(old))) if model.learned => (Format(old.format), old.octets.len()),
         (Some(parameter), _) => (parameter.format_in(model.dialect), parameter.octets()),
         (None, Some(Ok(old))) => (Format(old.format), old.octets.len()),

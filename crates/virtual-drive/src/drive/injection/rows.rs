@@ -178,7 +178,7 @@ pub(super) static ROWS: &[Row] = &[
     Row {
         key: "brake",
         example: "brake=on",
-        meaning: "the holding brake is applied; auto: as the drive wants it",
+        meaning: "the holding brake is applied; auto: as the drive commands it",
         form: Form::Forced(Injection::Brake, |injection| match *injection {
             Injection::Brake(active) => Some(active),
             _ => None,
@@ -268,7 +268,7 @@ pub(super) static ROWS: &[Row] = &[
     Row {
         key: "input",
         example: "input=1:on",
-        meaning: "the level at that digital input; what it does, its DINx.MODE says",
+        meaning: "the level at that digital input; DINx.MODE sets what it does",
         form: Form::Numbered(
             |number, on| Injection::Input { number, on },
             |injection| match *injection {
