@@ -7,6 +7,7 @@ use profile::parameter::Saving;
 use profile::state::{Mode, Profile, Stw1};
 use profile::telegram::Telegram;
 use profile::value::{ParameterProblem, Parameters, Selection};
+use profinet::Instant;
 use profinet::controller::Station;
 use profinet::cyclic::Timing;
 use uss::SlaveId;
@@ -30,8 +31,8 @@ pub struct Drive {
     pub model: Model,
     /// Its parameters: tables, and the values that scale others.
     pub parameters: Parameters,
-    /// True once the values that scale others were read from it.
-    pub(crate) scaled: bool,
+    /// When the values that scale others were read from it; `None` where that has to be done again.
+    pub(crate) scaled_at: Option<Instant>,
     /// The modules that a device description of its vendor has for it; those of the tables where there are none.
     pub vendor_modules: Vec<VendorModule>,
     /// The update times that this device description allows; empty where none was read.
@@ -60,7 +61,7 @@ impl Drive {
             station,
             parameters: Parameters::of(&model),
             model,
-            scaled: false,
+            scaled_at: None,
             vendor_modules: Vec::new(),
             vendor_timings: Vec::new(),
             device_access: None,
@@ -74,7 +75,7 @@ impl Drive {
         Self {
             parameters: Parameters::of(&model),
             model,
-            scaled: false,
+            scaled_at: None,
             ..self
         }
     }

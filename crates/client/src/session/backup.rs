@@ -130,7 +130,7 @@ impl Session {
     ) -> Result<Backup, Error> {
         let identity = self.identity(drive).await?;
         // the scaling that the values are read with is that of the drive
-        drive.scaled = false;
+        drive.scaled_at = None;
         self.read_scaling(drive).await?;
         let mut answers = Vec::new();
         for (at, part) in selections.chunks(PART).enumerate() {

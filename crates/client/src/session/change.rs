@@ -264,7 +264,9 @@ impl Session {
         }
         kept(drive, set, keep)?;
         // a change of a value that scales others counts from here on
-        drive.scaled &= !set.scales(group, &drive.parameters);
+        if set.scales(group, &drive.parameters) {
+            drive.scaled_at = None;
+        }
         let answers = self.change_saving(drive, set, &outgoing).await?;
         for (&at, answer) in group.iter().zip(answers) {
             set.set(at, answered(answer));

@@ -8,6 +8,7 @@ use profile::state::Mode;
 use profinet::Instant;
 
 use super::axis::{AxisStatus, speed_setpoint};
+use super::scaling::SCALE_AGE;
 use super::{Axis, GLANCE};
 use crate::axis::{Evidence, Goal, Jog, Move, MovePlan, Progress, SpeedUnit, Traverse};
 use crate::{Connection, Error};
@@ -20,8 +21,6 @@ const SPEED_TIMEOUT: (u32, Duration) = (2, Duration::from_secs(5));
 const SPEED_NEAR: f64 = 0.03;
 /// How long an axis that had its speed may be away from it.
 const AWAY: Duration = Duration::from_secs(1);
-/// How often the scale of the speeds is read while the axis runs.
-const SCALE_CHECK: Duration = Duration::from_millis(500);
 /// Part of a revolution that an axis has moved for certain.
 const MOVED: f64 = 0.001;
 /// HOME.MODE: set the position where the axis stands, take that of the feedback.
@@ -136,7 +135,7 @@ impl<'a> Enabled<'a> {
             if has_speed(&status, rpm) {
                 followed = now;
             } else if now - followed >= AWAY {
-                self.check_scale(now + SCALE_CHECK).await?;
+                self.check_scale(now + SCALE_AGE).await?;
                 self.axis.gather().await;
                 return Err(self.axis.with_evidence(Error::SpeedLost {
                     drive: self.axis.drive.label(),
@@ -149,11 +148,11 @@ impl<'a> Enabled<'a> {
             if now >= end {
                 return Ok(());
             }
-            if now - checked >= SCALE_CHECK {
+            if now - checked >= SCALE_AGE {
                 self.check_scale(followed + AWAY).await?;
                 checked = self.axis.session.now();
             }
-            let soon = (checked + SCALE_CHECK).min(followed + AWAY).min(end);
+            let soon = (checked + SCALE_AGE).min(followed + AWAY).min(end);
             self.axis
                 .session
                 .step(soon.max(now + Duration::from_millis(1)))
@@ -168,7 +167,7 @@ impl<'a> Enabled<'a> {
             return Ok(());
         }
         let mut drive = self.axis.drive.clone();
-        drive.scaled = false;
+        drive.scaled_at = None;
         let session = &mut self.axis.session;
         let scale = {
             let _meanwhile = session.bound_by(due);

@@ -688,6 +688,34 @@ fn a_scale_is_not_written_while_the_power_stage_is_on() {
     write(&mut session, &mut drive, &["PN.VELSCALING=1638"]);
 }
 
+/// A copy of a drive that is kept for hours must not send a setpoint that meant this speed once.
+#[test]
+fn a_scale_changed_by_another_client_counts_for_a_kept_drive() {
+    let (mut session, ids) = bench(&[("akd-1", 1)]);
+    let mut drive = find(&mut session, "akd-1").expect("there");
+    write(&mut session, &mut drive, &["PN.VELSCALING=200"]);
+    let mut kept = drive.clone();
+    session.check_speed(&mut kept, 300.0).wait().expect("has steps");
+    with_drive(&session, ids[0], |drive| {
+        ParameterAccess::write(drive, 3064, 0, 1638, Keep::Volatile).expect("taken");
+    });
+    session.pass(Duration::from_secs(1)).wait().expect("time passes");
+    let assignment: Assignment = "5=10rpm".parse().expect("an assignment");
+    let plan = session
+        .plan_write(&mut kept, &[assignment], false)
+        .wait()
+        .expect("a plan");
+    assert_eq!(kept.parameters.scaling.velocity, 1638, "{plan:?}");
+    let mut axis = connected(&mut session, &mut kept);
+    let mut enabled = axis.enable().wait().expect("enabled");
+    enabled.reach_speed(300.0, None).wait().expect("runs");
+    let mut speed = 0.0;
+    with_drive(&session, ids[0], |drive| speed = drive.axis().speed());
+    assert!((speed - 300.0).abs() < 15.0, "{speed} rpm");
+    drop(enabled);
+    axis.release().wait().expect("released");
+}
+
 /// Another client changes the scale all the same: the axis is stopped and the cause reported.
 #[test]
 fn a_scale_changed_under_a_running_axis_stops_it() {
