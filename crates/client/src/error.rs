@@ -42,6 +42,12 @@ pub enum Error {
     /// The network was left: nothing is carried any more.
     #[error("the network is closed")]
     Closed,
+    /// The thread that carries the network has panicked: nothing is carried any more, and no axis of this program is stopped
+    /// by it. What stops them is the watchdog of each drive.
+    #[error(
+        "the thread that carries the network has failed, which is an error of this program; nothing is carried any more"
+    )]
+    DriverFailed,
     /// More requests wait for this drive than it makes sense to keep.
     #[error("{drive}: too many requests wait for it already")]
     Busy {

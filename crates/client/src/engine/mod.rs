@@ -80,6 +80,19 @@ struct Turns {
     failure: Option<(u64, WireFailure)>,
     /// There are no more turns.
     ended: bool,
+    /// They ended by a panic of whoever took them.
+    failed: bool,
+}
+
+impl Turns {
+    /// Why there are no more turns.
+    const fn end(&self) -> Error {
+        if self.failed {
+            Error::DriverFailed
+        } else {
+            Error::Closed
+        }
+    }
 }
 
 /// A waiting call.
@@ -287,10 +300,12 @@ impl Engine {
         locked(&self.shared.turns).woken = woken;
     }
 
-    /// There are no more turns: every call ends with [`Error::Closed`].
+    /// There are no more turns: every call ends with [`Error::Closed`], or with [`Error::DriverFailed`] when the thread that
+    /// calls this is panicking.
     pub fn end(&self) {
         let (waiting, tasks) = {
             let mut turns = locked(&self.shared.turns);
+            turns.failed |= !turns.ended && std::thread::panicking();
             turns.ended = true;
             (
                 std::mem::take(&mut turns.waiting),
@@ -406,7 +421,7 @@ impl Future for NextTurn {
         let engine = self.engine.clone();
         let mut turns = locked(&engine.shared.turns);
         if turns.ended {
-            return Poll::Ready(Err(Error::Closed));
+            return Poll::Ready(Err(turns.end()));
         }
         match self.begun {
             Some((_, begun)) if turns.number != begun => {
@@ -497,5 +512,30 @@ mod tests {
         assert!(engine.is_busy());
         engine.end();
         assert!(!engine.is_busy());
+    }
+
+    /// A program that carries on would wait for ever, or take the failure for one of the network.
+    #[test]
+    fn calls_end_with_the_failure_of_the_thread_that_carries() {
+        struct End(Engine);
+        impl Drop for End {
+            fn drop(&mut self) {
+                self.0.end();
+            }
+        }
+        let engine = engine();
+        let carrying = engine.clone();
+        let carrier = std::thread::spawn(move || {
+            let _end = End(carrying);
+            panic!("an error in a carrier");
+        });
+        assert!(carrier.join().is_err());
+        let mut next = std::pin::pin!(engine.next_turn(Instant::ZERO + IDLE));
+        let answer = next.as_mut().poll(&mut Context::from_waker(Waker::noop()));
+        let Poll::Ready(Err(error)) = answer else {
+            panic!("it waits");
+        };
+        assert!(matches!(error, Error::DriverFailed), "{error}");
+        assert_eq!(error.kind().id(), "internal");
     }
 }

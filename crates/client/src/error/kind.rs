@@ -25,7 +25,7 @@ pub enum ErrorKind {
     Unsupported,
     /// The caller requested a stop.
     Interrupted,
-    /// The drive sent an answer that has no meaning.
+    /// The drive sent an answer that has no meaning, or this program has an error.
     Internal,
 }
 
@@ -56,6 +56,11 @@ impl ErrorKind {
 }
 
 impl Error {
+    /// Returns true when nothing is carried any more, so that waiting makes no sense.
+    pub(crate) const fn is_final(&self) -> bool {
+        matches!(self, Self::Closed | Self::DriverFailed)
+    }
+
     /// What kind of error it is.
     #[must_use]
     pub fn kind(&self) -> ErrorKind {
@@ -126,7 +131,7 @@ impl Error {
             | Self::SpeedLost { .. }
             | Self::Changing { .. } => ErrorKind::NotReached,
             Self::Interrupted | Self::StopInterrupted { .. } => ErrorKind::Interrupted,
-            Self::Malformed { .. } | Self::UnknownRequest { .. } => ErrorKind::Internal,
+            Self::DriverFailed | Self::Malformed { .. } | Self::UnknownRequest { .. } => ErrorKind::Internal,
             Self::NotADrive { .. }
             | Self::Telegram { .. }
             | Self::ForeignModule { .. }

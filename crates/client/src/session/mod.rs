@@ -218,8 +218,10 @@ impl Session {
         self.engine.begin_closing();
         while self.engine.is_busy() {
             // an axis that cannot be reached any more ends as well
-            if let Err(Error::Closed) = self.look_again().await {
-                return Err(Error::Closed);
+            if let Err(error) = self.look_again().await
+                && error.is_final()
+            {
+                return Err(error);
             }
         }
         self.close_within(FAREWELL).await

@@ -150,8 +150,10 @@ impl TemporaryChange {
                 return result;
             }
             // a failure of the wire is part of the result
-            if let Err(Error::Closed) = self.session.look_again().await {
-                return Err(Error::Closed);
+            if let Err(error) = self.session.look_again().await
+                && error.is_final()
+            {
+                return Err(error);
             }
         }
     }
@@ -181,14 +183,18 @@ impl Restorer {
         let _meanwhile = self.session.unstoppable();
         let engine = self.session.engine().clone();
         while !self.work.is_over() && !engine.is_closing() {
-            if let Err(Error::Closed) = engine.next_turn(engine.now() + FAR).await {
+            if let Err(error) = engine.next_turn(engine.now() + FAR).await
+                && error.is_final()
+            {
                 return;
             }
         }
         self.work.over.store(true, Ordering::Release);
         // where the network is left, this axis too ends
         while engine.records().holds_axis(&self.drive, engine.is_closing()) {
-            if let Err(Error::Closed) = engine.next_turn(engine.now() + super::GLANCE).await {
+            if let Err(error) = engine.next_turn(engine.now() + super::GLANCE).await
+                && error.is_final()
+            {
                 return;
             }
         }

@@ -155,7 +155,9 @@ impl Closer {
         let engine = self.session.engine().clone();
         while !self.ending.is_reported() && !engine.is_closing() {
             // what the wire does meanwhile is reported to the owner
-            if let Err(Error::Closed) = engine.next_turn(engine.now() + FAR).await {
+            if let Err(error) = engine.next_turn(engine.now() + FAR).await
+                && error.is_final()
+            {
                 return;
             }
         }
@@ -338,8 +340,10 @@ impl Axis {
                 self.show();
             }
             // further failures are part of the result
-            if let Err(Error::Closed) = self.session.look_again().await {
-                return Err(Error::Closed);
+            if let Err(error) = self.session.look_again().await
+                && error.is_final()
+            {
+                return Err(error);
             }
         }
     }
