@@ -32,7 +32,7 @@ fn run() -> Result<(), Box<dyn Error>> {
         true => profidrive::open_plant(&place)?,
     };
     let mut drive = network.find(&drive.parse()?).wait()?;
-    println!("{}", client::describe(&drive.station));
+    println!("{}", profidrive::client::describe(&drive.station));
 
     let diagnosis = diagnose(&network.status(&mut drive).wait()?);
     println!("{}: {}", diagnosis.verdict, diagnosis.sentence);

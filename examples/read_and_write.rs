@@ -10,7 +10,7 @@ use profidrive::profile::value::Assignment;
 fn main() -> Result<(), Box<dyn Error>> {
     let mut network = profidrive::open_plant("examples/plants/one_drive.toml")?;
     let mut drive = network.find(&DriveAddress::Name("akd-1".into())).wait()?;
-    println!("found {}", client::describe(&drive.station));
+    println!("found {}", profidrive::client::describe(&drive.station));
 
     let names = ["DRV.ACC", "VBUS.VALUE", "r947[0]"];
     let selections = names

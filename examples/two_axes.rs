@@ -60,14 +60,14 @@ fn take(network: &Session, name: &str) -> Result<Axis, Box<dyn Error>> {
 }
 
 /// Turns an axis until Ctrl-C, a failure or the stop of the other one, which it then stops too.
-fn operate(mut axis: Axis, other: &StopHandle) -> Result<(), client::Error> {
+fn operate(mut axis: Axis, other: &StopHandle) -> Result<(), profidrive::client::Error> {
     let turned = turn(&mut axis);
     other.stop();
     let released = axis.release().wait();
     match turned {
         Err(
-            client::Error::Interrupted
-            | client::Error::Axis {
+            profidrive::client::Error::Interrupted
+            | profidrive::client::Error::Axis {
                 trouble: Trouble::Stopped,
                 ..
             },
@@ -76,7 +76,7 @@ fn operate(mut axis: Axis, other: &StopHandle) -> Result<(), client::Error> {
     }
 }
 
-fn turn(axis: &mut Axis) -> Result<(), client::Error> {
+fn turn(axis: &mut Axis) -> Result<(), profidrive::client::Error> {
     let drive = axis.drive().label();
     let mut enabled = axis.enable().wait()?;
     enabled.reach_speed(RPM, None).wait()?;

@@ -270,7 +270,7 @@ pub enum Command {
     /// Set the home position by the procedure the drive is set up for (moves the axis)
     #[command(after_help = CYCLIC)]
     Home(OnDrive<Home>),
-    /// Stop a drive that another controller commands: DRV.STOP, or DRV.DIS with --disable
+    /// Bring a drive to rest: by its stop parameter, or by its control word where no controller has it
     Stop(OnDrive<Stop>),
     /// Say in one sentence why a drive does not run; reads only (exit code 5 when something keeps it)
     Status(OnDrive<Status>),
