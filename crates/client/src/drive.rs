@@ -16,10 +16,9 @@ use crate::line::Shape;
 use crate::modules::VendorModule;
 use crate::{Action, Error};
 
-/// Returns true where a control word can request a jog.
-pub(crate) fn has_jog(words: Profile) -> bool {
-    let jog = Stw1(Stw1::RUN.0 | Stw1::JOG_1.0);
-    words.control(jog) != words.control(Stw1::RUN)
+/// Returns true where a control word can request this jog: [`Stw1::JOG_1`] or [`Stw1::JOG_2`].
+pub(crate) fn has_jog(words: Profile, jog: Stw1) -> bool {
+    words.control(Stw1(Stw1::RUN.0 | jog.0)) != words.control(Stw1::RUN)
 }
 
 /// A drive that was found.
@@ -130,7 +129,7 @@ impl Drive {
             (Action::Home, positions && mode == Some(Mode::Position) && !homed),
             (
                 Action::Jog,
-                has_jog(words) && (part(Part::Jog1) || part(Part::JogOnly)),
+                has_jog(words, Stw1::JOG_1) && (part(Part::Jog1) || part(Part::JogOnly)),
             ),
         ];
         let can = motions.into_iter().filter(|(_, can)| *can);

@@ -4,9 +4,9 @@
 
 use std::sync::{Mutex, PoisonError};
 
-use profile::catalogue::{AKD, Scaling};
 use profile::catalogue::{
-    Access, Catalogue, Device, Layout, Meaning, Parameter, ParameterPoint, Scale, Size, TelegramModule, Words,
+    Access, Catalogue, DescriptionFacts, Device, Layout, Meaning, Parameter, ParameterPoint, Scale, Scaling,
+    Size, TelegramModule, Words,
 };
 use profile::notation::Notation;
 use profile::parameter::{CodeSpace, Description, Dialect, Format, Identifier, Kind, Octets};
@@ -148,7 +148,10 @@ pub fn tables(station: &Station, parameters: Vec<Parameter>) -> Catalogue {
     )
 }
 
-/// Returns the assumed device of a drive without a description: telegram 1 in a module of slot 1.
+/// Shortest update time that a drive without a description is asked for, in steps of 31.25 us: 16 ms.
+const SLOW: u16 = 512;
+
+/// Returns the assumed device of a drive without a description: telegram 1 in a module of slot 1, one port.
 pub fn device_of(station: &Station) -> Device {
     Device {
         vendor_id: station.vendor_id,
@@ -156,7 +159,17 @@ pub fn device_of(station: &Station) -> Device {
         vendor: "",
         station_type: "",
         order_id: "",
-        telegrams: &STANDARD,
+        hardware_revision: 0,
+        software_revision: [0; 3],
+        api: 0x3A00,
+        drive_unit_type: 0,
+        firmware_year: 0,
+        firmware_day_month: 0,
+        access_point_module: 1,
+        access_point_submodule: 1,
+        interface_submodule: 2,
+        port_submodule: 3,
+        ports: 1,
         layout: Layout {
             telegram: 1,
             parameters: ParameterPoint {
@@ -165,7 +178,9 @@ pub fn device_of(station: &Station) -> Device {
             },
             records: &[],
         },
-        ..AKD.device
+        min_device_interval: SLOW,
+        telegrams: &STANDARD,
+        description: DescriptionFacts::default(),
     }
 }
 

@@ -2,7 +2,10 @@
 
 use std::fmt;
 
+use profile::catalogue::Part;
+
 use crate::Advice;
+use crate::names::read_in_models;
 
 /// Share of the current limit from which on the current counts as being at it.
 const AT_LIMIT: f64 = 0.9;
@@ -14,13 +17,13 @@ const BEHIND: f64 = 0.01;
 pub struct Evidence {
     /// Position command minus position, in turns.
     pub following_error: Option<f64>,
-    /// Current of the motor (IL.FB), A.
+    /// Current of the motor, A.
     pub current: Option<f64>,
-    /// The highest current in that direction (IL.LIMITP, IL.LIMITN), A.
+    /// The highest current in that direction, A.
     pub current_limit: Option<f64>,
-    /// A limit switch is hit (HWLS.POSSTATE, HWLS.NEGSTATE).
+    /// A limit switch is hit.
     pub limit_switch: bool,
-    /// A software limit is reached (SWLS.STATE).
+    /// A software limit is reached.
     pub software_limit: bool,
 }
 
@@ -49,15 +52,19 @@ impl Evidence {
     /// Returns the hint.
     #[must_use]
     pub fn advice(&self) -> Option<Advice> {
-        let advice = if self.limit_switch {
-            "move the other way; {read HWLS.POSSTATE HWLS.NEGSTATE} shows the switches"
+        let (what, parts, shows) = if self.limit_switch {
+            let switches = [Part::PositiveSwitch, Part::NegativeSwitch];
+            ("move the other way", switches, "the switches")
         } else if self.software_limit {
-            "move back inside; {read SWLS.LIMIT0 SWLS.LIMIT1} shows the limits"
+            let limits = [Part::SoftwareLimit0, Part::SoftwareLimit1];
+            ("move back inside", limits, "the limits")
         } else {
             self.cause()?;
-            "look at mechanics, brake and load; {read IL.LIMITP IL.LIMITN} shows the limits"
+            let limits = [Part::PositiveCurrentLimit, Part::NegativeCurrentLimit];
+            ("look at mechanics, brake and load", limits, "the limits")
         };
-        Some(advice.into())
+        let read = read_in_models(&parts);
+        Some(format!("{what}; {read} shows {shows}").as_str().into())
     }
 }
 

@@ -2,10 +2,11 @@
 
 use profile::catalogue::Part;
 use profile::notation::{Number, Position, Quantity};
-use profile::state::Profile;
+use profile::state::Stw1;
 
 use super::Session;
 use crate::axis::{Jog, MotionFacts, Move, MovePlan};
+use crate::drive::has_jog;
 use crate::{Drive, Error};
 use profile::value::{Reading, Selection};
 
@@ -60,7 +61,7 @@ impl Session {
         };
         let only = tables.and_then(|tables| tables.part(Part::JogOnly));
         let one = match only {
-            Some(_) => self.snapshot(drive, &[]).await?.profile == Profile::DanfossFc,
+            Some(_) => !has_jog(self.snapshot(drive, &[]).await?.profile, Stw1::JOG_2),
             None => false,
         };
         let found = only.filter(|_| one).or_else(|| tables?.part(part));

@@ -3,7 +3,7 @@
 use profile::catalogue::{Device, Part};
 use profile::notation::ParameterReference;
 use profile::parameter::pnu;
-use profile::state::{Mode, Profile, Zsw1};
+use profile::state::{Mode, Profile, Stw1, Zsw1};
 use profile::telegram::Telegram;
 
 use super::mode::mode_of;
@@ -92,7 +92,7 @@ pub(super) struct Prepared {
 
 /// A bit that the control word does not have is sent in vain.
 fn check_jog(drive: &Drive, purpose: Purpose, profile: Profile) -> Result<(), Error> {
-    if purpose == Purpose::Jog && !has_jog(profile) {
+    if purpose == Purpose::Jog && !has_jog(profile, Stw1::JOG_1) {
         return Err(Error::NoJog {
             drive: drive.label(),
             profile: profile.name(),

@@ -146,14 +146,19 @@ async fn caller(mut session: Session, number: u8, seen: Seen) {
     }
 }
 
-#[test]
-fn sixteen_axes_of_three_vendors_end_each_in_its_own_way() {
-    let (mut network, ids) = plant();
+/// Loses this share of all frames.
+fn lose(network: &Bench, loss: f64) {
     let lossy = Conditions {
-        loss: 0.01,
+        loss,
         ..Conditions::default()
     };
     network.medium().segment_mut().set_all_conditions(lossy);
+}
+
+#[test]
+fn sixteen_axes_of_three_vendors_end_each_in_its_own_way() {
+    let (mut network, ids) = plant();
+    lose(&network, 0.01);
     let seen = Seen::default();
     let callers = (1..=AXES).map(|number| {
         let caller = caller(Session::clone(&network), number, seen.clone());
@@ -233,11 +238,7 @@ fn exchanging(world: &World<network::segment::SegmentMedium>, id: StationId) -> 
 fn a_run_of_many_callers_is_the_same_every_time() {
     let run = || {
         let (network, _) = plant();
-        let lossy = Conditions {
-            loss: 0.05,
-            ..Conditions::default()
-        };
-        network.medium().segment_mut().set_all_conditions(lossy);
+        lose(&network, 0.05);
         let callers = (1..=AXES).map(|number| {
             let mut session = Session::clone(&network);
             async move {
@@ -258,11 +259,7 @@ fn a_run_of_many_callers_is_the_same_every_time() {
 fn a_caller_that_panics_ends_the_run_of_all() {
     let (network, ids) = plant();
     let world = network.world();
-    let lossy = Conditions {
-        loss: 0.05,
-        ..Conditions::default()
-    };
-    network.medium().segment_mut().set_all_conditions(lossy);
+    lose(&network, 0.05);
     let callers = (1..=AXES).map(|number| {
         let mut session = Session::clone(&network);
         async move {
@@ -290,11 +287,7 @@ fn a_caller_that_panics_ends_the_run_of_all() {
 #[test]
 fn every_cyclic_input_can_be_recorded() {
     let (mut network, _) = plant();
-    let lossy = Conditions {
-        loss: 0.02,
-        ..Conditions::default()
-    };
-    network.medium().segment_mut().set_all_conditions(lossy);
+    lose(&network, 0.02);
     let mut session = Session::clone(&network);
     let mut axis = taken(&mut session, 3).wait();
     let mut samples = axis.samples(10_000);

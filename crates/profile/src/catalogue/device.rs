@@ -109,7 +109,7 @@ impl RecordView {
 }
 
 /// A text in two languages.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Words {
     /// English.
     pub english: &'static str,
@@ -118,7 +118,7 @@ pub struct Words {
 }
 
 /// What a device description says of a drive model and nothing else needs.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct DescriptionFacts {
     /// Date of the description as the number YYYYMMDD.
     pub date: u32,

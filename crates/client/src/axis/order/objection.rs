@@ -6,7 +6,7 @@ use profile::catalogue::Part;
 use profile::notation::figures;
 
 use crate::Advice;
-use crate::names::in_models;
+use crate::names::{in_models, read_in_models, write_in_models};
 
 /// Why a move is not sent.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -191,13 +191,20 @@ impl Objection {
         match self {
             Self::NotHomed => "{home} sets the home position",
             Self::Fault => "{status} shows which, {acknowledge} acknowledges it",
-            Self::Feedrate => "{write MT_FEEDRATE=100} lets tasks run at their own speed",
+            Self::Feedrate => {
+                let write = write_in_models(Part::Feedrate, 100);
+                return format!("{write} lets tasks run at their own speed").as_str().into();
+            }
             Self::NoTask { .. } => {
                 let table = in_models(&[Part::TaskNumber, Part::LoadTask]);
                 return format!("the table of motion tasks shows which ones there are{table}").into();
             }
             Self::SoftwareLimit { .. } => {
-                "{read SWLS.EN SWLS.LIMIT0 SWLS.LIMIT1} shows the limits"
+                return shows_limits(&[
+                    Part::SoftwareLimitsOn,
+                    Part::SoftwareLimit0,
+                    Part::SoftwareLimit1,
+                ]);
             }
             Self::ModuloRange { .. } => {
                 "a target lies inside the range, its upper end not included; {choose relative} goes on over the end"
@@ -209,7 +216,7 @@ impl Objection {
             Self::SpeedStep { .. } => "ask for one of them",
             Self::SpeedRange { .. } => "give a lower speed",
             Self::SpeedLimit { .. } => "raise the limit with {choose speed-limit} if the machine allows it",
-            Self::DriveLimit { .. } => "{read VL.LIMITP VL.LIMITN} shows the limits",
+            Self::DriveLimit { .. } => return shows_limits(&[Part::ForwardLimit, Part::BackwardLimit]),
             Self::Ramp { .. } => {
                 let steps = in_models(&[Part::AccelerationScaling]);
                 return format!("the steps are those of acceleration signals{steps}").into();
@@ -217,4 +224,11 @@ impl Objection {
         }
         .into()
     }
+}
+
+/// What reads the limits that are parameters with these parts.
+fn shows_limits(parts: &[Part]) -> Advice {
+    format!("{} shows the limits", read_in_models(parts))
+        .as_str()
+        .into()
 }
