@@ -46,8 +46,10 @@
 //! | find, read, write | [`Network`], which is a [`client::Session`] |
 //! | move an axis, with every safety rule | [`motion`] |
 //! | restore settings, with a way back | [`settings`] |
+//! | name, address and reset stations, with every check | [`addressing`] |
 #![forbid(unsafe_code)]
 
+pub mod addressing;
 mod carrier;
 #[cfg(feature = "gsdml")]
 mod description;

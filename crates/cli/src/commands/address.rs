@@ -5,11 +5,10 @@ use std::net::Ipv4Addr;
 use std::sync::mpsc;
 use std::time::Duration;
 
-use client::{AtWork, Drive, Error, Wait, describe};
-use network::system::InterfaceInfo;
-use profidrive::report::{BlinkReport, IpReport, NameReport, ResetReport};
+use client::{AtWork, Error, Wait, describe};
+use profidrive::addressing::{self, AddressingError, FactoryReset, NewAddress, NewName, check_station_name};
+use profidrive::report::BlinkReport;
 use profinet::IpSuite;
-use profinet::wire::dcp::{check_name, legal_name};
 
 use crate::args::{Blink, Interface, Ip, Name, Reset, ResetMode};
 use crate::connect::{self, Live, Need};
@@ -18,46 +17,50 @@ use crate::output::Output;
 use crate::render::table::clean;
 
 pub fn name(args: &Name, interface: &Interface, output: &Output) -> Result<(), Failure> {
-    if !args.name.is_empty()
-        && let Err(rule) = check_name(args.name.as_bytes())
-    {
-        return Err(no_name(&args.name, rule));
-    }
+    // a bad name needs no network
+    check_station_name(&args.name)?;
     let (mut session, drive) = connect::drive(&interface.target(&args.drive), Need::Discovery, output)?;
-    other_of_that_name(&mut session, &drive, &args.name)?;
-    not_owned(&mut session, &drive, args.force, "named")?;
+    let wanted = NewName {
+        name: args.name.clone(),
+        permanent: !args.temporary,
+        force: args.force,
+        dry_run: args.dry_run,
+    };
+    let report = addressing::set_name(&mut session, &drive, &wanted).wait()?;
     let kept = kept(args.temporary, "has no name at all");
     let (station, name) = (describe(&drive.station), shown(&args.name));
-    if args.dry_run {
-        output.say(&format!(
-            "dry run: {station} would be {name} ({kept}); nothing was changed"
-        ));
+    output.say(&if args.dry_run {
+        format!("dry run: {station} would be {name} ({kept}); nothing was changed")
     } else {
-        session.set_name(&drive, &args.name, !args.temporary).wait()?;
-        output.say(&format!("{station} is {name} now ({kept})"));
-    }
-    output.json_report(&NameReport {
-        mac: drive.station.mac.to_string(),
-        old: named(&drive.station.name),
-        name: named(&args.name),
-        permanent: !args.temporary,
-        dry_run: args.dry_run,
+        format!("{station} is {name} now ({kept})")
     });
+    output.json_report(&report);
     Ok(())
 }
 
-/// Returns the violated rule of a name, with a valid name.
-pub fn no_name(name: &str, rule: impl std::fmt::Display) -> Failure {
-    let failure = Failure::usage(format!("`{name}` is not a valid station name: {rule}"));
-    match legal_name(name) {
-        legal if legal.is_empty() => failure,
-        legal => failure.hint(format!("perhaps {legal}")),
+impl From<AddressingError> for Failure {
+    fn from(error: AddressingError) -> Self {
+        let failed = |hint: &str| Self::new(Exit::Failed, error.to_string()).hint(hint);
+        match error {
+            AddressingError::BadName { ref legal, .. } => {
+                let failure = Self::usage(error.to_string());
+                match legal {
+                    Some(legal) => failure.hint(format!("perhaps {legal}")),
+                    None => failure,
+                }
+            }
+            AddressingError::NameTaken { .. } => {
+                failed("one name belongs to one station; rename the other first")
+            }
+            AddressingError::AddressTaken { .. } | AddressingError::OwnAddress { .. } => {
+                failed("choose a free address")
+            }
+            AddressingError::Client(error @ Error::AtWork { .. }) => at_work(error),
+            AddressingError::Client(error) => error.into(),
+            AddressingError::Interfaces(error) => error.into(),
+            error => Self::new(Exit::Failed, error.to_string()),
+        }
     }
-}
-
-/// A name; `None` for a station without one.
-fn named(name: &str) -> Option<String> {
-    Some(name.to_owned()).filter(|name| !name.is_empty())
 }
 
 fn shown(name: &str) -> &str {
@@ -71,16 +74,6 @@ fn kept(temporary: bool, then: &str) -> String {
     } else {
         "kept over power-off".into()
     }
-}
-
-/// Another name or address ends the connection of a controller, and with it the motion.
-fn not_owned(session: &mut Live, drive: &Drive, force: bool, undone: &'static str) -> Result<(), Failure> {
-    if force || !in_reach(drive.station.ip)? {
-        return Ok(());
-    }
-    session.check_unowned(drive, undone).wait().map_err(at_work)?;
-    // the connection of the request is not to be cut by what follows
-    Ok(session.close().wait()?)
 }
 
 /// Words the failure and its hint for a drive at work.
@@ -103,32 +96,6 @@ fn at_work(error: Error) -> Failure {
     failure
 }
 
-/// Returns whether records can be read from a station: not where no answer can come.
-fn in_reach(ip: IpSuite) -> Result<bool, Failure> {
-    Ok(ip.is_set()
-        && InterfaceInfo::list()?
-            .iter()
-            .any(|info| info.ip_towards(ip.address).is_some()))
-}
-
-/// One name, one station.
-fn other_of_that_name(session: &mut Live, drive: &Drive, name: &str) -> Result<(), Failure> {
-    if name.is_empty() {
-        return Ok(());
-    }
-    let address = client::DriveAddress::Name(name.to_owned());
-    match session.find(&address).wait() {
-        Ok(other) if other.station.mac == drive.station.mac => Ok(()),
-        Ok(other) => {
-            let message = format!("the name {name} is taken already: {}", describe(&other.station));
-            Err(Failure::new(Exit::Failed, message)
-                .hint("one name belongs to one station; rename the other first"))
-        }
-        Err(Error::NotFound { .. }) => Ok(()),
-        Err(error) => Err(error.into()),
-    }
-}
-
 pub fn ip(args: &Ip, interface: &Interface, output: &Output) -> Result<(), Failure> {
     let (mut session, drive) = connect::drive(&interface.target(&args.drive), Need::Discovery, output)?;
     let ip = IpSuite {
@@ -136,33 +103,21 @@ pub fn ip(args: &Ip, interface: &Interface, output: &Output) -> Result<(), Failu
         mask: args.address.mask(),
         gateway: args.gateway.unwrap_or(Ipv4Addr::UNSPECIFIED),
     };
-    not_our_own(ip.address)?;
-    let address = client::DriveAddress::Ip(ip.address);
-    match session.find(&address).wait() {
-        Ok(other) if other.station.mac != drive.station.mac => {
-            let message = format!(
-                "the address {} is taken already: {}",
-                ip.address,
-                describe(&other.station)
-            );
-            return Err(Failure::new(Exit::Failed, message).hint("choose a free address"));
-        }
-        Ok(_) | Err(Error::NotFound { .. }) => {}
-        Err(error) => return Err(error.into()),
-    }
-    not_owned(&mut session, &drive, args.force, "addressed")?;
+    let wanted = NewAddress {
+        ip,
+        permanent: !args.temporary,
+        force: args.force,
+        dry_run: args.dry_run,
+    };
+    let report = addressing::set_ip(&mut session, &drive, &wanted).wait()?;
     let kept = kept(args.temporary, "has no address at all");
     let suite = suite(ip, args.address.prefix);
     let label = drive.label();
-    if args.dry_run {
-        output.say(&format!(
-            "dry run: {label} would have {suite} ({kept}); nothing was changed"
-        ));
+    output.say(&if args.dry_run {
+        format!("dry run: {label} would have {suite} ({kept}); nothing was changed")
     } else {
-        session.set_ip(&drive, ip, !args.temporary).wait()?;
-        output.say(&format!("{label} has {suite} now ({kept})"));
-    }
-    let report = IpReport::new(&drive.station, ip, !args.temporary, args.dry_run);
+        format!("{label} has {suite} now ({kept})")
+    });
     output.json_report(&report);
     Ok(())
 }
@@ -173,17 +128,6 @@ fn suite(ip: IpSuite, prefix: u8) -> String {
         format!("{}/{prefix}", ip.address)
     } else {
         format!("{}/{prefix}, gateway {}", ip.address, ip.gateway)
-    }
-}
-
-/// An address of this machine would make both unreachable.
-fn not_our_own(address: Ipv4Addr) -> Result<(), Failure> {
-    match InterfaceInfo::list()?.into_iter().find(|info| info.owns(address)) {
-        Some(own) => {
-            let message = format!("the address {address} is this machine's own, on {}", own.name);
-            Err(Failure::new(Exit::Failed, message).hint("choose a free address"))
-        }
-        None => Ok(()),
     }
 }
 
@@ -220,39 +164,31 @@ pub fn blink(args: &Blink, interface: &Interface, output: &Output) -> Result<(),
 
 pub fn reset(args: &Reset, interface: &Interface, output: &Output) -> Result<(), Failure> {
     let (mut session, mut drive) = connect::drive(&interface.target(&args.drive), Need::Discovery, output)?;
-    let (mode, what) = mode(args.mode);
-    let checked = !args.force && in_reach(drive.station.ip)?;
-    if checked {
+    let what = FactoryReset::from(args.mode);
+    if !args.force {
         // no confirmation for what is refused anyway
-        session.check_idle(&mut drive, "reset").wait().map_err(at_work)?;
+        addressing::check_reset(&mut session, &mut drive).wait()?;
     }
     if !args.yes {
         let station = describe(&drive.station);
         confirm(
             &mut session,
-            &format!("Reset {what} of {station} to factory values?"),
+            &format!("Reset {} of {station} to factory values?", what.what()),
             output,
         )?;
     }
-    let done = if checked {
-        session.reset(&mut drive, mode).wait()
-    } else {
-        session.reset_at_work(&drive, mode).wait()
-    };
-    done.map_err(not_reset)?;
-    output.say(&format!("{} reset: {what}", drive.label()));
-    output.json_report(&ResetReport {
-        mac: drive.station.mac.to_string(),
-        mode,
-        what,
-    });
+    let report = addressing::reset(&mut session, &mut drive, what, args.force)
+        .wait()
+        .map_err(not_reset)?;
+    output.say(&format!("{} reset: {}", drive.label(), what.what()));
+    output.json_report(&report);
     Ok(())
 }
 
 /// Returns the failure of a reset. A refusal that names its reason has its own advice.
-fn not_reset(error: Error) -> Failure {
-    let refused = matches!(error, Error::Dcp { .. });
-    let failure = at_work(error);
+fn not_reset(error: AddressingError) -> Failure {
+    let refused = matches!(error, AddressingError::Client(Error::Dcp { .. }));
+    let failure = Failure::from(error);
     if refused && failure.exit == Exit::Refused && failure.hint.is_none() {
         failure.hint(OFFERED)
     } else {
@@ -264,13 +200,15 @@ fn not_reset(error: Error) -> Failure {
 const OFFERED: &str = "the drive does not offer this reset; `--mode communication` is offered by every drive, which of \
     application, engineering, all and device are is in its device description (ResetToFactoryModes)";
 
-const fn mode(mode: ResetMode) -> (u8, &'static str) {
-    match mode {
-        ResetMode::Application => (1, "application data (parameters, I&M records)"),
-        ResetMode::Communication => (2, "communication data (name, IP address)"),
-        ResetMode::Engineering => (3, "engineering data"),
-        ResetMode::All => (4, "all stored data"),
-        ResetMode::Device => (8, "the whole device"),
+impl From<ResetMode> for FactoryReset {
+    fn from(mode: ResetMode) -> Self {
+        match mode {
+            ResetMode::Application => Self::Application,
+            ResetMode::Communication => Self::Communication,
+            ResetMode::Engineering => Self::Engineering,
+            ResetMode::All => Self::All,
+            ResetMode::Device => Self::Device,
+        }
     }
 }
 
@@ -355,11 +293,11 @@ mod tests {
     fn a_reset_refused_in_operation_is_not_one_that_is_not_offered() {
         let refused = |error| {
             let option = DcpOption::FACTORY_RESET;
-            not_reset(Error::Dcp {
+            not_reset(AddressingError::Client(Error::Dcp {
                 drive: "akd-1".into(),
                 what: "reset",
                 error: DcpError::Refused { option, error },
-            })
+            }))
         };
         let running = refused(BlockError::InOperation);
         assert_eq!(running.exit, Exit::Refused);

@@ -19,6 +19,21 @@ pub struct NameReport {
     pub dry_run: bool,
 }
 
+impl NameReport {
+    /// Returns a new name of a station.
+    #[must_use]
+    pub fn new(station: &profinet::controller::Station, wanted: &crate::addressing::NewName) -> Self {
+        let named = |name: &str| Some(name.to_owned()).filter(|name| !name.is_empty());
+        Self {
+            mac: station.mac.to_string(),
+            old: named(&station.name),
+            name: named(&wanted.name),
+            permanent: wanted.permanent,
+            dry_run: wanted.dry_run,
+        }
+    }
+}
+
 /// A new IP address of a station.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]

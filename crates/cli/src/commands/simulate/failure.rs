@@ -3,8 +3,8 @@
 use network::system::LockError;
 use plant::ScenarioFileError;
 use plant::host::{FleetError, HostError};
+use profidrive::addressing::check_station_name;
 
-use crate::commands::address::no_name;
 use crate::failure::{Exit, Failure};
 
 impl From<ScenarioFileError> for Failure {
@@ -45,7 +45,9 @@ impl From<FleetError> for Failure {
             FleetError::NoRotarySwitches(_) | FleetError::SharedSwitches => {
                 Self::usage(format!("--rotary: {text}"))
             }
-            FleetError::Name { name, rule } => no_name(&name, rule),
+            FleetError::Name { name, .. } => {
+                check_station_name(&name).map_or_else(Self::from, |()| Self::usage(text))
+            }
             FleetError::SameMac { .. } => Self::usage(text).hint("choose another --name"),
             FleetError::SharedMac => {
                 Self::usage("--mac is for one drive; several get theirs from their names")
