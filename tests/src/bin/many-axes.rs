@@ -1,16 +1,16 @@
 //! A program of the library with many axes at once on a real network: one thread for each axis, blocking calls.
 //!
 //! - `many-axes ends INTERFACE NAME...`: all axes turn; the first is dropped, the caller of the second panics, the third is
-//!   forgotten, the fourth is stopped by its handle while 1,000 reads wait for its drive. The others keep their speed
-//!   meanwhile and are released at the end. One JSON object a line says what happened.
+//!   forgotten, the fourth is stopped by its handle while 1,000 reads wait for its drive. The others keep their speed until
+//!   the drives of these four report that they are at rest. One JSON object a line says what happened.
 //! - `many-axes wait|panic|return INTERFACE MILLISECONDS NAME...`: all axes turn. After this time, counted from the opening
 //!   of the network, main panics or returns; `wait` goes on until a signal and exits with 130.
 #![forbid(unsafe_code)]
 
 use std::process::ExitCode;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::mpsc;
+use std::sync::{Arc, OnceLock, mpsc};
+use std::task::{Context, Waker};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -18,18 +18,25 @@ use client::axis::{Purpose, Trouble};
 use client::{Axis, AxisSettings, Enabled, Error, Samples, Session, StopHandle};
 use profidrive::{Access, Network, Opening, Stop, Wait};
 use profile::state::Zsw1;
+use profinet::Instant as NetworkTime;
 use serde_json::{Value, json};
 
 const SPEED: f64 = 300.0;
 const SECOND: Duration = Duration::from_secs(1);
 /// Everything is over by then.
 const LIMIT: Duration = Duration::from_secs(60);
-/// Callers that read parameters of one drive at once.
-const READERS: usize = 1000;
+/// Callers that wait for one drive when its axis is stopped.
+const WAITING: usize = 1000;
+/// Callers that may be needed for that, as the drive answers meanwhile.
+const READERS: usize = 5000;
 /// Stack of one of them.
 const STACK: usize = 256 * 1024;
-/// Axes that do not end by their release.
-const SPECIAL: usize = 4;
+/// How the first axes end, in their order; the others are released.
+const SPECIAL: [&str; 4] = ["dropped", "panic", "lease", "stopped"];
+/// Speed below which an axis stands, in rpm.
+const STANDSTILL: f64 = 0.5;
+/// Share of its speed that an axis in its ramp has lost.
+const RAMP: f64 = 0.05;
 /// Exit code of a program that was interrupted.
 const INTERRUPTED: u8 = 130;
 
@@ -87,6 +94,7 @@ struct Course {
     turning: AtomicUsize,
     ended: AtomicUsize,
     answered: AtomicUsize,
+    stopped_at: OnceLock<NetworkTime>,
 }
 
 impl Course {
@@ -117,18 +125,23 @@ fn ends(interface: &str, names: &[&str]) -> Done<ExitCode> {
     drop(handle_sender);
     let handle = handles.recv_timeout(LIMIT)?;
     let readers = stop_among_readers(&network, names[3], &handle, &course)?;
-    wait_for_lease(&mut network.clone(), names[2])?;
-    course.ended.fetch_add(1, Ordering::SeqCst);
+    // this process and the other axes go on until the drives themselves report all four ends
+    for (name, end) in names.iter().zip(SPECIAL) {
+        wait_for_rest(&mut network.clone(), name, end)?;
+        course.ended.fetch_add(1, Ordering::SeqCst);
+    }
     for (number, caller) in callers.into_iter().enumerate() {
         match caller.join() {
-            Ok(Ok(())) => {}
-            Ok(Err(error)) => return Err(format!("{}: {error}", names[number]).into()),
-            Err(_) => report(&json!({"axis": names[number], "end": "panic"})),
+            Ok(end) => end.map_err(|error| format!("{}: {error}", names[number]))?,
+            Err(_) => report(&json!({"axis": names[number], "end": "panicked"})),
         }
     }
+    let count = readers.len();
     let refused = readers.into_iter().filter_map(|reader| reader.join().ok());
     let refused: Vec<String> = refused.flatten().collect();
-    report(&json!({"answered": course.answered.load(Ordering::SeqCst), "refused": refused}));
+    report(
+        &json!({"readers": count, "answered": course.answered.load(Ordering::SeqCst), "refused": refused}),
+    );
     drop(network);
     Ok(ExitCode::SUCCESS)
 }
@@ -151,23 +164,16 @@ fn caller(
         0 => {
             drop(enabled);
             drop(axis);
-            report(&json!({"axis": name, "end": "dropped"}));
         }
-        1 => {
-            course.ended.fetch_add(1, Ordering::SeqCst);
-            panic!("the caller of {name} fails");
-        }
+        1 => panic!("the caller of {name} fails"),
         2 => {
             std::mem::forget(enabled);
             std::mem::forget(axis);
-            report(&json!({"axis": name, "end": "forgotten"}));
-            // counted by main, when the lease has stopped it
-            return Ok(());
         }
         3 => {
+            let mut samples = enabled.samples(100_000);
             handle_sender.send(enabled.stop_handle())?;
             let error = enabled.hold(LIMIT).wait();
-            let waiting = READERS - course.answered.load(Ordering::SeqCst);
             let Err(Error::Axis {
                 trouble: Trouble::Stopped,
                 ..
@@ -177,19 +183,18 @@ fn caller(
             };
             drop(enabled);
             axis.release().wait()?;
-            report(&json!({"axis": name, "end": "stopped", "waiting": waiting}));
+            let stopped_at = *course.stopped_at.get().ok_or("not stopped by this program")?;
+            report(&json!({"axis": name, "ramp_after_ms": ramp_after(&mut samples, stopped_at)}));
         }
         _ => {
             let mut samples = enabled.samples(100_000);
-            Course::keep_until(&mut enabled, &course.ended, SPECIAL)?;
+            Course::keep_until(&mut enabled, &course.ended, SPECIAL.len())?;
             let course = judged(&mut samples);
             drop(enabled);
             axis.release().wait()?;
             report(&json!({"axis": name, "end": "released", "course": course}));
-            return Ok(());
         }
     }
-    course.ended.fetch_add(1, Ordering::SeqCst);
     Ok(())
 }
 
@@ -200,15 +205,28 @@ fn judged(samples: &mut Samples) -> Value {
     while let Some(sample) = samples.take() {
         count += 1;
         off += u32::from(!sample.seen.zsw1.has(Zsw1::OPERATION_ENABLED));
-        if let Some(actual) = sample.seen.nist_a {
-            let set = f64::from(sample.command.nsoll_a);
-            farthest = farthest.max((f64::from(actual) - set).abs() / set.abs());
-        }
+        let set = f64::from(sample.command.nsoll_a);
+        let actual = sample.seen.nist_a.map_or(0.0, f64::from);
+        farthest = farthest.max((actual - set).abs() / set.abs());
         let (first, _) = span.unwrap_or((sample.at, sample.at));
         span = Some((first, sample.at));
     }
     let seconds = span.map(|(first, last)| (last - first).as_secs_f64());
     json!({"samples": count, "dropped": samples.dropped(), "out_of_operation": off, "farthest": farthest, "seconds": seconds})
+}
+
+/// Returns the time from the stop to the first input with a speed that is lower by [`RAMP`], in milliseconds.
+fn ramp_after(samples: &mut Samples, stopped_at: NetworkTime) -> Option<f64> {
+    let mut before = None;
+    while let Some(sample) = samples.take() {
+        let speed = sample.seen.nist_a.map(f64::from)?;
+        if sample.at <= stopped_at {
+            before = Some(speed);
+        } else if speed < before? * (1.0 - RAMP) {
+            return Some((sample.at - stopped_at).as_secs_f64() * 1000.0);
+        }
+    }
+    None
 }
 
 /// Stops the axis of a drive once a thousand callers wait for an answer of it.
@@ -221,39 +239,53 @@ fn stop_among_readers(
     let mut session = network.clone();
     let drive = session.find(&name.parse()?).wait()?;
     let selection = drive.select("3-41")?;
-    let begun = Arc::new(AtomicUsize::new(0));
+    let waiting = |readers: &Vec<_>| readers.len() - course.answered.load(Ordering::SeqCst);
     let mut readers = Vec::new();
-    for _ in 0..READERS {
+    while waiting(&readers) < WAITING {
+        if readers.len() == READERS {
+            return Err(format!("of {READERS} callers only {} wait", waiting(&readers)).into());
+        }
         let (mut session, mut drive) = (session.clone(), drive.clone());
-        let (begun, course) = (Arc::clone(&begun), Arc::clone(course));
+        let (selection, course) = (selection.clone(), Arc::clone(course));
+        let mut call = Box::pin(async move { session.read_one(&mut drive, &selection).await });
+        // the first poll hands the job to the engine
+        if call
+            .as_mut()
+            .poll(&mut Context::from_waker(Waker::noop()))
+            .is_ready()
+        {
+            return Err("an answer without an exchange".into());
+        }
         let reader = thread::Builder::new().stack_size(STACK).spawn(move || {
-            begun.fetch_add(1, Ordering::SeqCst);
-            let answer = session.read_one(&mut drive, &selection).wait();
+            let answer = call.wait();
             course.answered.fetch_add(1, Ordering::SeqCst);
             answer.err().map(|error| error.to_string())
         })?;
         readers.push(reader);
     }
-    while begun.load(Ordering::SeqCst) < READERS {
-        thread::yield_now();
-    }
+    let now = network.now();
+    course.stopped_at.set(now).map_err(|_| "stopped twice")?;
     handle.stop();
+    report(&json!({"axis": name, "waiting": waiting(&readers)}));
     Ok(readers)
 }
 
-/// Waits until a drive without an owner stands out of operation.
-fn wait_for_lease(session: &mut Session, name: &str) -> Done<()> {
+/// Waits until the drive itself reports that its axis stands out of operation and nobody controls it.
+fn wait_for_rest(session: &mut Session, name: &str, end: &str) -> Done<()> {
     let begin = Instant::now();
     let mut drive = session.find(&name.parse()?).wait()?;
     loop {
         let status = session.status(&mut drive).wait()?;
-        let operates = status.zsw1.is_none_or(|zsw1| zsw1.has(Zsw1::OPERATION_ENABLED));
-        if !operates {
-            report(&json!({"axis": name, "end": "lease"}));
+        let off = status.zsw1.is_some_and(|zsw1| !zsw1.has(Zsw1::OPERATION_ENABLED));
+        let stands = status.speed_actual.is_some_and(|speed| speed.abs() < STANDSTILL);
+        // an owner that is stopped by its lease keeps its connection
+        let released = status.controller == Some(None) || end == "lease";
+        if off && stands && released {
+            report(&json!({"axis": name, "end": end}));
             return Ok(());
         }
         if begin.elapsed() > LIMIT {
-            return Err(format!("{name}: its lease does not end").into());
+            return Err(format!("{name} is not at rest ({end}): {status:?}").into());
         }
     }
 }

@@ -81,26 +81,39 @@ fn sixteen_axes_of_three_vendors_end_each_in_its_own_way() {
 
     let finished = start(&lab, &["ends", "ctl0"], &names).finish(LONG).ok();
     let lines = finished.json_lines();
-    for (axis, end) in [
-        ("akd-1", "dropped"),
-        ("vlt-1", "panic"),
-        ("vacon-1", "forgotten"),
-        ("vacon-1", "lease"),
-    ] {
-        end_of(&lines, axis, end);
+    // reported by the drives while the other axes turned: the end of the process had no part in it
+    for (axis, end) in special.iter().zip(["dropped", "panic", "lease", "stopped"]) {
+        let at = |line: &Value| lines.iter().position(|other| other == line);
+        let released = names[4..].iter().map(|name| end_of(&lines, name, "released"));
+        assert!(
+            at(end_of(&lines, axis, end)) < released.filter_map(at).min(),
+            "{lines:?}"
+        );
     }
-    // it was stopped while others still waited for its drive, and all of them got their answer
-    let waiting = end_of(&lines, "vlt-2", "stopped")["waiting"].as_u64();
-    assert!(waiting.is_some_and(|waiting| waiting > 0), "{lines:?}");
-    let answers = lines.iter().find(|line| line["answered"] == 1000);
-    let refused = answers.and_then(|answers| answers["refused"].as_array());
-    assert_eq!(refused.map(Vec::len), Some(0), "{answers:?}");
+    end_of(&lines, "vlt-1", "panicked");
+    let measured = |key: &str| {
+        let line = lines.iter().find(|line| !line[key].is_null());
+        line.and_then(|line| line[key].as_f64())
+    };
+    assert!(measured("waiting") > Some(900.0), "{lines:?}");
+    // not a promise: the process has sixteen axes and a thousand threads on a few processors. A stop in the queue of the jobs
+    // would come after seconds
+    let ramp = measured("ramp_after_ms").expect("a ramp");
+    assert!(ramp < 200.0, "{ramp} ms");
+    // all jobs got their answer all the same
+    let answers = lines.iter().find(|line| !line["answered"].is_null());
+    let answers = answers.unwrap_or_else(|| panic!("no jobs: {lines:?}"));
+    assert_eq!(answers["answered"], answers["readers"]);
+    assert_eq!(answers["refused"], Value::Array(Vec::new()), "{answers}");
     for name in &names[4..] {
         let course = &end_of(&lines, name, "released")["course"];
         assert!(course["samples"].as_u64() > Some(50), "{name}: {course}");
         assert_eq!(course["dropped"], 0, "{name}: {course}");
         assert_eq!(course["out_of_operation"], 0, "{name}: {course}");
-        assert!(course["farthest"].as_f64() < Some(NEAR), "{name}: {course}");
+        assert!(
+            course["farthest"].as_f64().is_some_and(|far| far < NEAR),
+            "{name}: {course}"
+        );
     }
     for name in &names {
         let report = at_rest(&lab, name, "at the end");
