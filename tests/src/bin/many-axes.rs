@@ -3,8 +3,9 @@
 //! - `many-axes ends INTERFACE NAME...`: all axes turn; the first is dropped, the caller of the second panics, the third is
 //!   forgotten, the fourth is stopped by its handle while 1,000 reads wait for its drive. The others keep their speed until
 //!   the drives of these four report that they are at rest. One JSON object a line says what happened.
-//! - `many-axes wait|panic|return INTERFACE MILLISECONDS NAME...`: all axes turn. After this time, counted from the opening
-//!   of the network, main panics or returns; `wait` goes on until a signal and exits with 130.
+//! - `many-axes wait|consent|panic|return|abort INTERFACE MILLISECONDS NAME...`: all axes turn. After this time, counted from
+//!   the opening of the network, main panics, returns or aborts; `wait` goes on until a signal and exits with 130. `consent`
+//!   does the same with drives that may run on without a controller; all others refuse these.
 #![forbid(unsafe_code)]
 
 use std::process::ExitCode;
@@ -51,11 +52,19 @@ fn main() -> Done<ExitCode> {
         .as_slice()
     {
         ["ends", interface, names @ ..] => ends(interface, names),
-        [how @ ("wait" | "panic" | "return"), interface, time, names @ ..] => {
+        [
+            how @ ("wait" | "consent" | "panic" | "return" | "abort"),
+            interface,
+            time,
+            names @ ..,
+        ] => {
             let time = Duration::from_millis(time.parse()?);
             run_until(how, interface, time, names)
         }
-        _ => Err("ends INTERFACE NAME..., or wait|panic|return INTERFACE MILLISECONDS NAME...".into()),
+        _ => Err(
+            "ends INTERFACE NAME..., or wait|consent|panic|return|abort INTERFACE MILLISECONDS NAME..."
+                .into(),
+        ),
     }
 }
 
@@ -71,12 +80,11 @@ fn report(event: &Value) {
     println!("{event}");
 }
 
-fn take(session: &mut Session, name: &str, lease: Duration) -> Done<Axis> {
+fn take(session: &mut Session, name: &str, lease: Duration, may_run_on: bool) -> Done<Axis> {
     let mut drive = session.find(&name.parse()?).wait()?;
     let settings = AxisSettings {
         lease,
-        // the ends of this program are what the tests are about, on drives as delivered too
-        may_run_on: true,
+        may_run_on,
         ..AxisSettings::for_purpose(Purpose::Speed)
     };
     Ok(session.take_axis(&mut drive, settings).wait()?)
@@ -156,7 +164,8 @@ fn caller(
 ) -> Done<()> {
     // the lease stops only the axis that its owner abandoned
     let lease = if number == 2 { SECOND } else { LIMIT };
-    let mut axis = take(&mut session, name, lease)?;
+    // nobody kills this program: drives as delivered will do
+    let mut axis = take(&mut session, name, lease, true)?;
     let mut enabled = turning(&mut axis)?;
     course.turning.fetch_add(1, Ordering::SeqCst);
     Course::keep_until(&mut enabled, &course.turning, axes)?;
@@ -246,7 +255,7 @@ fn stop_among_readers(
             return Err(format!("of {READERS} callers only {} wait", waiting(&readers)).into());
         }
         let (mut session, mut drive) = (session.clone(), drive.clone());
-        let (selection, course) = (selection.clone(), Arc::clone(course));
+        let (selection, course) = (selection, Arc::clone(course));
         let mut call = Box::pin(async move { session.read_one(&mut drive, &selection).await });
         // the first poll hands the job to the engine
         if call
@@ -292,20 +301,24 @@ fn wait_for_rest(session: &mut Session, name: &str, end: &str) -> Done<()> {
 
 fn run_until(how: &str, interface: &str, time: Duration, names: &[&str]) -> Done<ExitCode> {
     let mut network = open(interface)?;
+    let may_run_on = how == "consent";
     report(&json!({"opened": names.len()}));
     let turning = Arc::new(AtomicUsize::new(0));
     let callers: Vec<_> = (0..names.len())
         .map(|number| {
             let (session, name) = (network.clone(), names[number].to_owned());
             let turning = Arc::clone(&turning);
-            thread::spawn(move || run(session, &name, &turning))
+            thread::spawn(move || run(session, &name, may_run_on, &turning))
         })
         .collect();
-    if how != "wait" {
+    if !["wait", "consent"].contains(&how) {
         network.pass(time).wait()?;
         report(&json!({"end": how, "turning": turning.load(Ordering::SeqCst)}));
-        assert!(how != "panic", "main fails");
-        return Ok(ExitCode::SUCCESS);
+        match how {
+            "panic" => panic!("main fails"),
+            "abort" => std::process::abort(),
+            _ => return Ok(ExitCode::SUCCESS),
+        }
     }
     for (number, caller) in callers.into_iter().enumerate() {
         let error = caller.join().map_err(|_| "a caller panicked")?;
@@ -319,8 +332,8 @@ fn run_until(how: &str, interface: &str, time: Duration, names: &[&str]) -> Done
 }
 
 /// Turns an axis until something ends it.
-fn run(mut session: Session, name: &str, turning_axes: &AtomicUsize) -> Done<()> {
-    let mut axis = take(&mut session, name, AxisSettings::default().lease)?;
+fn run(mut session: Session, name: &str, may_run_on: bool, turning_axes: &AtomicUsize) -> Done<()> {
+    let mut axis = take(&mut session, name, AxisSettings::default().lease, may_run_on)?;
     let mut enabled = turning(&mut axis)?;
     turning_axes.fetch_add(1, Ordering::SeqCst);
     report(&json!({"axis": name, "turning": turning_axes.load(Ordering::SeqCst)}));

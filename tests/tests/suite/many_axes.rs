@@ -153,21 +153,36 @@ impl Moments {
 /// How the program ends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum End {
+    Interrupted,
     Terminated,
     Panic,
     Return,
+    Aborted,
     Killed,
 }
 
 impl End {
-    const ALL: [Self; 4] = [Self::Terminated, Self::Panic, Self::Return, Self::Killed];
+    const ALL: [Self; 6] = [
+        Self::Interrupted,
+        Self::Terminated,
+        Self::Panic,
+        Self::Return,
+        Self::Aborted,
+        Self::Killed,
+    ];
 
     const fn argument(self) -> &'static str {
         match self {
-            Self::Terminated | Self::Killed => "wait",
+            Self::Interrupted | Self::Terminated | Self::Killed => "wait",
             Self::Panic => "panic",
             Self::Return => "return",
+            Self::Aborted => "abort",
         }
+    }
+
+    /// True when nothing of the program runs any more, so that only the drives can stop their axes.
+    const fn at_once(self) -> bool {
+        matches!(self, Self::Aborted | Self::Killed)
     }
 
     /// Ends the program at this moment and checks how it ended; what it printed.
@@ -176,9 +191,10 @@ impl End {
         let mut program = start(lab, &[self.argument(), "ctl0", &moment.to_string()], names);
         program.wait_for("opened", SHORT);
         let signal = match self {
+            Self::Interrupted => Some("INT"),
             Self::Terminated => Some("TERM"),
             Self::Killed => Some("KILL"),
-            Self::Panic | Self::Return => None,
+            Self::Panic | Self::Return | Self::Aborted => None,
         };
         if let Some(signal) = signal {
             std::thread::sleep(Duration::from_millis(moment));
@@ -186,10 +202,12 @@ impl End {
         }
         let finished = program.finish(SHORT);
         let code = match self {
-            Self::Terminated => Some(130),
+            Self::Interrupted | Self::Terminated => Some(130),
             Self::Panic => Some(101),
             Self::Return => Some(0),
-            Self::Killed => finished.code.filter(|&code| code == 137),
+            // the tool around it ends by the same signal, or reports it by its code
+            Self::Aborted => finished.code.filter(|&code| code == 128 + 6),
+            Self::Killed => finished.code.filter(|&code| code == 128 + 9),
         };
         assert_eq!(finished.code, code, "{self:?} after {moment} ms: {finished:?}");
         finished.out
@@ -198,6 +216,14 @@ impl End {
 
 /// While the axes are taken, come up and turn.
 const SPANS: [(u64, u64); 3] = [(0, 800), (800, 1600), (1600, 3000)];
+
+/// The fault of each drive when its controller is lost: AKD 702, VLT F17 (control word timeout, with 8-04 = 5), Vacon 53.
+const WATCHDOGS: [(&str, u64); 3] = [("akd-1", 702), ("vlt-1", 17), ("vacon-1", 53)];
+
+/// Whether the program reported that this axis turned.
+fn turned(out: &str, name: &str) -> bool {
+    out.contains(&format!("{{\"axis\":\"{name}\",\"turning\""))
+}
 
 #[test]
 fn a_program_that_ends_at_any_moment_leaves_all_drives_at_rest() {
@@ -216,14 +242,14 @@ fn a_program_that_ends_at_any_moment_leaves_all_drives_at_rest() {
             for name in &names {
                 let report = at_rest(&lab, name, &when);
                 let faults = report["faults"].as_array().expect("a list");
-                if end != End::Killed {
+                if !end.at_once() {
                     assert!(faults.is_empty(), "{when}: {name}: {report}");
                     continue;
                 }
-                let turned = out.contains(&format!("{{\"axis\":\"{name}\",\"turning\""));
-                if name == "akd-1" && turned {
+                if turned(&out, name) {
                     // the watchdog of the drive stopped it
-                    assert_eq!(faults[0]["number"], 702, "{when}: {report}");
+                    let (_, watchdog) = WATCHDOGS.iter().find(|(drive, _)| drive == name).unwrap();
+                    assert_eq!(faults[0]["number"], *watchdog, "{when}: {report}");
                 }
                 if !faults.is_empty() {
                     client(&lab, &["ack", name]).ok();
@@ -231,4 +257,31 @@ fn a_program_that_ends_at_any_moment_leaves_all_drives_at_rest() {
             }
         }
     }
+}
+
+/// As delivered nothing stops a VLT without its controller (8-04 is 0): only who consents to that may enable it.
+#[test]
+fn a_drive_without_a_watchdog_is_enabled_with_consent_only() {
+    let lab = Lab::new("many-axes-consent");
+    let (plant, names) = plant(&lab, &[("vlt", 1)]);
+    let _drives = simulate(&lab, &[plant.to_str().unwrap()]);
+    let refused = start(&lab, &["wait", "ctl0", "0"], &names).finish(SHORT);
+    assert_eq!(refused.code, Some(1), "{refused:?}");
+    assert!(!turned(&refused.out, "vlt-1"), "{refused:?}");
+    for words in ["vlt-1", "8-04"] {
+        assert!(refused.err.contains(words), "{words}: {refused:?}");
+    }
+    at_rest(&lab, "vlt-1", "without consent");
+
+    let mut program = start(&lab, &["consent", "ctl0", "0"], &names);
+    program.wait_for("turning", SHORT);
+    program.signal("KILL");
+    let _ = program.finish(SHORT);
+    // what was consented to: the drive turns on, until it is stopped
+    let status = client(&lab, &["status", "vlt-1", "--json"]);
+    let report: Value = serde_json::from_str(status.out.lines().next().unwrap()).unwrap();
+    assert_eq!(report["state"], "S4", "{report}");
+    assert!(report["speed_actual"]["value"].as_f64() > Some(100.0), "{report}");
+    client(&lab, &["stop", "vlt-1"]).ok();
+    at_rest(&lab, "vlt-1", "after its stop");
 }
