@@ -1,8 +1,6 @@
 //! Actions of the library as commands of this program.
 
-use client::status::Diagnosis;
 use client::{Action, Advice, Choice};
-use profidrive::motion::{Leftover, UnreadableNote};
 use profidrive::report::Wording;
 
 /// The words of this program for advice about a drive.
@@ -51,7 +49,7 @@ pub fn command(action: &Action, drive: &str) -> Option<String> {
                 }
             )
         }
-        Action::Write { parameter, value, .. } => format!("write {drive} {}={value}", plain(parameter)),
+        Action::Write { parameter, value } => format!("write {drive} {}={value}", plain(parameter)),
         Action::Describe { parameter } => format!("describe {drive} {}", plain(parameter)),
         Action::Find { part, values } => {
             let part = if part.is_empty() { "TEXT" } else { part };
@@ -97,55 +95,6 @@ pub fn text(advice: &Advice, drive: &str) -> String {
     })
 }
 
-/// An action as a part of a sentence.
-pub fn sentence(action: &Action, drive: &str) -> Option<String> {
-    let command = command(action, drive)?;
-    let does = match action {
-        Action::Stop => "brings it to rest".to_owned(),
-        Action::Disable => "brings it to rest and switches its power stage off".to_owned(),
-        Action::Write {
-            meaning: Some(meaning),
-            ..
-        } => format!("makes it stop when its controller is lost ({meaning})"),
-        Action::Write { .. } => "makes it stop when its controller is lost".to_owned(),
-        _ => "shows how it is".to_owned(),
-    };
-    Some(format!("`{command}` {does}"))
-}
-
-/// What a diagnosis recommends, in one line.
-pub fn next(diagnosis: &Diagnosis, drive: &str) -> Option<String> {
-    let actions = diagnosis
-        .actions
-        .iter()
-        .filter_map(|action| sentence(action, drive));
-    let words = diagnosis.next.as_ref().map(|next| text(next, drive));
-    let all: Vec<String> = actions.chain(words).collect();
-    (!all.is_empty()).then(|| all.join("; "))
-}
-
-/// What a program that was killed left at a drive, and what to do about it.
-pub fn leftover(left: &Leftover, drive: &str) -> (String, String) {
-    let Leftover { pnu, old, .. } = left;
-    let old = old.to_string().replace(' ', "");
-    (
-        format!("PNU {pnu} still has the value of a `profidrive jog` that was killed, before it was {old}"),
-        format!("`profidrive write {drive} {pnu}={old}` puts it back, the next `jog` does it too"),
-    )
-}
-
-/// What is not known of a drive because a note is not readable, and what to do about it.
-pub fn unreadable_note(note: &UnreadableNote, drive: &str) -> (String, String) {
-    let UnreadableNote { pnu, file, .. } = note;
-    let file = file.display();
-    (
-        format!("a `profidrive jog` that was killed may have left another value in PNU {pnu}: {note}"),
-        format!(
-            "`profidrive read {drive} {pnu}` shows the value, `profidrive write` corrects it; remove {file} then"
-        ),
-    )
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -154,12 +103,11 @@ mod tests {
     fn actions_are_commands_of_this_program() {
         let write = Action::Write {
             parameter: "ID 733".into(),
-            value: 2,
-            meaning: Some("Fault"),
+            value: "2".into(),
         };
         assert_eq!(
-            sentence(&write, "vacon-1").as_deref(),
-            Some("`profidrive write vacon-1 ID733=2` makes it stop when its controller is lost (Fault)")
+            text(&write.sentence(), "vacon-1"),
+            "`profidrive write vacon-1 ID733=2` changes it"
         );
         assert_eq!(
             command(&Action::Disable, "DRIVE").as_deref(),

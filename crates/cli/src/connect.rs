@@ -1,12 +1,12 @@
 //! From the command line to a session with a drive: options and signals in, messages and progress out.
 
-use client::{Drive, DriveAddress, Wait};
+use client::{Drive, DriveAddress, ErrorKind, Wait};
 use network::system::{Error as NetworkError, ForcedExit, Stop};
 use profidrive::{DescriptionError, DriveError, FindEvent, Network, OpenError, Opening};
 
 use crate::args::{Interface, Kind, Target};
 use crate::commands::gsdml;
-use crate::failure::{Exit, Failure, exit_of};
+use crate::failure::Failure;
 use crate::output::Output;
 use crate::render::table::clean;
 
@@ -73,7 +73,7 @@ fn opening(interface: &Interface, need: Need) -> Result<(Opening, Stop), Failure
         Need::Discovery | Need::Records | Need::Identity => ForcedExit::Second,
     };
     let stop = Stop::on_signals_with(signals)
-        .map_err(|error| Failure::new(Exit::Failed, format!("cannot watch for Ctrl-C: {error}")))?;
+        .map_err(|error| Failure::new(ErrorKind::Internal, format!("cannot watch for Ctrl-C: {error}")))?;
     let opening = Opening::new(need).stopped_by(stop.clone());
     let opening = match named(interface) {
         Some(name) => opening.on(name),
@@ -106,10 +106,7 @@ fn without_right(error: OpenError) -> Failure {
     if !missing {
         return failure;
     }
-    let hint = failure.hint.clone().unwrap_or_default();
-    failure.hint(format!(
-        "{hint}; reading and writing a drive given by its IP needs no right"
-    ))
+    failure.and_hint("reading and writing a drive given by its IP needs no right")
 }
 
 /// Words the failure of a drive that was not found, or cannot be worked with.
@@ -126,10 +123,10 @@ fn failed(error: DriveError, taken_for: &Kind) -> Failure {
                 .as_deref()
                 .unwrap_or_else(|| "-".as_ref())
                 .display();
-            let failure = Failure::new(exit_of(kind), format!("{file}: {}", clean(&error.to_string())));
+            let failure = Failure::new(kind, format!("{file}: {}", clean(&error.to_string())));
             match error {
                 DescriptionError::UnknownTelegrams { .. } => {
-                    failure.hint("--model akd|vlt|vacon takes it for one of the known drives")
+                    failure.hint("{choose model} takes it for one of the known drives")
                 }
                 DescriptionError::Modules(_) => failure.hint(format!(
                     "`profidrive gsdml show {file}` shows access points and modules"
@@ -137,7 +134,7 @@ fn failed(error: DriveError, taken_for: &Kind) -> Failure {
                 _ => failure,
             }
         }
-        other => Failure::new(exit_of(kind), other.to_string()),
+        other => Failure::new(kind, other.to_string()),
     }
 }
 

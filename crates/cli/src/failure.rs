@@ -6,111 +6,79 @@ use client::{Advice, ErrorKind};
 use profidrive::{CarrierError, OpenError, OtherSubnet, report};
 use serde_json::{Map, Value};
 
-use crate::advice;
+use crate::advice::Commands;
 use crate::output::members;
 
-/// The exit codes of the conventions.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Exit {
-    /// Anything not named below.
-    Failed = 1,
-    /// The command line is wrong.
-    Usage = 2,
-    /// The drive refused.
-    Refused = 3,
-    /// The drive, the network or the right to use it is not there.
-    Unreachable = 4,
-    /// Something differs from what it should be.
-    Difference = 5,
-    /// A rule that protects people or machines stopped it.
-    Safety = 6,
-}
-
-impl Exit {
-    /// Word for the JSON form.
-    pub const fn word(self) -> &'static str {
-        match self {
-            Self::Failed => "failed",
-            Self::Usage => "usage",
-            Self::Refused => "refused",
-            Self::Unreachable => "unreachable",
-            Self::Difference => "difference",
-            Self::Safety => "safety",
-        }
+/// The exit code of each kind of error.
+pub const fn exit_code(kind: ErrorKind) -> u8 {
+    match kind {
+        ErrorKind::Usage => 2,
+        ErrorKind::Refused => 3,
+        ErrorKind::Unreachable | ErrorKind::Lost => 4,
+        ErrorKind::Difference => 5,
+        ErrorKind::Safety => 6,
+        _ => 1,
     }
 }
 
 /// Why a command ended without success.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Failure {
-    /// Exit code.
-    pub exit: Exit,
+    /// What kind of error it is; decides the exit code.
+    pub kind: ErrorKind,
     /// What was tried, on which drive and parameter, and what came back.
     pub message: String,
     /// What the message lists, each on a line of its own.
     pub details: Vec<String>,
     /// What to do.
-    pub hint: Option<String>,
+    pub hint: Advice,
 }
 
 impl Failure {
     /// A failure without a hint.
-    pub fn new(exit: Exit, message: impl Into<String>) -> Self {
+    pub fn new(kind: ErrorKind, message: impl Into<String>) -> Self {
         Self {
-            exit,
+            kind,
             message: message.into(),
             details: Vec::new(),
-            hint: None,
+            hint: Advice::default(),
         }
     }
 
     /// Ends with an exit code only, as stdout already has the result.
-    pub const fn silent(exit: Exit) -> Self {
-        Self {
-            exit,
-            message: String::new(),
-            details: Vec::new(),
-            hint: None,
-        }
+    pub fn silent(kind: ErrorKind) -> Self {
+        Self::new(kind, String::new())
     }
 
     /// A mistake on the command line.
     pub fn usage(message: impl Into<String>) -> Self {
-        Self::new(Exit::Usage, message)
+        Self::new(ErrorKind::Usage, message)
     }
 
-    /// For programs.
-    pub fn json(&self) -> Map<String, Value> {
-        members(&report::Error {
-            kind: self.exit.word(),
-            message: self.message.clone(),
-            details: self.details.clone(),
-            hint: self.hint.clone(),
-        })
+    /// For programs; `drive` is the drive as the person called it.
+    pub fn json(&self, drive: &str) -> Map<String, Value> {
+        members(&report::Error::new(
+            self.kind,
+            &self.message,
+            &self.details,
+            &self.hint,
+            &Commands(drive),
+        ))
     }
 
-    /// The same with the drive as the person called it, where the advice is for any drive.
+    /// The same with what to do, in place of what there is: words, with actions in braces in fixed ones.
     #[must_use]
-    pub fn about(mut self, drive: Option<&str>) -> Self {
-        if let (Some(drive), Some(hint)) = (drive, &self.hint) {
-            self.hint = Some(with_drive(hint, drive));
-        }
+    pub fn hint(mut self, hint: impl Into<Advice>) -> Self {
+        self.hint = hint.into();
         self
     }
 
-    /// The same with what to do.
+    /// The same with something more to do.
     #[must_use]
-    pub fn hint(mut self, hint: impl Into<String>) -> Self {
-        self.hint = Some(hint.into());
+    pub fn and_hint(mut self, more: impl Into<Advice>) -> Self {
+        self.hint = self.hint.then(more.into());
         self
     }
-}
-
-/// Commands in `advice` name the drive.
-fn with_drive(advice: &str, drive: &str) -> String {
-    advice
-        .replace(" DRIVE ", &format!(" {drive} "))
-        .replace(" DRIVE`", &format!(" {drive}`"))
 }
 
 impl fmt::Display for Failure {
@@ -123,22 +91,19 @@ impl std::error::Error for Failure {}
 
 impl From<network::system::Error> for Failure {
     fn from(error: network::system::Error) -> Self {
-        let failure = Self::new(Exit::Unreachable, error.to_string());
-        match error.hint() {
-            Some(hint) => failure.hint(hint),
-            None => failure,
-        }
+        Self::new(ErrorKind::Unreachable, error.to_string()).hint(words(error.hint()))
     }
 }
 
 impl From<network::serial::Error> for Failure {
     fn from(error: network::serial::Error) -> Self {
-        let failure = Self::new(Exit::Unreachable, error.to_string());
-        match error.hint() {
-            Some(hint) => failure.hint(hint),
-            None => failure,
-        }
+        Self::new(ErrorKind::Unreachable, error.to_string()).hint(words(error.hint()))
     }
+}
+
+/// Advice in words alone.
+fn words(text: Option<impl Into<String>>) -> Advice {
+    text.map_or_else(Advice::default, |text| text.into().into())
 }
 
 impl From<client::Error> for Failure {
@@ -148,11 +113,9 @@ impl From<client::Error> for Failure {
             (client::Error::Medium(_), Some(carrier)) => carrier.to_string(),
             _ => error.to_string(),
         };
-        let failure = Self::new(exit_of(error.kind()), message);
-        match hint(&error, error.advice()) {
-            Some(hint) => failure.hint(hint),
-            None => failure,
-        }
+        Self::new(error.kind(), message)
+            .hint(error.advice().unwrap_or_default())
+            .and_hint(of_carrier(&error))
     }
 }
 
@@ -162,12 +125,13 @@ impl From<OpenError> for Failure {
             OpenError::Network(error) => error.into(),
             OpenError::Serial(error) => {
                 let busy = matches!(error, network::serial::Error::Busy { .. });
-                let mut failure = Self::from(error);
-                // that program may have left an axis turning
-                if let (true, Some(hint)) = (busy, &mut failure.hint) {
-                    hint.push_str("; then `profidrive stop DRIVE` brings its axis to rest");
+                let failure = Self::from(error);
+                if busy {
+                    // that program may have left an axis turning
+                    failure.and_hint("then {stop} brings its axis to rest")
+                } else {
+                    failure
                 }
-                failure
             }
             OpenError::NoInterface { ref existing } => {
                 let there = match existing.as_slice() {
@@ -176,7 +140,7 @@ impl From<OpenError> for Failure {
                 };
                 Self::usage(error.to_string()).hint(format!("-i IFACE, or PROFIDRIVE_INTERFACE; {there}"))
             }
-            other => Self::new(Exit::Unreachable, other.to_string()),
+            other => Self::new(other.kind(), other.to_string()),
         }
     }
 }
@@ -189,7 +153,7 @@ impl From<OtherSubnet> for Failure {
             "give the drive an address in {near}: `profidrive ip {drive} A.B.C.D/NN`; \
              or this computer one more in {subnet}: ip address add A.B.C.D/{prefix} dev {interface}"
         );
-        Self::new(Exit::Unreachable, error.to_string()).hint(hint)
+        Self::new(ErrorKind::Unreachable, error.to_string()).hint(hint)
     }
 }
 
@@ -203,35 +167,14 @@ fn carrier(error: &client::Error) -> Option<&CarrierError> {
     }
 }
 
-/// What to do about an error: the hints of its kind and of its carrier, and its action as a command.
-pub fn hint(error: &client::Error, of_kind: Option<Advice>) -> Option<String> {
-    let action = error
-        .action()
-        .and_then(|action| advice::sentence(&action, "DRIVE"));
-    let of_carrier = carrier(error).and_then(CarrierError::hint);
-    let all: Vec<String> = of_kind
-        .map(|advice| advice::text(&advice, "DRIVE"))
-        .into_iter()
-        .chain(of_carrier)
-        .chain(action)
-        .collect();
-    (!all.is_empty()).then(|| all.join("; "))
+/// What to do about the carrier that failed.
+pub fn of_carrier(error: &client::Error) -> Advice {
+    words(carrier(error).and_then(CarrierError::hint))
 }
 
 impl From<profile::value::ParameterProblem> for Failure {
     fn from(problem: profile::value::ParameterProblem) -> Self {
         client::Error::from(problem).into()
-    }
-}
-
-/// The exit code of each kind of error.
-pub const fn exit_of(kind: ErrorKind) -> Exit {
-    match kind {
-        ErrorKind::Usage => Exit::Usage,
-        ErrorKind::Refused => Exit::Refused,
-        ErrorKind::Unreachable | ErrorKind::Lost => Exit::Unreachable,
-        ErrorKind::Safety => Exit::Safety,
-        _ => Exit::Failed,
     }
 }
 
@@ -260,26 +203,15 @@ mod tests {
             error: std::sync::Arc::new(CarrierError::Network(network)),
             reaction: Some(Box::new(reaction)),
         });
-        assert_eq!(failure.exit, Exit::Unreachable);
+        assert_eq!(failure.kind, ErrorKind::Lost);
         assert_eq!(
             failure.message,
             "vlt-1: connection lost: network interface `eth7` is down; the drive keeps turning (8-04 is Off), unless something else has stopped it meanwhile"
         );
-        let hint = failure.hint.unwrap_or_default();
+        let hint = failure.hint.to_string();
         assert!(
-            hint.contains("ip link set eth7 up") && hint.contains("`profidrive stop DRIVE`"),
+            hint.contains("ip link set eth7 up") && hint.contains("[stop] brings it to rest"),
             "{hint}"
         );
-    }
-
-    #[test]
-    fn advice_names_the_drive_as_the_person_did() {
-        let failure = |hint: &str| Failure::usage("no").hint(hint).about(Some("10.0.0.2")).hint;
-        assert_eq!(
-            failure("`profidrive describe DRIVE PARAM`, then `profidrive ack DRIVE`").as_deref(),
-            Some("`profidrive describe 10.0.0.2 PARAM`, then `profidrive ack 10.0.0.2`")
-        );
-        let kinds = "DRIVE is a station name (akd-1), an IP address";
-        assert_eq!(failure(kinds).as_deref(), Some(kinds));
     }
 }

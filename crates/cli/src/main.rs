@@ -12,10 +12,11 @@ mod render;
 
 use std::process::ExitCode;
 
-use clap::error::{ContextKind, ContextValue, ErrorKind};
+use clap::error::{ContextKind, ContextValue, ErrorKind as Mistake};
+use client::{Advice, ErrorKind};
 
 use crate::args::Cli;
-use crate::failure::{Exit, Failure};
+use crate::failure::{Failure, exit_code};
 use crate::output::Output;
 
 fn main() -> ExitCode {
@@ -36,7 +37,7 @@ fn main() -> ExitCode {
     // what went wrong with the drive counts more than what became of the words about it
     match result.err().or(lost) {
         None => ExitCode::SUCCESS,
-        Some(failure) => ExitCode::from(failure.exit as u8),
+        Some(failure) => ExitCode::from(exit_code(failure.kind)),
     }
 }
 
@@ -52,9 +53,9 @@ fn misunderstood(error: &clap::Error, command: String) -> ExitCode {
     output.fail(&mistake(error));
     if let Some(failure) = output.lost() {
         output.error(&failure);
-        return ExitCode::from(failure.exit as u8);
+        return ExitCode::from(exit_code(failure.kind));
     }
-    ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(Exit::Usage as u8))
+    ExitCode::from(u8::try_from(error.exit_code()).unwrap_or_else(|_| exit_code(ErrorKind::Usage)))
 }
 
 /// Returns the failure of a command line that is not valid: its message, what is missing or possible, and suggestions.
@@ -72,8 +73,8 @@ fn mistake(error: &clap::Error) -> Failure {
         _ => Vec::new(),
     };
     let mut details = match error.kind() {
-        ErrorKind::MissingRequiredArgument => values(ContextKind::InvalidArg),
-        ErrorKind::ArgumentConflict => values(ContextKind::PriorArg),
+        Mistake::MissingRequiredArgument => values(ContextKind::InvalidArg),
+        Mistake::ArgumentConflict => values(ContextKind::PriorArg),
         _ => Vec::new(),
     };
     let possible = [ContextKind::ValidValue, ContextKind::ValidSubcommand]
@@ -92,7 +93,11 @@ fn mistake(error: &clap::Error) -> Failure {
     let hints: Vec<String> = similar.chain(values(ContextKind::Suggested)).collect();
     Failure {
         details,
-        hint: Some(hints.join("; ")).filter(|hint| !hint.is_empty()),
+        hint: if hints.is_empty() {
+            Advice::default()
+        } else {
+            hints.join("; ").into()
+        },
         ..Failure::usage(message)
     }
 }
@@ -112,10 +117,10 @@ mod tests {
     fn a_mistake_on_the_command_line_keeps_what_is_listed_and_what_to_do() {
         let missing = of("profidrive read");
         assert_eq!(missing.details, ["<DRIVE>", "<PARAM>..."]);
-        assert_eq!(missing.exit, Exit::Usage);
+        assert_eq!(missing.kind, ErrorKind::Usage);
         let misspelt = of("profidrive raed akd-1");
         assert_eq!(misspelt.message, "unrecognized subcommand 'raed'");
-        assert!(misspelt.hint.is_some_and(|hint| hint.contains("'read'")));
+        assert!(misspelt.hint.to_string().contains("'read'"));
         let choices = of("profidrive explain 1 --as nothing").details;
         assert!(
             choices.iter().any(|line| line.contains("possible values: stw1")),

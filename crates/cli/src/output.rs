@@ -15,6 +15,7 @@ use serde::Serialize;
 use serde_json::{Map, Value};
 
 use self::clean::{clean_json, clean_lines, clean_styled};
+use crate::advice;
 use crate::failure::Failure;
 use crate::render::Page;
 use crate::render::table::Table;
@@ -275,19 +276,15 @@ impl Output {
 
     /// Prints a failure while the command continues; it ends with another failure.
     pub fn problem(&self, failure: &Failure) {
-        let failure = &failure.clone().about(self.drive.as_deref());
         self.error(failure);
         if self.json {
-            self.held().problems.push(failure.json());
+            self.held().problems.push(failure.json(self.drive()));
         }
     }
 
     /// Ends the command: prints the failure, unless it was printed already, and the document.
     pub fn end(&self, failure: Option<&Failure>) {
-        let failure = failure
-            .filter(|failure| !failure.message.is_empty())
-            .map(|failure| failure.clone().about(self.drive.as_deref()));
-        let failure = failure.as_ref();
+        let failure = failure.filter(|failure| !failure.message.is_empty());
         if self.json
             && let Some(whole) = self.ending(failure)
         {
@@ -315,12 +312,18 @@ impl Output {
         };
         let Some(failure) = failure else { return document };
         let mut whole = document.unwrap_or_else(|| with_schema(&self.command, Map::new()));
-        whole.insert("error".into(), failure.json().into());
+        let error = failure.json(self.drive());
+        whole.insert("error".into(), error.clone().into());
         if !problems.is_empty() {
-            let all = problems.into_iter().chain([failure.json()]);
+            let all = problems.into_iter().chain([error]);
             whole.insert("errors".into(), all.map(Value::Object).collect());
         }
         Some(whole)
+    }
+
+    /// The drive in advice.
+    fn drive(&self) -> &str {
+        self.drive.as_deref().unwrap_or("DRIVE")
     }
 
     fn held(&self) -> std::sync::MutexGuard<'_, Held> {
@@ -331,7 +334,7 @@ impl Output {
     pub fn lost(&self) -> Option<Failure> {
         let lost = self.held().lost.take()?;
         Some(Failure::new(
-            crate::failure::Exit::Failed,
+            client::ErrorKind::Local,
             format!("the output cannot be written: {lost}"),
         ))
     }
@@ -404,9 +407,10 @@ impl Output {
                 .iter()
                 .map(|detail| format!("    {}", clean(detail))),
         );
-        if let Some(hint) = &failure.hint {
+        if !failure.hint.is_empty() {
             let sign = paint(self.colour_err, Colour::Action, "hint:");
-            lines.push(format!("  {sign} {}", clean(hint)));
+            let hint = advice::text(&failure.hint, self.drive());
+            lines.push(format!("  {sign} {}", clean(&hint)));
         }
         lines
     }
@@ -471,11 +475,11 @@ mod tests {
 
     #[test]
     fn a_command_prints_one_document_with_its_error() {
-        use crate::failure::Exit;
+        use client::ErrorKind;
         let output = Output::new(true, true).of_command("read".into());
         output.document("read", list("parameters"));
         output.problem(&Failure::usage("no such name"));
-        let failure = Failure::new(Exit::Refused, "it said no").hint("ask again");
+        let failure = Failure::new(ErrorKind::Refused, "it said no").hint("ask again");
         let whole = output.ending(Some(&failure)).unwrap();
         assert_eq!(
             (&whole["command"], &whole["error"]["kind"]),

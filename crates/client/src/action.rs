@@ -44,10 +44,8 @@ pub enum Action {
     Write {
         /// The parameter as its vendor writes it.
         parameter: String,
-        /// The raw value.
-        value: i64,
-        /// Name of the value, where it has one.
-        meaning: Option<&'static str>,
+        /// The value as a person gives it: a number in the unit of the parameter, with its unit or without.
+        value: String,
     },
     /// Unit, limits and scaling of a parameter.
     Describe {
@@ -170,8 +168,7 @@ impl Action {
                 let (parameter, value) = first().split_once('=')?;
                 Self::Write {
                     parameter: parameter.to_owned(),
-                    value: value.parse().ok()?,
-                    meaning: None,
+                    value: value.to_owned(),
                 }
             }
             "describe" => Self::Describe {
@@ -195,35 +192,71 @@ impl Action {
         })
     }
 
-    /// What it is done with, as text.
-    fn arguments(&self) -> String {
-        match self {
+    /// What it is done with, as text: a device, parameters, `PARAMETER=VALUE`, a choice.
+    #[must_use]
+    pub fn arguments(&self) -> Vec<String> {
+        let all = match self {
             Self::Blink { device } | Self::SetName { device } | Self::SetAddress { device } => {
-                device.unwrap_or_default().to_owned()
+                vec![device.unwrap_or_default().to_owned()]
             }
-            Self::Read { parameters } => parameters.join(" "),
-            Self::Write { parameter, value, .. } => format!("{parameter}={value}"),
-            Self::Describe { parameter } => parameter.clone(),
-            Self::Find { part, values: true } => format!("{part} values"),
-            Self::Find { part, values: false } => part.clone(),
+            Self::Read { parameters } => parameters.clone(),
+            Self::Write { parameter, value } => vec![format!("{parameter}={value}")],
+            Self::Describe { parameter } => vec![parameter.clone()],
+            Self::Find { part, values } => {
+                let values = if *values { "values" } else { "" };
+                vec![part.clone(), values.to_owned()]
+            }
             Self::Choose(choice) => {
                 let found = CHOICES.iter().find(|(_, one)| one == choice);
-                found.map_or_else(String::new, |(id, _)| (*id).to_owned())
+                found.map(|(id, _)| (*id).to_owned()).into_iter().collect()
             }
-            _ => String::new(),
-        }
+            _ => Vec::new(),
+        };
+        all.into_iter().filter(|one| !one.is_empty()).collect()
+    }
+
+    /// The action with what it does, as a sentence.
+    ///
+    /// ```
+    /// use profidrive_client::Action;
+    /// assert_eq!(Action::Stop.sentence().to_string(), "[stop] brings it to rest");
+    /// ```
+    #[must_use]
+    pub fn sentence(self) -> Advice {
+        let does = match self {
+            Self::Scan => "lists the devices that respond",
+            Self::Blink { .. } => "shows which device it is",
+            Self::SetName { .. } => "gives it a name",
+            Self::SetAddress { .. } => "gives it an address",
+            Self::Acknowledge => "acknowledges the faults",
+            Self::Read { .. } => "shows more",
+            Self::Write { .. } => "changes it",
+            Self::Stop => "brings it to rest",
+            Self::Disable => "brings it to rest and switches its power stage off",
+            Self::Run => "turns it at a speed",
+            Self::Jog => "turns it at its jog speed",
+            Self::Move => "moves it to a position",
+            Self::Home => "sets the home position",
+            Self::Choose(_) => "tries it in another way",
+            Self::Info
+            | Self::Status
+            | Self::Faults
+            | Self::Monitor
+            | Self::Describe { .. }
+            | Self::Find { .. } => "shows how it is",
+        };
+        Advice::from(self).and(format!(" {does}"))
     }
 }
 
 /// `read VBUS.VALUE`
 impl fmt::Display for Action {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let arguments = self.arguments();
-        if arguments.is_empty() {
-            f.write_str(self.id())
-        } else {
-            write!(f, "{} {arguments}", self.id())
+        f.write_str(self.id())?;
+        for argument in self.arguments() {
+            write!(f, " {argument}")?;
         }
+        Ok(())
     }
 }
 
@@ -279,6 +312,13 @@ impl Advice {
             self.0.push(AdvicePart::Text("; ".into()));
         }
         self.0.extend(other.0);
+        self
+    }
+
+    /// The same with an action behind it.
+    #[must_use]
+    pub fn with(mut self, action: Action) -> Self {
+        self.0.push(AdvicePart::Action(action));
         self
     }
 

@@ -49,14 +49,14 @@ pub use engine::{Driver, Engine, Wait, Wire, World};
 pub use error::{ChannelCause, ChannelRefusal, Error, ErrorKind, NotCarried, Refusal, WireFailure, describe};
 pub use identity::Identity;
 pub use line::LineConfig;
-pub use loss::{LossAction, LossReaction};
+pub use loss::{LossAction, LossReaction, Remedy};
 pub use mapper::Registered;
 pub use modules::{VendorModule, modules_of};
 pub use network::Network;
 pub use route::{ClosedRoute, Route, RouteNotice};
 pub use session::{
     Axis, AxisPlan, AxisSettings, AxisStatus, Described, Enabled, FaultEntry, FaultReport, Info, JogSpeed,
-    Keep, LoggedFault, ModeChange, Peer, PutBack, ReportedLimits, Rest, Samples, Session, Snapshot,
+    Keep, LoggedFault, ModeChange, Peer, PutBack, Released, ReportedLimits, Rest, Samples, Session, Snapshot,
     StopHandle, StopMeans, StopOutcome, StopWay, TemporaryChange, WarningEntry, WarningWatcher, Watcher,
     WriteMode,
 };

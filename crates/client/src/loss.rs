@@ -3,7 +3,7 @@
 use std::fmt;
 use std::time::Duration;
 
-use crate::Action;
+use crate::{Action, Advice};
 
 /// What an axis does when the controller of its drive is lost.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -57,7 +57,27 @@ pub struct LossReaction {
     /// The last control word is not in force from then on: this reaction commands the axis.
     pub commands: bool,
     /// A setting with which the drive stops, for a drive that does not stop or may not.
-    pub remedy: Option<Action>,
+    pub remedy: Option<Remedy>,
+}
+
+/// A setting with which a drive stops when its controller is lost.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Remedy {
+    /// Writes the setting.
+    pub action: Action,
+    /// Name of the setting, where it has one.
+    pub meaning: Option<&'static str>,
+}
+
+impl Remedy {
+    /// The setting with what it is for, as a sentence.
+    #[must_use]
+    pub fn sentence(&self) -> Advice {
+        let name = self
+            .meaning
+            .map_or_else(String::new, |meaning| format!(" ({meaning})"));
+        Advice::from(self.action.clone()).and(format!(" makes it stop when its controller is lost{name}"))
+    }
 }
 
 impl LossReaction {

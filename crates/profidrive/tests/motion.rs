@@ -150,7 +150,7 @@ fn report_of_a_run_has_speed_time_and_distance() {
         matches!(events[..], [Event::Rounded { .. }, Event::Starting { .. }, ..]),
         "{events:?}"
     );
-    assert!(matches!(events.last(), Some(Event::Ended(ended)) if ended.report.is_some()));
+    assert!(matches!(events.last(), Some(Event::Ended(ended)) if ended.report == report));
 }
 
 #[test]

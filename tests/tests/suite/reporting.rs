@@ -110,7 +110,7 @@ fn what_only_a_restart_clears_is_not_acknowledged() {
     );
     client(&lab, &["inject", "vlt-1", "fault=13"]).ok();
     let refused = client(&lab, &["ack", "vlt-1"]);
-    assert_eq!(refused.code, Some(3), "{refused:?}");
+    assert_eq!(refused.code, Some(1), "{refused:?}");
     assert!(
         refused.err.contains("F13 ") && refused.err.contains("switch the drive off and on"),
         "{refused:?}"

@@ -5,14 +5,14 @@ use std::net::Ipv4Addr;
 use std::sync::mpsc;
 use std::time::Duration;
 
-use client::{AtWork, Error, Wait, describe};
+use client::{AtWork, Error, ErrorKind, Wait, describe};
 use profidrive::addressing::{self, AddressingError, FactoryReset, NewAddress, NewName, check_station_name};
 use profidrive::report::BlinkReport;
 use profinet::IpSuite;
 
 use crate::args::{Blink, Interface, Ip, Name, Reset, ResetMode};
 use crate::connect::{self, Live, Need};
-use crate::failure::{Exit, Failure};
+use crate::failure::Failure;
 use crate::output::Output;
 use crate::render::table::clean;
 
@@ -40,7 +40,7 @@ pub fn name(args: &Name, interface: &Interface, output: &Output) -> Result<(), F
 
 impl From<AddressingError> for Failure {
     fn from(error: AddressingError) -> Self {
-        let failed = |hint: &str| Self::new(Exit::Failed, error.to_string()).hint(hint);
+        let failed = |hint: &str| Self::new(error.kind(), error.to_string()).hint(hint);
         match error {
             AddressingError::BadName { ref legal, .. } => {
                 let failure = Self::usage(error.to_string());
@@ -58,7 +58,7 @@ impl From<AddressingError> for Failure {
             AddressingError::Client(error @ Error::AtWork { .. }) => at_work(error),
             AddressingError::Client(error) => error.into(),
             AddressingError::Interfaces(error) => error.into(),
-            error => Self::new(Exit::Failed, error.to_string()),
+            error => Self::new(error.kind(), error.to_string()),
         }
     }
 }
@@ -79,15 +79,13 @@ fn kept(temporary: bool, then: &str) -> String {
 /// Words the failure and its hint for a drive at work.
 fn at_work(error: Error) -> Failure {
     let hint = match &error {
-        Error::AtWork { drive, works, .. } => match works {
+        Error::AtWork { works, .. } => match works {
             AtWork::Controller(_) => {
-                "its axis would lose the controller; `profidrive blink` shows which drive it is; --force asks the drive all the same, which may refuse"
-                    .to_owned()
+                "its axis would lose the controller; {blink} shows which drive it is; --force asks the drive all the same, which may refuse"
             }
-            AtWork::Turns(_) | AtWork::Enabled => format!(
-                "it would lose its parameters under way and coast; `profidrive stop {} --disable` stops it; --force asks the drive all the same, which may refuse",
-                drive
-            ),
+            AtWork::Turns(_) | AtWork::Enabled => {
+                "it would lose its parameters under way and coast; {disable} stops it; --force asks the drive all the same, which may refuse"
+            }
         },
         _ => return error.into(),
     };
@@ -189,7 +187,7 @@ pub fn reset(args: &Reset, interface: &Interface, output: &Output) -> Result<(),
 fn not_reset(error: AddressingError) -> Failure {
     let refused = matches!(error, AddressingError::Client(Error::Dcp { .. }));
     let failure = Failure::from(error);
-    if refused && failure.exit == Exit::Refused && failure.hint.is_none() {
+    if refused && failure.kind == ErrorKind::Refused && failure.hint.is_empty() {
         failure.hint(OFFERED)
     } else {
         failure
@@ -217,8 +215,10 @@ fn confirm(session: &mut Live, question: &str, output: &Output) -> Result<(), Fa
     /// How often Ctrl-C is looked at.
     const GLANCE: Duration = Duration::from_millis(50);
     if !io::stdin().is_terminal() {
-        return Err(Failure::new(Exit::Safety, "not reset: no terminal to confirm on")
-            .hint("--yes resets without asking"));
+        return Err(
+            Failure::new(ErrorKind::Safety, "not reset: no terminal to confirm on")
+                .hint("--yes resets without asking"),
+        );
     }
     output.ask(&format!("{question} [y/N]"));
     // reading a line cannot be interrupted, so another thread waits for it
@@ -232,14 +232,14 @@ fn confirm(session: &mut Live, question: &str, output: &Output) -> Result<(), Fa
         match receiver.try_recv() {
             Ok(true) => return Ok(()),
             Ok(false) | Err(mpsc::TryRecvError::Disconnected) => {
-                return Err(Failure::new(Exit::Safety, "not reset"));
+                return Err(Failure::new(ErrorKind::Safety, "not reset"));
             }
             Err(mpsc::TryRecvError::Empty) => {}
         }
         match session.pass(GLANCE).wait() {
             Err(Error::Interrupted) => {
                 output.say("");
-                return Err(Failure::new(Exit::Safety, "not reset"));
+                return Err(Failure::new(ErrorKind::Safety, "not reset"));
             }
             other => other?,
         }
@@ -275,7 +275,7 @@ mod tests {
             (
                 AtWork::Turns(-600.04),
                 "akd-1 is not reset: its axis turns at -600.0 rpm",
-                "`profidrive stop akd-1 --disable`",
+                "[disable] stops it",
             ),
             (
                 AtWork::Enabled,
@@ -284,8 +284,11 @@ mod tests {
             ),
         ] {
             let failure = failure(works);
-            assert_eq!((failure.exit, failure.message.as_str()), (Exit::Safety, message));
-            assert!(failure.hint.is_some_and(|text| text.contains(hint)));
+            assert_eq!(
+                (failure.kind, failure.message.as_str()),
+                (ErrorKind::Safety, message)
+            );
+            assert!(failure.hint.to_string().contains(hint));
         }
     }
 
@@ -300,12 +303,12 @@ mod tests {
             }))
         };
         let running = refused(BlockError::InOperation);
-        assert_eq!(running.exit, Exit::Refused);
-        let hint = running.hint.unwrap_or_default();
+        assert_eq!(running.kind, ErrorKind::Refused);
+        let hint = running.hint.to_string();
         assert!(hint.contains("stop the motor first"), "{hint}");
         assert_eq!(
-            refused(BlockError::SuboptionUnsupported).hint.as_deref(),
-            Some(OFFERED)
+            refused(BlockError::SuboptionUnsupported).hint.to_string(),
+            OFFERED
         );
     }
 

@@ -5,7 +5,7 @@ use std::time::Duration;
 use client::axis::{Cycle, Strained};
 use client::{Drive, FaultEntry, LossAction, LossReaction, Rest, Wait, WarningEntry};
 use profidrive::motion::{
-    Arrival, Control, End, Ended, Event, Message, MotionError, Next, Observer, Setting, Start, TelegramChange,
+    Arrival, Control, End, Ended, Event, Message, MotionError, Observer, Setting, Start, TelegramChange,
 };
 use profile::notation::Quantity;
 use profile::state::Mode;
@@ -14,7 +14,7 @@ use profinet::cyclic::{CyclicStatistics, Timing};
 use crate::advice::{self, Commands};
 use crate::args::{Cyclic, Enabling, InMode, Target};
 use crate::connect::{self, Live, Need};
-use crate::failure::{self, Exit, Failure};
+use crate::failure::{self, Failure};
 use crate::output::Output;
 use crate::render::live::LiveView;
 use crate::render::{number, value};
@@ -84,43 +84,28 @@ pub fn with_drive<T>(
 /// A motion that failed, in the words of this program.
 impl From<MotionError> for Failure {
     fn from(error: MotionError) -> Self {
-        let advice = error.advice().map(|advice| advice::text(&advice, "DRIVE"));
-        let failed = match error {
+        let (kind, advice) = (error.kind(), error.advice().unwrap_or_default());
+        let message = match error {
             MotionError::Client(error) => return error.into(),
-            MotionError::Failed {
-                error,
-                findings,
-                next,
-            } => return failed(*error, &findings, next.map(|next| *next)),
-            MotionError::Stopped { drive, end } => {
+            MotionError::Failed { error, findings, .. } => {
+                let of_carrier = failure::of_carrier(&error);
+                let mut failure = Self::from(*error).hint(advice.then(of_carrier));
+                for finding in findings {
+                    failure.message = format!("{}; {finding}", failure.message);
+                }
+                return failure;
+            }
+            MotionError::Stopped { drive, end, .. } => {
                 let how = match end {
                     End::Open | End::Time => "stopped before the end by Ctrl-C or a signal".to_owned(),
                     other => format!("stopped by Ctrl-C or a signal, {}", other.missing()),
                 };
-                Self::new(Exit::Failed, format!("{drive}: {how}"))
+                format!("{drive}: {how}")
             }
-            other => Self::new(failure::exit_of(other.kind()), other.to_string()),
+            other => other.to_string(),
         };
-        match advice {
-            Some(advice) => failed.hint(advice),
-            None => failed,
-        }
+        Self::new(kind, message).hint(advice)
     }
-}
-
-/// What failed, with what the drive reported about itself.
-fn failed(error: client::Error, findings: &[String], next: Option<Next>) -> Failure {
-    let hint = match next {
-        Some(Next::Diagnosis(diagnosis)) => advice::next(&diagnosis, "DRIVE"),
-        Some(Next::Advice(advice)) => failure::hint(&error, Some(advice)),
-        None => failure::hint(&error, None),
-    };
-    let mut failure = Failure::from(error);
-    failure.hint = hint;
-    for finding in findings {
-        failure.message = format!("{}; {finding}", failure.message);
-    }
-    failure
 }
 
 /// What begins, in words: `turns at 60 rpm for 1 s`. Without any it is not a motion.
@@ -191,10 +176,11 @@ fn words(event: &Event, drive: &str, output: &Output) {
             Some((name, value)) => format!("{name} was not put back to {value}: {cause}"),
             None => format!("mode and telegram were not put back (PNU 930, 922): {cause}"),
         }),
-        Event::LeftOver(left) => output.warn(&advice::leftover(left, drive).0),
+        Event::LeftOver(left) => output.warn(&left.note().sentence),
         Event::NoteUnreadable(note) => {
-            let (sentence, next) = advice::unreadable_note(note, drive);
-            output.warn(&format!("{sentence}; {next}"));
+            let note = note.note();
+            let next = advice::text(&note.next.unwrap_or_default(), drive);
+            output.warn(&format!("{}; {next}", note.sentence));
         }
         Event::NotNoted { setting, cause } => {
             let (name, value) = setting_text(setting);
@@ -321,9 +307,9 @@ fn controller_loss(loss: &LossReaction, drive: &str, output: &Output) {
         _ => String::new(),
     };
     let remedy = loss.remedy.as_ref();
-    let advice = remedy
-        .and_then(|action| advice::sentence(action, drive))
-        .map_or_else(String::new, |advice| format!("; {advice}"));
+    let advice = remedy.map_or_else(String::new, |remedy| {
+        format!("; {}", advice::text(&remedy.sentence(), drive))
+    });
     output.warn(&format!(
         "{setting}should this program be killed or the line break, {does}{advice}"
     ));
@@ -373,10 +359,12 @@ fn end(ended: &Ended, output: &Output) {
     if let Some(statistics) = &ended.statistics {
         output.say(&frames(statistics));
     }
-    if !ended.report.as_ref().is_some_and(|report| report.released) {
+    let report = &ended.report;
+    if !report.released {
         return;
     }
-    output.say(match ended.rest {
+    output.say(match report.rest {
+        Rest::Unknown => return,
         Rest::Stands => "axis at rest, control released",
         Rest::Coasts => {
             "control released; the axis turns with its power stage off: it coasts, or something moves it"
@@ -451,6 +439,7 @@ mod tests {
             Failure::from(MotionError::Stopped {
                 drive: "akd-1".into(),
                 end,
+                report: Box::default(),
             })
         };
         assert_eq!(
@@ -459,7 +448,7 @@ mod tests {
         );
         let time = failure(End::Time);
         assert!(
-            time.message.contains("before the end") && time.exit == Exit::Failed,
+            time.message.contains("before the end") && time.kind == client::ErrorKind::Interrupted,
             "{time:?}"
         );
     }

@@ -3,14 +3,14 @@
 use std::path::Path;
 
 use client::backup::{Backup, Cause, TaskCoverage};
-use client::{Drive, Refusal, Wait};
+use client::{Drive, ErrorKind, Refusal, Wait};
 use network::files::StateFile;
 use profidrive::report::BackupReport;
 
 use crate::advice::Commands;
 use crate::args::{self, Target};
 use crate::connect::{self, Need};
-use crate::failure::{Exit, Failure};
+use crate::failure::Failure;
 use crate::output::Output;
 
 pub fn run(args: &args::Backup, target: &Target, output: &Output) -> Result<(), Failure> {
@@ -78,7 +78,7 @@ fn incomplete(backup: &Backup, drive: &str) -> Option<Failure> {
     }
     (!missing.is_empty()).then(|| {
         let message = format!("the backup of {drive} is incomplete: {}", missing.join("; "));
-        Failure::new(Exit::Failed, message).hint(hints.join("; "))
+        Failure::new(ErrorKind::Partial, message).hint(hints.join("; "))
     })
 }
 
@@ -94,8 +94,8 @@ fn check_content(backup: &Backup, drive: &str) -> Result<(), Failure> {
         format!("{} missing: {}", settings(refused.len()), reasons(refused))
     };
     let message = format!("{drive} reports none of its settings, nothing is written: {why}");
-    Err(Failure::new(Exit::Difference, message).hint(
-        "is it the selected model? `profidrive info DRIVE` shows it, --model selects another; another tool may hold the parameter channel",
+    Err(Failure::new(ErrorKind::Difference, message).hint(
+        "is it the selected model? {info} shows it, --model selects another; another tool may hold the parameter channel",
     ))
 }
 
@@ -148,10 +148,10 @@ pub fn whole(target: &Target, output: &Output) -> Result<(Backup, Drive), Failur
 
 /// Reads a backup file.
 pub fn read(path: &Path) -> Result<Backup, Failure> {
-    let wrong = |what: String| Failure::new(Exit::Failed, format!("{}: {what}", path.display()));
+    let wrong = |what: String| Failure::new(ErrorKind::Local, format!("{}: {what}", path.display()));
     let content = StateFile::document(path)
         .read()
-        .map_err(|error| Failure::new(Exit::Failed, error.to_string()))?
+        .map_err(|error| Failure::new(ErrorKind::Local, error.to_string()))?
         .ok_or_else(|| wrong("there is no such file".to_owned()))?;
     Backup::read(content).map_err(|error| match error.problems.as_slice() {
         [one] => {
@@ -200,7 +200,7 @@ fn replaceable(path: &Path, force: bool) -> Result<Option<Vec<u8>>, Failure> {
     let old = match StateFile::document(path).read() {
         Ok(old) => old,
         Err(_) if force => return Ok(None),
-        Err(error) => return Err(Failure::new(Exit::Failed, error.to_string())),
+        Err(error) => return Err(Failure::new(ErrorKind::Local, error.to_string())),
     };
     let is_backup = old
         .as_ref()
@@ -209,14 +209,14 @@ fn replaceable(path: &Path, force: bool) -> Result<Option<Vec<u8>>, Failure> {
         Ok(old)
     } else {
         let message = format!("{} is not a backup and is not replaced", path.display());
-        Err(Failure::new(Exit::Failed, message).hint("choose another name; --force writes over it"))
+        Err(Failure::new(ErrorKind::Local, message).hint("choose another name; --force writes over it"))
     }
 }
 
 fn replace(path: &Path, text: &str) -> Result<(), Failure> {
     StateFile::document(path)
         .replace(text.as_bytes())
-        .map_err(|error| Failure::new(Exit::Failed, error.to_string()))
+        .map_err(|error| Failure::new(ErrorKind::Local, error.to_string()))
 }
 
 #[cfg(test)]
@@ -235,7 +235,7 @@ mod tests {
         assert_eq!(backup(""), None);
         assert_eq!(backup("tasks: all\n"), None);
         let failure = backup("tasks: left out, the power stage is on\n").unwrap();
-        assert_eq!(failure.exit, Exit::Failed);
+        assert_eq!(failure.kind, ErrorKind::Partial);
         assert_eq!(
             failure.message,
             "the backup of akd-1 is incomplete: the motion tasks are left out: the power stage is on"
@@ -254,7 +254,7 @@ mod tests {
         ] {
             for force in [false, true] {
                 let failure = replaceable(Path::new(path), force).unwrap_err();
-                assert_eq!(failure.exit, Exit::Usage);
+                assert_eq!(failure.kind, ErrorKind::Usage);
                 assert!(failure.message.contains(words), "{}", failure.message);
             }
         }

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use client::backup::{Backup, Difference, Side, TaskCoverage, compare, compare_tasks};
-use client::{Drive, DriveAddress, Wait};
+use client::{Drive, DriveAddress, ErrorKind, Wait};
 use profidrive::report::{self, DiffReport, MotionTask, TaskDifference};
 use profile::catalogue::Role;
 use profile::value::Reading;
@@ -12,7 +12,7 @@ use super::backup;
 use crate::advice::Commands;
 use crate::args::{Diff, DriveOptions, Target};
 use crate::connect::{self, Need};
-use crate::failure::{Exit, Failure};
+use crate::failure::Failure;
 use crate::output::Output;
 use crate::render::table::Table;
 use crate::render::value;
@@ -95,7 +95,7 @@ pub fn run(args: &Diff, options: &DriveOptions, output: &Output) -> Result<(), F
                 _ => format!(", {connection} of them of the connection"),
             };
             output.say(&format!("{count} difference{plural}{of_it}"));
-            Err(Failure::silent(Exit::Difference))
+            Err(Failure::silent(ErrorKind::Difference))
         }
     }
 }

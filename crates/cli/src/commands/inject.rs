@@ -1,11 +1,12 @@
 //! `profidrive inject DRIVE fault=439`: injects an event into a drive of a running `profidrive simulate`.
 
+use client::ErrorKind;
 use plant::control_socket::{ControlSocketError, InjectError, InjectRequest, target};
 use plant::keys;
 use profidrive::report::{InjectKey, InjectReport};
 
 use crate::args::Inject;
-use crate::failure::{Exit, Failure};
+use crate::failure::Failure;
 use crate::output::Output;
 use crate::render::Page;
 use crate::render::table::{Table, clean};
@@ -53,13 +54,13 @@ fn failure(error: InjectError) -> Failure {
         InjectError::NoEnd(event) => Failure::usage(format!(
             "`{event}` has no end of its own, so --for means nothing for it"
         )),
-        InjectError::Socket(ControlSocketError::Folder { .. }) => Failure::new(Exit::Failed, text).hint(
+        InjectError::Socket(ControlSocketError::Folder { .. }) => Failure::new(ErrorKind::Local, text).hint(
             "the folder of running simulations must belong to you alone; XDG_RUNTIME_DIR chooses another place",
         ),
-        InjectError::Socket(_) => Failure::new(Exit::Failed, text),
+        InjectError::Socket(_) => Failure::new(ErrorKind::Local, text),
         InjectError::NotFound { drive, others } => {
             let failure = Failure::new(
-                Exit::Unreachable,
+                ErrorKind::Unreachable,
                 format!("no `profidrive simulate` of yours on this computer has a drive {drive}"),
             );
             failure.hint(if others.is_empty() {
@@ -74,11 +75,11 @@ fn failure(error: InjectError) -> Failure {
             "they are in other network namespaces: call `inject` in that of the one meant (nsenter -n -t PROCESS), or say which one by its IP or MAC address"
         }),
         InjectError::NoAnswer { drive, why } => Failure::new(
-            Exit::Unreachable,
+            ErrorKind::Unreachable,
             format!("{drive}: a `profidrive simulate` of yours does not answer: {}", clean(&why)),
         )
         .hint("it is busy or stopped (Ctrl-Z); try again"),
-        InjectError::Refused { .. } => Failure::new(Exit::Refused, text),
+        InjectError::Refused { .. } => Failure::new(ErrorKind::Refused, text),
         _ => Failure::usage(text),
     }
 }

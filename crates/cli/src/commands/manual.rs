@@ -1,9 +1,10 @@
 //! `profidrive manual FOLDER`, for packages: one page for each command.
 
 use clap::CommandFactory;
+use client::ErrorKind;
 
 use crate::args::{Cli, Manual};
-use crate::failure::{Exit, Failure};
+use crate::failure::Failure;
 
 pub fn run(args: &Manual) -> Result<(), Failure> {
     std::fs::create_dir_all(&args.folder)
@@ -11,7 +12,7 @@ pub fn run(args: &Manual) -> Result<(), Failure> {
         .map_err(|error| {
             let folder = args.folder.display();
             Failure::new(
-                Exit::Failed,
+                ErrorKind::Local,
                 format!("cannot write the manual pages to {folder}: {error}"),
             )
         })

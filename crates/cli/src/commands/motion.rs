@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use client::{Drive, Error, Session, Snapshot, Wait};
+use client::{Drive, Error, ErrorKind, Session, Snapshot, Wait};
 use profidrive::motion;
 use profidrive::report::MonitorReading;
 use profile::notation::ParameterReference;
@@ -13,7 +13,7 @@ use super::axis::{self, FOR_EVER, fault_text};
 use crate::advice::Commands;
 use crate::args::{Ack, Monitor, Target};
 use crate::connect::{self, Live, Need};
-use crate::failure::{Exit, Failure};
+use crate::failure::Failure;
 use crate::output::Output;
 use crate::render::{hex16, value, words};
 
@@ -128,13 +128,13 @@ fn answered(
         Ok(snapshot) => Ok(Some(snapshot)),
         Err(Error::Interrupted) if waited < SILENCE => Ok(None),
         Err(Error::Interrupted) => Err(gone(Failure::new(
-            Exit::Unreachable,
+            ErrorKind::Unreachable,
             format!("{label} has not answered for {:.1} s", waited.as_secs_f64()),
         ))),
         Err(error) => {
             let failure = Failure::from(error);
-            Err(match failure.exit {
-                Exit::Unreachable => gone(failure),
+            Err(match failure.kind {
+                ErrorKind::Unreachable => gone(failure),
                 _ => failure,
             })
         }
@@ -142,7 +142,7 @@ fn answered(
 }
 
 fn gone(failure: Failure) -> Failure {
-    failure.hint("check power and cable of the drive; `profidrive scan` lists who answers")
+    failure.hint("check power and cable of the drive; {scan} lists who answers")
 }
 
 /// Returns status and control word in the bits of the profile, independent of the model.

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use client::change::{Change, ChangeSet, Choice, Plan, Saved, Skip, Skipped, Step};
-use client::{Drive, Error, Wait};
+use client::{Drive, Error, ErrorKind, Wait};
 use profidrive::report::RestoreReport;
 use profidrive::settings::{self, RestoreError};
 use profile::catalogue::Role;
@@ -15,7 +15,7 @@ use super::backup;
 use crate::advice::Commands;
 use crate::args::{Restore, Target};
 use crate::connect::{self, Live, Need};
-use crate::failure::{self, Exit, Failure};
+use crate::failure::Failure;
 use crate::output::Output;
 use crate::render::table::Table;
 use crate::render::{number, value};
@@ -89,7 +89,7 @@ fn way_back(args: &Restore) -> Result<PathBuf, Failure> {
 /// What speaks against it, in the words of this program.
 impl From<RestoreError> for Failure {
     fn from(error: RestoreError) -> Self {
-        let failure = Self::new(failure::exit_of(error.kind()), error.to_string());
+        let failure = Self::new(error.kind(), error.to_string());
         match error {
             RestoreError::Client(error) => error.into(),
             RestoreError::Misfit(_) => {
@@ -322,7 +322,7 @@ fn failed(error: Error, set: &ChangeSet, file: Option<&Path>, drive: &Drive) -> 
             drive.label(),
             file.display()
         );
-        failure.hint = Some(hint);
+        failure = failure.hint(hint);
     }
     failure
 }
@@ -333,11 +333,11 @@ fn ended(plan: &Plan, drive: &Drive, args: &Restore) -> Result<(), Failure> {
     let label = drive.label();
     if refused > 0 || matches!(set.saved(), Saved::Refused(_)) {
         let message = format!("{label} refused {refused} of {} values", set.total());
-        return Err(Failure::new(Exit::Refused, message));
+        return Err(Failure::new(ErrorKind::Refused, message));
     }
     if !set.is_done() || (args.save && set.saved() != Saved::Yes) {
         let message = format!("{label} is not as the file says: {}", set.summary());
-        return Err(Failure::new(Exit::Difference, message)
+        return Err(Failure::new(ErrorKind::Difference, message)
             .hint("the drive may round, limit or change values by itself"));
     }
     self::refused(plan, drive)
@@ -374,7 +374,7 @@ fn refused(plan: &Plan, drive: &Drive) -> Result<(), Failure> {
         drive.label(),
         missing.join("; ")
     );
-    Err(Failure::new(Exit::Difference, message).hint(
+    Err(Failure::new(ErrorKind::Difference, message).hint(
         "the lines `left out` say why; take them out of the file, or choose with --only, where that is meant",
     ))
 }

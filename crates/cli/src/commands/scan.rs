@@ -2,12 +2,13 @@
 
 use std::collections::BTreeMap;
 
+use client::ErrorKind;
 use client::Wait;
 use profidrive::report::{ScanReport, Station};
 
 use crate::args::{Interface, Scan};
 use crate::connect::{self, Need};
-use crate::failure::{Exit, Failure};
+use crate::failure::Failure;
 use crate::output::Output;
 use crate::render::Page;
 use crate::render::table::Table;
@@ -22,9 +23,8 @@ pub fn run(args: &Scan, interface: &Interface, output: &Output) -> Result<(), Fa
     };
     output.report(&report);
     if report.stations.is_empty() {
-        return Err(
-            Failure::new(Exit::Unreachable, "no station answered").hint("check cable, interface and power")
-        );
+        return Err(Failure::new(ErrorKind::Unreachable, "no station answered")
+            .hint("check cable, interface and power"));
     }
     if !output.json() {
         for warning in warnings(&report.stations) {

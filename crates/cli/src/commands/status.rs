@@ -1,25 +1,23 @@
 //! `profidrive status`
 
-use client::status::{Note, Verdict, diagnose};
-use client::{Action, Wait};
+use client::ErrorKind;
+use client::Wait;
+use client::status::{Verdict, diagnose};
 use profidrive::motion::leftovers;
 use profidrive::report::{Controller, LossReaction, Quantity, StatusReport, Word};
 use profile::state::Profile;
 
-use crate::advice::{self, Commands};
+use crate::advice::Commands;
 use crate::args::{Status, Target};
 use crate::connect::{self, Need};
-use crate::failure::{Exit, Failure};
+use crate::failure::Failure;
 use crate::output::{Colour, Output};
 use crate::render::table::clean;
 use crate::render::{Page, hex16};
 
 pub fn run(args: &Status, target: &Target, output: &Output) -> Result<(), Failure> {
     let (mut session, mut drive) = connect::drive(target, Need::Records, output)?;
-    let status = session
-        .status(&mut drive)
-        .wait()
-        .map_err(|error| unread(error, &drive.label()))?;
+    let status = session.status(&mut drive).wait().map_err(unread)?;
     // a controller may be the very program that will put its setting back
     let left = match status.controller {
         Some(None) => leftovers(&mut session, &mut drive).wait()?,
@@ -28,20 +26,13 @@ pub fn run(args: &Status, target: &Target, output: &Output) -> Result<(), Failur
     session.close().wait()?;
     let mut diagnosis = diagnose(&status);
     let label = drive.label();
-    diagnosis.notes.extend(left.iter().map(|left| {
-        let (id, (sentence, next)) = match left {
-            Ok(left) => ("leftover", advice::leftover(left, &label)),
-            Err(note) => ("note-unreadable", advice::unreadable_note(note, &label)),
-        };
-        Note {
-            id,
-            sentence,
-            next: Some(next.into()),
-        }
-    }));
-    let next = advice::next(&diagnosis, &label);
+    let left = left.iter().map(|left| match left {
+        Ok(left) => left.note(),
+        Err(note) => note.note(),
+    });
+    diagnosis.notes.extend(left);
     let tables = drive.model.catalogue;
-    let report = StatusReport::new(&status, &diagnosis, tables, next, &Commands(&label));
+    let report = StatusReport::new(&status, &diagnosis, tables, &Commands(&label));
     output.report(&report);
     if !args.short && !output.json() {
         for line in lines(&report) {
@@ -52,7 +43,7 @@ pub fn run(args: &Status, target: &Target, output: &Output) -> Result<(), Failur
         Verdict::Runs | Verdict::Waits => Ok(()),
         // the sentence stands on stdout already
         Verdict::Held => Err(Failure::new(
-            Exit::Difference,
+            ErrorKind::Difference,
             format!(
                 "{} is kept from running ({})",
                 drive.label(),
@@ -84,19 +75,15 @@ impl Page for StatusReport {
 }
 
 /// A drive whose parameters cannot be read may turn all the same.
-fn unread(error: client::Error, drive: &str) -> Failure {
+fn unread(error: client::Error) -> Failure {
     let silent = error.is_of_parameters();
     let failure = Failure::from(error);
-    let stop = advice::sentence(&Action::Stop, drive).filter(|_| silent);
-    let hints = failure.hint.clone().into_iter();
-    let turns = stop.map(|stop| {
-        format!("if it turns: {stop} by its control word, without parameters, where no controller has it")
-    });
-    let all: Vec<String> = hints.chain(turns).collect();
-    if all.is_empty() {
+    if !silent {
         return failure;
     }
-    failure.hint(all.join("; "))
+    failure.and_hint(
+        "if it turns: {stop} brings it to rest by its control word, without parameters, where no controller has it",
+    )
 }
 
 /// The facts, one a line.
@@ -221,10 +208,10 @@ mod tests {
             what: "record access",
             limit: std::time::Duration::from_secs(10),
         };
-        let hint = unread(silent, "vlt-1").hint.unwrap_or_default();
-        assert!(hint.contains("`profidrive stop vlt-1`"), "{hint}");
-        let gone = unread(client::Error::Interrupted, "vlt-1");
-        assert_eq!(gone.hint, None);
+        let hint = unread(silent).hint.to_string();
+        assert!(hint.contains("[stop]"), "{hint}");
+        let gone = unread(client::Error::Interrupted);
+        assert!(gone.hint.is_empty());
     }
 
     #[test]
@@ -246,7 +233,7 @@ mod tests {
             ..DriveStatus::default()
         };
         let diagnosis = diagnose(&status);
-        let report = StatusReport::new(&status, &diagnosis, Some(&AKD), None, &Commands("akd-1"));
+        let report = StatusReport::new(&status, &diagnosis, Some(&AKD), &Commands("akd-1"));
         let text = lines(&report).join("\n");
         for part in [
             "state        S4 operation",

@@ -10,7 +10,7 @@ use profinet::wire::dcp::BlockError;
 use super::Error;
 use crate::axis::{Objection, SpeedUnit, Trouble};
 use crate::names::in_models;
-use crate::{Action, Advice, Choice, Drive, LocalControl, LossReaction};
+use crate::{Action, Advice, Choice, Drive, LocalControl, LossReaction, Remedy};
 
 impl Error {
     /// The drive is there, its parameters are not: they are silent, late or make no sense.
@@ -22,9 +22,8 @@ impl Error {
         )
     }
 
-    /// The next thing to do about it, where that is one action. A front end words it.
-    #[must_use]
-    pub fn action(&self) -> Option<Action> {
+    /// The next thing to do about an axis that may turn.
+    fn action(&self) -> Option<Action> {
         match self {
             Self::Ownerless { stop, .. } => Some(stop.clone()),
             Self::LocalOperation {
@@ -91,6 +90,12 @@ impl Error {
     /// What to do about it, where there is something to do.
     #[must_use]
     pub fn advice(&self) -> Option<Advice> {
+        let action = self.action().map(Action::sentence);
+        let both = self.of_kind().into_iter().chain(action);
+        both.reduce(Advice::then)
+    }
+
+    fn of_kind(&self) -> Option<Advice> {
         Some(match self {
             Self::Refused { refusal, .. } => refusal.remedy()?,
             Self::Parameter(problem) => super::problem::advice(problem)?,
@@ -315,18 +320,10 @@ const fn faulty_timing(status: PnioStatus) -> bool {
 
 /// The setting that stops the axis, or the consent.
 fn runs_on(reaction: &LossReaction) -> Advice {
-    let stops = |remedy: &Action| {
-        let name = match remedy {
-            Action::Write {
-                meaning: Some(meaning),
-                ..
-            } => format!(" ({meaning})"),
-            _ => String::new(),
-        };
-        Advice::from(remedy.clone()).and(format!(" makes it stop then{name}"))
-    };
-    let remedy = reaction.remedy.as_ref().map_or_else(Advice::default, stops);
-    remedy.then("{choose run-on} accepts that it may run on".into())
+    let remedy = reaction.remedy.as_ref().map(Remedy::sentence);
+    remedy
+        .unwrap_or_default()
+        .then("{choose run-on} accepts that it may run on".into())
 }
 
 #[cfg(test)]

@@ -19,27 +19,39 @@ pub enum ErrorKind {
     Lost,
     /// A rule that protects people or machines stopped it.
     Safety,
+    /// The drive has a fault.
+    Fault,
     /// What was commanded was not reached: speed, position, state.
     NotReached,
+    /// A part was done, a part was not.
+    Partial,
+    /// Something differs from what it should be.
+    Difference,
     /// The drive cannot do it, or not as it is now set up.
     Unsupported,
     /// The caller requested a stop.
     Interrupted,
+    /// Something on this computer cannot be used: a file, a socket, the output; or the content of a file is wrong.
+    Local,
     /// The drive sent an answer that has no meaning, or this program has an error.
     Internal,
 }
 
 impl ErrorKind {
     /// Every kind with its stable name.
-    pub const ALL: [(Self, &'static str); 9] = [
+    pub const ALL: [(Self, &'static str); 13] = [
         (Self::Usage, "usage"),
         (Self::Refused, "refused"),
         (Self::Unreachable, "unreachable"),
         (Self::Lost, "lost"),
         (Self::Safety, "safety"),
+        (Self::Fault, "fault"),
         (Self::NotReached, "not_reached"),
+        (Self::Partial, "partial"),
+        (Self::Difference, "difference"),
         (Self::Unsupported, "unsupported"),
         (Self::Interrupted, "interrupted"),
+        (Self::Local, "local"),
         (Self::Internal, "internal"),
     ];
 
@@ -120,8 +132,6 @@ impl Error {
             | Self::SpeedRange { .. }
             | Self::Objections { .. }
             | Self::WrongMode { .. }
-            | Self::SpeedOnly { .. }
-            | Self::NoJog { .. }
             | Self::NotAtRest { .. }
             | Self::ScaleChanged { .. } => ErrorKind::Safety,
             Self::NotEnabled { .. }
@@ -134,6 +144,8 @@ impl Error {
             Self::DriverFailed | Self::Malformed { .. } | Self::UnknownRequest { .. } => ErrorKind::Internal,
             Self::NotADrive { .. }
             | Self::Telegram { .. }
+            | Self::SpeedOnly { .. }
+            | Self::NoJog { .. }
             | Self::ForeignModule { .. }
             | Self::NoStopBeside { .. }
             | Self::SpeedUnit { .. }
@@ -154,10 +166,22 @@ const fn is_number(objection: &Objection) -> bool {
 
 const fn of_trouble(trouble: &Trouble) -> ErrorKind {
     match trouble {
-        Trouble::StillTurns | Trouble::QuickStopUsed | Trouble::NotStopped | Trouble::LocalOperation => {
-            ErrorKind::Safety
-        }
-        _ => ErrorKind::Refused,
+        // a motion that nobody attends to ends by a safety rule too
+        Trouble::StillTurns
+        | Trouble::QuickStopUsed
+        | Trouble::NotStopped
+        | Trouble::LocalOperation
+        | Trouble::Unattended => ErrorKind::Safety,
+        Trouble::Fault | Trouble::FaultStays => ErrorKind::Fault,
+        Trouble::TargetNotReached | Trouble::HomingFailed => ErrorKind::NotReached,
+        Trouble::Stopped => ErrorKind::Interrupted,
+        Trouble::StuckIn { .. }
+        | Trouble::LeftOperation { .. }
+        | Trouble::OtherMode { .. }
+        | Trouble::NotAccepted { .. }
+        | Trouble::AcceptanceStays
+        | Trouble::HomingNotStarted
+        | Trouble::NoInputs => ErrorKind::Refused,
     }
 }
 

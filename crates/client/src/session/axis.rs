@@ -137,13 +137,40 @@ pub struct AxisStatus {
 /// How an axis is when control of it is given back.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Rest {
-    /// It does not turn, as far as the drive reports.
+    /// The drive reports nothing any more, or was not under control.
     #[default]
+    Unknown,
+    /// It does not turn, as far as the drive reports.
     Stands,
     /// It turns with its power stage off: it coasts, or something moves it.
     Coasts,
     /// It turns with its power stage on: control of it was not taken.
     Runs,
+}
+
+impl Rest {
+    /// Stable name for programs.
+    #[must_use]
+    pub const fn id(self) -> &'static str {
+        match self {
+            Self::Unknown => "unknown",
+            Self::Stands => "stands",
+            Self::Coasts => "coasts",
+            Self::Runs => "runs",
+        }
+    }
+}
+
+/// How control of an axis was given back.
+#[derive(Debug)]
+pub struct Released {
+    /// How the axis was then.
+    pub rest: Rest,
+    /// Its connection was closed in order.
+    pub closed: bool,
+    /// Why it did not end as it was to: a connection lost before the axis was at rest, a fault on the ramp, an axis that
+    /// still turns.
+    pub result: Result<(), Error>,
 }
 
 /// Callback for the status of the axis while calls wait.

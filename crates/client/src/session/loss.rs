@@ -6,7 +6,7 @@ use profile::catalogue::{Catalogue, Part};
 
 use super::Session;
 use super::readings::Readings;
-use crate::{Action, Drive, Error, LossAction, LossReaction};
+use crate::{Action, Drive, Error, LossAction, LossReaction, Remedy};
 
 impl LossReaction {
     /// Refuses to enable an axis that runs on without consent.
@@ -85,9 +85,11 @@ pub(super) fn reaction(tables: &Catalogue, on_line: bool, readings: &Readings) -
     };
     let parameter = reading.shown().to_string();
     let stops = tables.part_values(Part::LostController).last();
-    let remedy = stops.filter(|_| !action.stops()).map(|&value| Action::Write {
-        parameter: parameter.clone(),
-        value,
+    let remedy = stops.filter(|_| !action.stops()).map(|&value| Remedy {
+        action: Action::Write {
+            parameter: parameter.clone(),
+            value: value.to_string(),
+        },
         meaning: tables
             .part(Part::LostController)
             .and_then(|parameter| parameter.choice(value)),

@@ -126,10 +126,8 @@ pub struct Diagnosis {
     pub verdict: Verdict,
     /// One sentence, with the bit or parameter that shows it.
     pub sentence: String,
-    /// What to do next, where something is to be done.
+    /// What to do next, where something is to be done. Its actions are in the order in which they help.
     pub next: Option<Advice>,
-    /// What to do next as actions, in their order; the text of [`next`](Self::next) is besides.
-    pub actions: Vec<Action>,
     /// What else stands in the way, or is about to.
     pub notes: Vec<Note>,
 }

@@ -8,7 +8,7 @@ use profile::state::{
 
 use super::{Cause, Diagnosis, DriveStatus, Verdict, notes, vendors};
 use crate::names::in_model;
-use crate::{Action, Advice, FaultEntry, LossReaction};
+use crate::{Action, Advice, FaultEntry, LossReaction, Remedy};
 
 /// Speed below which an axis counts as standing, rpm.
 const STANDS: f64 = 1.0;
@@ -498,7 +498,6 @@ pub(super) fn first(status: &DriveStatus) -> Diagnosis {
             verdict: Verdict::Runs,
             sentence: String::new(),
             next: None,
-            actions: Vec::new(),
             notes: Vec::new(),
         };
     };
@@ -506,28 +505,33 @@ pub(super) fn first(status: &DriveStatus) -> Diagnosis {
         cause: rule.cause,
         verdict: rule.cause.verdict(),
         sentence: (rule.sentence)(status),
-        next: advice(rule, status),
-        actions: actions(rule.cause, status),
+        next: actions(rule.cause, status)
+            .into_iter()
+            .chain(advice(rule, status))
+            .reduce(Advice::then),
         notes: notes::beside(rule.cause, status),
     }
 }
 
-/// What to do about a cause as actions.
-fn actions(cause: Cause, status: &DriveStatus) -> Vec<Action> {
+/// What brings an axis to rest that no controller has.
+fn actions(cause: Cause, status: &DriveStatus) -> Vec<Advice> {
     let by_parameter = vendors::disable(status.model).is_some();
     // a stop by parameter leaves the power stage on
     let stop = if by_parameter {
-        Action::Disable
+        Action::Disable.sentence()
     } else {
-        Action::Stop
+        Action::Stop.sentence()
     };
     match cause {
         Cause::TurnsOwnerless | Cause::EnabledOwnerless => {
-            let remedy = status.loss.as_ref().and_then(|loss| loss.remedy.clone());
-            [Some(stop), remedy].into_iter().flatten().collect()
+            let remedy = status.loss.as_ref().and_then(|loss| loss.remedy.as_ref());
+            [Some(stop), remedy.map(Remedy::sentence)]
+                .into_iter()
+                .flatten()
+                .collect()
         }
         // it is ownerless, and whether it turns cannot be read
-        Cause::Silent if status.controller == Some(None) => vec![Action::Stop],
+        Cause::Silent if status.controller == Some(None) => vec![Action::Stop.sentence()],
         // what its service channel has enabled a parameter switches off
         Cause::LocalOperation if by_parameter && status.has(Zsw1::OPERATION_ENABLED) => vec![stop],
         _ => Vec::new(),

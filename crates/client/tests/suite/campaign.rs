@@ -182,8 +182,7 @@ fn motion(session: &mut On<World>, drive: &mut Drive, motion: Motion) -> Result<
 fn recommended(diagnosis: &Diagnosis) -> Vec<Action> {
     let notes = diagnosis.notes.iter().filter_map(|note| note.next.as_ref());
     let texts = diagnosis.next.iter().chain(notes);
-    let in_text = texts.flat_map(Advice::actions);
-    diagnosis.actions.iter().chain(in_text).cloned().collect()
+    texts.flat_map(Advice::actions).cloned().collect()
 }
 
 fn carry_out(session: &mut On<World>, drive: &mut Drive, action: &Action) -> Result<(), Error> {
@@ -202,7 +201,7 @@ fn carry_out(session: &mut On<World>, drive: &mut Drive, action: &Action) -> Res
             axis.acknowledge().wait()?;
             axis.release().wait()
         }
-        Action::Write { parameter, value, .. } => {
+        Action::Write { parameter, value } => {
             let assignment = format!("{parameter}={value}");
             let assignment = assignment.parse().expect("an assignment");
             let outcomes = session.write(drive, &[assignment], WriteMode::Write).wait()?;

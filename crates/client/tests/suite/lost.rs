@@ -81,7 +81,11 @@ fn a_medium_that_fails_before_cyclic_data_names_the_drive() {
                 "{text}"
             );
             assert!(
-                matches!(error.action(), Some(Action::Status | Action::Stop)),
+                error.advice().is_some_and(|advice| {
+                    advice
+                        .actions()
+                        .any(|action| matches!(action, Action::Status | Action::Stop))
+                }),
                 "{error:?}"
             );
         }

@@ -7,7 +7,8 @@ use testbench::shared::On;
 use profidrive_client::axis::{Purpose, SpeedUnit, Trouble};
 use profidrive_client::status::{Cause, diagnose};
 use profidrive_client::{
-    Action, AxisSettings, Drive, Error, LocalControl, LossAction, Rest, StopMeans, StopWay, Wait, WriteMode,
+    Action, Advice, AxisSettings, Drive, Error, LocalControl, LossAction, Rest, StopMeans, StopWay, Wait,
+    WriteMode,
 };
 use profile::parameter::{Keep, ParameterAccess};
 use testbench::world::{Accident, Transport, World};
@@ -21,6 +22,11 @@ const KEEP_TURNING: [(&Virtual, &str, &str); 2] = [
     (&model::VLT, "vlt", "8-04=0"),
     (&model::VACON, "vacon", "ID733=0"),
 ];
+
+/// The actions in an advice.
+fn actions(advice: Option<Advice>) -> Vec<Action> {
+    advice.iter().flat_map(Advice::actions).cloned().collect()
+}
 
 fn settings(drive: &Drive, purpose: Purpose) -> AxisSettings {
     AxisSettings {
@@ -149,7 +155,7 @@ fn a_motion_is_not_begun_on_an_ownerless_drive() {
                     matches!(error, Error::Ownerless { .. }),
                     "{name} {transport:?}: {error}"
                 );
-                assert_eq!(error.action(), Some(Action::Stop), "{name}");
+                assert_eq!(actions(error.advice()), [Action::Stop], "{name}");
                 assert!(
                     error.to_string().contains("though no controller is connected"),
                     "{error}"
@@ -165,7 +171,7 @@ fn a_motion_is_not_begun_on_an_ownerless_drive() {
             let found = diagnose(&status);
             let turns = [Cause::TurnsOwnerless, Cause::EnabledOwnerless];
             assert!(turns.contains(&found.cause), "{name} {transport:?}: {found:?}");
-            assert_eq!(found.actions[0], Action::Stop, "{name}: {found:?}");
+            assert_eq!(actions(found.next.clone())[0], Action::Stop, "{name}: {found:?}");
         }
     }
 }
@@ -195,7 +201,7 @@ fn motion_of_an_ownerless_drive_is_reported_before_control() {
                 found.notes.iter().all(|note| note.id != "moved-from-outside"),
                 "{at}"
             );
-            assert_eq!(found.actions[0], Action::Stop, "{at}");
+            assert_eq!(actions(found.next.clone())[0], Action::Stop, "{at}");
             assert!(
                 found.sentence.contains(words) && !found.sentence.contains("in force"),
                 "{at}: {}",
@@ -299,7 +305,7 @@ fn local_control_is_refused_with_who_has_it() {
                     .is_some_and(|advice| advice.to_string().contains("at its panel")),
                 "{error}"
             );
-            assert_eq!(error.action(), None, "no command of ours stops it");
+            assert_eq!(actions(error.advice()), [], "no command of ours stops it");
             assert!((world.speed() - before).abs() < 5.0, "left alone");
         }
         let status = session.status(&mut drive).wait().expect("read");
@@ -459,7 +465,7 @@ fn a_connection_loss_message_describes_the_reaction_of_the_drive() {
         } else {
             Action::Stop
         };
-        assert_eq!(error.action(), Some(advice), "{setting}");
+        assert_eq!(actions(error.advice()).last(), Some(&advice), "{setting}");
         drop(enabled);
         drop(axis);
         // and it is what the drive does
@@ -547,7 +553,7 @@ fn a_carrier_that_fails_is_a_lost_connection_of_the_axis() {
                 } else {
                     Action::Stop
                 };
-                assert_eq!(error.action(), Some(advice), "{at}");
+                assert_eq!(actions(error.advice()).last(), Some(&advice), "{at}");
             };
             let mut enabled = axis.enable().wait().expect("enabled");
             enabled.reach_speed(300.0, None).wait().expect("runs");
@@ -659,7 +665,9 @@ fn a_ramp_that_ends_in_coasting_is_no_rest() {
             world.look(|drive| drive.inject("sto=on".parse().expect("an injection")));
         }
         axis.ready_or_fault().wait().expect("reached or not");
-        let rest = axis.release_and_look().wait().expect("given back");
+        let released = axis.release_and_look().wait();
+        assert!(released.closed && released.result.is_ok(), "{released:?}");
+        let rest = released.rest;
         let wanted = if stage_goes { Rest::Coasts } else { Rest::Stands };
         assert_eq!(rest, wanted, "{} rpm", world.speed());
         assert_eq!(world.speed().abs() > 100.0, stage_goes, "{} rpm", world.speed());
@@ -738,8 +746,8 @@ fn the_remedy_of_a_drive_that_keeps_turning_works() {
         set(&world, setting);
         let (mut session, mut drive) = world.client(name, Transport::Profinet, 1).expect("found");
         let remedy = session.loss_reaction(&mut drive).wait().expect("read").remedy;
-        let Some(Action::Write { parameter, value, .. }) = remedy else {
-            panic!("{name}: {remedy:?}");
+        let Some(Action::Write { parameter, value }) = remedy.map(|remedy| remedy.action) else {
+            panic!("{name}: no parameter");
         };
         write(&mut session, &mut drive, &format!("{parameter}={value}"));
         let after = session.loss_reaction(&mut drive).wait().expect("read");

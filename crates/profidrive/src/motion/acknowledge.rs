@@ -126,7 +126,7 @@ fn without_control(faults: Vec<Fault>, observer: &Observer) -> Report {
         ..Report::default()
     };
     observer.report(&Event::Ended(Box::new(Ended {
-        report: Some(report.clone()),
+        report: report.clone(),
         ..Ended::default()
     })));
     report

@@ -4,7 +4,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use client::axis::{Goal, MotionFacts, SpeedUnit};
-use client::{Axis, AxisStatus, Drive, Error, Rest, Session};
+use client::{Axis, AxisStatus, Drive, Error, Released, Rest, Session};
 
 use super::Control;
 use super::error::{End, MotionError, explained};
@@ -225,31 +225,32 @@ impl<'o> Taken<'o> {
     ) -> Result<Report, MotionError> {
         let statistics = self.axis.statistics();
         // a ramp that was under way may have ended meanwhile, by a trip for example
-        let released = self.axis.release_and_look().await;
-        let rest = *released.as_ref().unwrap_or(&Rest::Stands);
+        let Released {
+            rest,
+            closed,
+            result: released,
+        } = self.axis.release_and_look().await;
         let interrupted = matches!(result, Err(Error::Interrupted));
         let result = match (result, self.end) {
             (Err(Error::Interrupted), End::Open) => Ok(()),
             (other, _) => other,
         };
         let report = Report {
-            released: released.is_ok(),
+            released: closed,
+            rest,
             coasts: rest == Rest::Coasts,
             interrupted: interrupted && self.end != End::Open,
             frames: Frames::of(statistics),
             result: locked(&self.course).complete(found),
-            rest,
         };
-        let stopped = released.is_ok() && (result.is_ok() || interrupted);
         self.observer.report(&Event::Ended(Box::new(Ended {
             statistics,
-            rest,
             interrupted,
-            report: stopped.then(|| report.clone()),
+            report: report.clone(),
         })));
-        match result.and(released.map(|_| ())) {
+        match result.and(released) {
             Ok(()) => Ok(report),
-            Err(error) => Err(explained(error, self.end, session, drive).await),
+            Err(error) => Err(explained(error, self.end, report, session, drive).await),
         }
     }
 }

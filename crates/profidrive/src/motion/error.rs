@@ -1,5 +1,6 @@
 //! Why a motion did not go as it was to.
 
+use super::report::Report;
 use client::axis::Trouble;
 use client::status::{Cause, Diagnosis, Note, Verdict, diagnose, switched_off_beside};
 use client::{Action, Advice, Choice, Drive, Error, ErrorKind, FaultEntry, Session, WarningEntry};
@@ -48,15 +49,19 @@ pub enum MotionError {
         /// What the drive reports: faults, warnings, why it does not run.
         findings: Vec<String>,
         /// What to do about the findings.
-        next: Option<Box<Next>>,
+        next: Option<Advice>,
+        /// What the motion was like until its end: whether the axis is at rest, whether control was given back.
+        report: Box<Report>,
     },
-    /// The caller stopped it before its end; the axis is at rest.
+    /// The caller stopped it before its end.
     #[error("{drive}: stopped, {}", .end.missing())]
     Stopped {
         /// The drive.
         drive: String,
         /// How it was to end.
         end: End,
+        /// What it was like until then.
+        report: Box<Report>,
     },
     /// The speed is above the limit of the drive, which would never reach it.
     #[error("{drive}: {}", beyond(*.speed, *.limit, .by.as_deref()))]
@@ -138,15 +143,6 @@ pub enum MotionError {
     },
 }
 
-/// What to do about the state of a drive.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Next {
-    /// As its diagnosis.
-    Diagnosis(Diagnosis),
-    /// This.
-    Advice(Advice),
-}
-
 impl MotionError {
     /// The kind of the error.
     #[must_use]
@@ -156,7 +152,8 @@ impl MotionError {
             Self::Failed { error, .. } => error.kind(),
             Self::Stopped { .. } => ErrorKind::Interrupted,
             Self::AboveLimit { .. } | Self::MovedFromOutside { .. } => ErrorKind::Safety,
-            Self::Held { .. } | Self::NeedsRestart { .. } | Self::FaultsStay { .. } => ErrorKind::Refused,
+            Self::Held { .. } => ErrorKind::Refused,
+            Self::NeedsRestart { .. } | Self::FaultsStay { .. } => ErrorKind::Fault,
             Self::NoClearParameter { .. } => ErrorKind::Unsupported,
             Self::NoPpo { .. } | Self::Invalid { .. } => ErrorKind::Usage,
             Self::NotAtRest { .. } => ErrorKind::NotReached,
@@ -173,16 +170,21 @@ impl MotionError {
         }
     }
 
+    /// What the motion was like, where the axis was taken.
+    #[must_use]
+    pub fn report(&self) -> Option<&Report> {
+        match self {
+            Self::Failed { report, .. } | Self::Stopped { report, .. } => Some(report),
+            _ => None,
+        }
+    }
+
     /// What to do about it, where there is something to do. A front end puts its own words in the place of the actions.
     #[must_use]
     pub fn advice(&self) -> Option<Advice> {
         match self {
             Self::Client(error) => error.advice(),
-            Self::Failed { error, next, .. } => match next.as_deref() {
-                Some(Next::Advice(advice)) => Some(advice.clone()),
-                Some(Next::Diagnosis(diagnosis)) => diagnosis.next.clone(),
-                None => error.advice(),
-            },
+            Self::Failed { error, next, .. } => next.clone().or_else(|| error.advice()),
             Self::AboveLimit { by, .. } => {
                 let parameter = by.as_ref()?.replace(' ', "");
                 let describe = Advice::from(Action::Describe { parameter });
@@ -223,13 +225,16 @@ impl MotionError {
 pub(super) async fn explained(
     error: Error,
     end: End,
+    report: Report,
     session: &mut Session,
     drive: &mut Drive,
 ) -> MotionError {
+    let report = Box::new(report);
     if matches!(error, Error::Interrupted) {
         return MotionError::Stopped {
             drive: drive.label(),
             end,
+            report,
         };
     }
     // what the drive reported while it was still in operation is in the error already
@@ -250,7 +255,7 @@ pub(super) async fn explained(
             ..
         }
     );
-    let mut next = error.advice_for(drive).map(Next::Advice);
+    let mut next = error.advice_for(drive);
     let mut findings = Vec::new();
     let status = if read {
         let status = session.uninterrupted(async |session: &mut Session| session.status(drive).await);
@@ -270,19 +275,18 @@ pub(super) async fn explained(
         // the axis is released by now: that it has no controller is no finding
         if diagnosis.verdict == Verdict::Held && status.faults.is_empty() && !held {
             findings.push(diagnosis.sentence.clone());
-            if diagnosis.next.is_some() || !diagnosis.actions.is_empty() {
-                next = Some(Next::Diagnosis(diagnosis));
-            }
+            next = diagnosis.next.or(next);
         }
         for note in moved.into_iter().chain(beside) {
             findings.push(note.sentence);
-            next = note.next.map(Next::Advice).or(next);
+            next = note.next.or(next);
         }
     }
     MotionError::Failed {
         error: Box::new(error),
         findings,
-        next: next.map(Box::new),
+        next,
+        report,
     }
 }
 
@@ -355,6 +359,7 @@ mod tests {
         let error = MotionError::Stopped {
             drive: "akd-1".into(),
             end: End::Target,
+            report: Box::default(),
         };
         assert_eq!(error.to_string(), "akd-1: stopped, the target was not reached");
         assert_eq!(error.kind(), ErrorKind::Interrupted);

@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
 use client::axis::{Evidence, MovePlan, Strained};
-use client::{AxisStatus, FaultEntry, LossReaction, Rest, WarningEntry};
+use client::{AxisStatus, FaultEntry, LossReaction, WarningEntry};
 use profile::notation::Quantity;
 use profile::state::Mode;
 use profile::value::Reading;
@@ -146,12 +146,10 @@ pub struct TelegramChange {
 pub struct Ended {
     /// Counters of the cyclic connection; a serial line has none.
     pub statistics: Option<CyclicStatistics>,
-    /// How the axis was when control of it was given back.
-    pub rest: Rest,
     /// The caller requested a stop.
     pub interrupted: bool,
-    /// The report of a motion that came to its end, or that the caller stopped.
-    pub report: Option<Report>,
+    /// What the motion was like, whatever its end.
+    pub report: Report,
 }
 
 /// A setting of the drive with its value.

@@ -9,11 +9,12 @@ use profile::notation::{Number, ParameterReference, Quantity};
 use profile::value::{Assignment, CheckedValue, Content, Reading};
 
 use super::axis::{Taken, check_controller_loss, report_rounded, report_switch};
+use super::check::checked_axis;
 use super::error::{End, MotionError};
 use super::event::{Event, Observer, Setting, Start};
-use super::leftover::{Leftover, Note, UnreadableNote};
+use super::leftover::{Leftover, NoteFile, UnreadableNote};
 use super::limit::{self, within};
-use super::plan::{JogChange, JogPlan, checked_axis};
+use super::plan::{JogChange, JogPlan};
 use super::report::{MotionResult, Report};
 use super::{Control, SPEED_LIMIT};
 use crate::report;
@@ -172,7 +173,7 @@ pub async fn plan_jog(
     let (_, telegrams) = checked_axis(session, drive, &settings, None, observer).await?;
     let setting = session.jog_speed(drive, wanted.setpoint).await?;
     let before = session.read_one(drive, &setting.selection).await?;
-    let note = Note::of(session, drive, setting.number);
+    let note = NoteFile::of(session, drive, setting.number);
     // reported, and in a dry run nothing else
     let _ = left_over(&note, &before, observer);
     let mut speed = setting.rpm(&before).unwrap_or(0.0);
@@ -277,7 +278,11 @@ async fn with_setting(
 }
 
 /// What a killed program left, if the drive still has this value of it; reported, also where that is not known.
-fn left_over(note: &Note, speed: &Reading, observer: &Observer) -> Result<Option<Leftover>, UnreadableNote> {
+fn left_over(
+    note: &NoteFile,
+    speed: &Reading,
+    observer: &Observer,
+) -> Result<Option<Leftover>, UnreadableNote> {
     let left = note
         .read()
         .map(|left| left.filter(|left| speed.raw() == Some(left.set)));
@@ -301,7 +306,7 @@ async fn prepared(
     let (selection, number) = (setting.selection, setting.number);
     let parameter = selection.label();
     let mut speed = session.read_one(drive, &selection).await?;
-    let note = Note::of(session, drive, number);
+    let note = NoteFile::of(session, drive, number);
     let noted = left_over(&note, &speed, observer);
     if let Ok(Some(left)) = &noted {
         let mut set = plan_speed(session, drive, number, &left.old).await?;

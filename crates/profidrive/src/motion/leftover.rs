@@ -7,7 +7,8 @@
 use std::path::PathBuf;
 
 use client::change::ChangeSet;
-use client::{Drive, Error, Session};
+use client::status::Note;
+use client::{Action, Advice, Drive, Error, Session};
 use network::files::StateFile;
 use profile::catalogue::Part;
 use profile::notation::{ParameterReference, Quantity};
@@ -39,7 +40,50 @@ pub struct UnreadableNote {
     pub cause: String,
 }
 
+impl UnreadableNote {
+    /// The same as a note of the status of its drive.
+    #[must_use]
+    pub fn note(&self) -> Note {
+        let Self { pnu, file, .. } = self;
+        let shows = Action::Read {
+            parameters: vec![pnu.to_string()],
+        };
+        Note {
+            id: "note-unreadable",
+            sentence: format!(
+                "a jog whose program was killed may have left another value in PNU {pnu}: {self}"
+            ),
+            next: Some(Advice::from(shows).and(format!(
+                " shows the value, which may have to be corrected; remove {} then",
+                file.display()
+            ))),
+        }
+    }
+}
+
 impl Leftover {
+    /// What a killed program left, as a note of the status of its drive.
+    #[must_use]
+    pub fn note(&self) -> Note {
+        let Self { pnu, old, .. } = self;
+        let put_back = Action::Write {
+            parameter: pnu.to_string(),
+            value: old.to_string().replace(' ', ""),
+        };
+        Note {
+            id: "leftover",
+            sentence: format!(
+                "PNU {pnu} still has the value of a jog whose program was killed, before it was {old}"
+            ),
+            next: Some(
+                Advice::from(put_back)
+                    .and(" puts it back, the next ")
+                    .with(Action::Jog)
+                    .and(" does it too"),
+            ),
+        }
+    }
+
     /// Of the journal of one change; `None` where nothing was sent.
     fn of(pnu: u16, set: &ChangeSet) -> Option<Self> {
         let change = set
@@ -70,13 +114,13 @@ fn briefly(parameters: &Parameters, selection: &Selection, reading: &Reading) ->
 /// Where a note of one drive and one number is; nothing is noted where there is no folder for it, and none is needed of a
 /// drive that ends with this program.
 #[derive(Debug, Clone)]
-pub(super) struct Note {
+pub(super) struct NoteFile {
     pnu: u16,
     file: Option<StateFile>,
     needed: bool,
 }
 
-impl Note {
+impl NoteFile {
     pub(super) fn of(session: &Session, drive: &Drive, pnu: u16) -> Self {
         let name = format!("{}-{}-{pnu}", drive.station.mac, drive.label());
         let plain = |c: char| {
@@ -150,7 +194,7 @@ pub async fn leftovers(
     let mut numbers: Vec<u16> = settings.map(|one| one.base.unwrap_or(one.pnu)).collect();
     numbers.dedup();
     for pnu in numbers {
-        let note = Note::of(session, drive, pnu);
+        let note = NoteFile::of(session, drive, pnu);
         let leftover = match note.read() {
             Ok(Some(leftover)) => leftover,
             Ok(None) => continue,
@@ -208,7 +252,7 @@ mod tests {
     #[test]
     fn a_note_that_is_not_readable_stays_and_says_why() {
         let folder = std::env::temp_dir().join(format!("profidrive-note-{}", std::process::id()));
-        let note = Note {
+        let note = NoteFile {
             pnu: 1004,
             file: Some(StateFile::new(folder.join("note"))),
             needed: true,
@@ -238,7 +282,7 @@ mod tests {
         let plant = "[[drive]]\nname = \"akd-1\"\nip = \"10.0.0.1/24\"";
         let mut network = crate::open_scenario(plant.parse().unwrap()).unwrap();
         let mut drive = network.find(&"akd-1".parse().unwrap()).wait().unwrap();
-        assert!(Note::of(&network, &drive, 1004).file.is_none());
+        assert!(NoteFile::of(&network, &drive, 1004).file.is_none());
         let wanted = crate::motion::Jog {
             speed: Some(90.0),
             ..crate::motion::Jog::lasting(std::time::Duration::from_secs(1))

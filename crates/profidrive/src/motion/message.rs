@@ -50,13 +50,15 @@ pub enum Message {
 }
 
 impl Message {
-    /// Returns an event as a message. `None` for one that is a remark for people, and for an end without a report: an error
-    /// follows.
+    /// Returns an event as a message. `None` for one that is a remark for people.
     #[must_use]
     pub fn of(event: &Event, wording: &dyn Wording) -> Option<Self> {
         Some(match event {
             Event::RunsOn(loss) => {
-                let advice = loss.remedy.as_ref().and_then(|action| wording.command(action));
+                let advice = loss
+                    .remedy
+                    .as_ref()
+                    .and_then(|remedy| wording.command(&remedy.action));
                 let on_loss = LossReaction::from(loss);
                 Self::RunsOn {
                     goes_on_alone: RunsOn { on_loss, advice },
@@ -71,7 +73,7 @@ impl Message {
                 time: status.time.as_secs_f64(),
                 warnings: warnings.iter().map(Warning::from).collect(),
             },
-            Event::Ended(ended) => Self::from(ended.report.clone()?),
+            Event::Ended(ended) => Self::from(ended.report.clone()),
             _ => return None,
         })
     }

@@ -58,6 +58,7 @@
 
 mod acknowledge;
 mod axis;
+mod check;
 mod error;
 mod event;
 mod jog;
@@ -77,7 +78,7 @@ use client::AxisSettings;
 use client::axis::Purpose;
 
 pub use acknowledge::{acknowledge, acknowledge_by_parameter};
-pub use error::{End, MotionError, Next};
+pub use error::{End, MotionError};
 pub use event::{Arrival, Ended, Event, Observer, Setting, Start, TelegramChange};
 pub use jog::{Jog, RealTimeJog, jog, jog_in_real_time, plan_jog, plan_jog_in_real_time};
 pub use leftover::{Leftover, UnreadableNote, leftovers};

@@ -11,9 +11,14 @@ use crate::report::{Fault, Quantity};
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Report {
-    /// Control of the axis was taken and given back. False where it was not needed: there is no fault to acknowledge, or a
-    /// parameter acknowledges it.
+    /// Control of the axis was taken and given back. False where the connection was lost, and where control was not needed:
+    /// there is no fault to acknowledge, or a parameter acknowledges it.
     pub released: bool,
+    /// How the axis was when control of it was given back: `stands`, `coasts`, `runs`, or `unknown` where the drive
+    /// reported nothing any more or was not under control.
+    #[serde(serialize_with = "by_id")]
+    #[cfg_attr(feature = "schema", schemars(with = "&'static str"))]
+    pub rest: Rest,
     /// The axis turned with its power stage off when control of it was given back.
     pub coasts: bool,
     /// The caller stopped it before its end.
@@ -23,9 +28,11 @@ pub struct Report {
     /// What came of it.
     #[serde(flatten)]
     pub result: MotionResult,
-    /// How the axis was when control of it was given back.
-    #[serde(skip)]
-    pub rest: Rest,
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "the signature is that of serde")]
+fn by_id<S: serde::Serializer>(rest: &Rest, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(rest.id())
 }
 
 /// Cyclic frames of a motion.

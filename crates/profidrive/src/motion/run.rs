@@ -9,10 +9,11 @@ use profile::state::Mode;
 use profile::telegram::Telegram;
 
 use super::axis::{Taken, check_controller_loss, report_rounded, report_switch};
+use super::check::checked_axis;
 use super::error::{End, MotionError};
 use super::event::{Event, Observer, Start};
 use super::limit::{above, too_fast, within};
-use super::plan::{RunPlan, checked_axis};
+use super::plan::RunPlan;
 use super::report::{MotionResult, Report};
 use super::{Control, FOR_EVER, SPEED_LIMIT, mode};
 use crate::report::Quantity;

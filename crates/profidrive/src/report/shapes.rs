@@ -1,7 +1,7 @@
 //! The shapes that reports share.
 
 use client::axis::SpeedUnit;
-use client::{Advice, FaultEntry, Refusal, Snapshot, WarningEntry};
+use client::{Advice, ErrorKind, FaultEntry, Refusal, Snapshot, WarningEntry};
 use dissect::words;
 use profile::catalogue::Cleared;
 use profile::model::Model;
@@ -292,9 +292,11 @@ impl Controller {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Action {
-    /// What it is: `stop`, `write`, `ack`, ..
+    /// What it is: `stop`, `write`, `acknowledge`, ..
     pub action: &'static str,
-    /// The call that does it.
+    /// What it is done with: a device, parameters, `PARAMETER=VALUE`, a choice.
+    pub arguments: Vec<String>,
+    /// The call that does it; null where it is a choice of the call that was made.
     pub command: Option<String>,
 }
 
@@ -304,8 +306,15 @@ impl Action {
     pub fn of(action: &client::Action, wording: &dyn Wording) -> Self {
         Self {
             action: action.id(),
+            arguments: action.arguments(),
             command: wording.command(action),
         }
+    }
+
+    /// Returns the actions of an advice.
+    #[must_use]
+    pub fn all(advice: &Advice, wording: &dyn Wording) -> Vec<Self> {
+        advice.actions().map(|action| Self::of(action, wording)).collect()
     }
 }
 
@@ -341,7 +350,8 @@ impl From<&client::LossReaction> for LossReaction {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Error {
-    /// `failed`, `usage`, `refused`, `unreachable`, `difference` or `safety`: one for each exit code.
+    /// What kind of error it is: `usage`, `refused`, `unreachable`, `lost`, `safety`, `fault`, `not_reached`, `partial`,
+    /// `difference`, `unsupported`, `interrupted`, `local` or `internal`.
     pub kind: &'static str,
     /// What was tried, on which drive and parameter, and what came back.
     pub message: String,
@@ -349,6 +359,28 @@ pub struct Error {
     pub details: Vec<String>,
     /// What to do.
     pub hint: Option<String>,
+    /// The actions in it.
+    pub actions: Vec<Action>,
+}
+
+impl Error {
+    /// Returns an error with the words of a front end for its advice.
+    #[must_use]
+    pub fn new(
+        kind: ErrorKind,
+        message: &str,
+        details: &[String],
+        advice: &Advice,
+        wording: &dyn Wording,
+    ) -> Self {
+        Self {
+            kind: kind.id(),
+            message: message.to_owned(),
+            details: details.to_vec(),
+            hint: (!advice.is_empty()).then(|| wording.advice(advice)),
+            actions: Action::all(advice, wording),
+        }
+    }
 }
 
 /// Returns a value of a parameter, or why it was not read.

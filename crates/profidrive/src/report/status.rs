@@ -22,7 +22,7 @@ pub struct StatusReport {
     pub sentence: String,
     /// What to do next.
     pub next: Option<String>,
-    /// The same as actions.
+    /// The actions in it.
     pub actions: Vec<Action>,
     /// What else stands in the way.
     pub notes: Vec<StatusNote>,
@@ -86,13 +86,12 @@ pub struct StatusNote {
 }
 
 impl StatusReport {
-    /// Returns the status of a drive; `next` is the remedy in the words of the front end.
+    /// Returns the status of a drive.
     #[must_use]
     pub fn new(
         status: &DriveStatus,
         diagnosis: &Diagnosis,
         tables: Option<&Catalogue>,
-        next: Option<String>,
         wording: &dyn Wording,
     ) -> Self {
         let word =
@@ -109,12 +108,11 @@ impl StatusReport {
             verdict: diagnosis.verdict.to_string(),
             cause: diagnosis.cause.id(),
             sentence: diagnosis.sentence.clone(),
-            next,
+            next: diagnosis.next.as_ref().map(|next| wording.advice(next)),
             actions: diagnosis
-                .actions
-                .iter()
-                .map(|action| Action::of(action, wording))
-                .collect(),
+                .next
+                .as_ref()
+                .map_or_else(Vec::new, |next| Action::all(next, wording)),
             notes: notes.collect(),
             words: DriveWords::of(
                 status.profile,

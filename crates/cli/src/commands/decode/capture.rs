@@ -5,6 +5,7 @@ use std::io::stdin;
 use std::path::Path;
 use std::time::Duration;
 
+use client::ErrorKind;
 use dissect::Weight;
 use dissect::capture::{Counts, DeviceSummary, Event, StreamSummary, Walker, seconds};
 use dissect::report::DecodeReport;
@@ -15,7 +16,7 @@ use network::system::Stop;
 
 use super::painted;
 use crate::args::{Decode, Only};
-use crate::failure::{Exit, Failure};
+use crate::failure::Failure;
 use crate::output::{Output, bytes};
 
 /// Decodes a capture file, or what comes through standard input.
@@ -49,7 +50,7 @@ pub fn file(path: &Path, args: &Decode, output: &Output) -> Result<(), Failure> 
 }
 
 fn unreadable(shown: &str, error: &dyn std::fmt::Display) -> Failure {
-    Failure::new(Exit::Failed, format!("cannot read {shown}: {error}"))
+    Failure::new(ErrorKind::Local, format!("cannot read {shown}: {error}"))
 }
 
 /// Reads a whole capture for the names of its stations.
@@ -99,7 +100,7 @@ fn decode(
     let damage = damage.map(|damage| damage.to_string());
     session.end(damage.as_deref(), bar);
     match damage {
-        Some(damage) => Err(Failure::new(Exit::Failed, format!("{shown}: {damage}"))
+        Some(damage) => Err(Failure::new(ErrorKind::Local, format!("{shown}: {damage}"))
             .hint("what is printed above comes from the sound part before it")),
         None => Ok(()),
     }
@@ -108,14 +109,14 @@ fn decode(
 /// Decodes what is on the wire until Ctrl-C, or for the time of --until.
 pub fn live(interface: &str, args: &Decode, output: &Output) -> Result<(), Failure> {
     let failed = |error: network::system::Error| {
-        let failure = Failure::new(Exit::Unreachable, error.to_string());
+        let failure = Failure::new(ErrorKind::Unreachable, error.to_string());
         match error.hint() {
             Some(hint) => failure.hint(hint),
             None => failure,
         }
     };
     let stop = Stop::on_signals()
-        .map_err(|error| Failure::new(Exit::Failed, format!("cannot watch for Ctrl-C: {error}")))?;
+        .map_err(|error| Failure::new(ErrorKind::Internal, format!("cannot watch for Ctrl-C: {error}")))?;
     let mut capture = Capture::open(interface, stop.clone()).map_err(failed)?;
     output.say(&format!(
         "capturing on {interface}; Ctrl-C ends and prints the summary"

@@ -2,6 +2,7 @@
 
 mod capture;
 
+use client::ErrorKind;
 use dissect::Weight;
 use dissect::job::{Decoded, Side};
 use dissect::octets::{self, Kind, NotDecoded};
@@ -9,7 +10,7 @@ use dissect::report::DecodeReport;
 use uss::Protocol;
 
 use crate::args::{Decode, Octets, Sender};
-use crate::failure::{Exit, Failure};
+use crate::failure::Failure;
 use crate::output::{Colour, Output};
 
 /// Decodes octets, a capture file, or what is on `interface`.
@@ -60,7 +61,7 @@ fn octets(data: &[u8], args: &Decode) -> Result<Decoded, Failure> {
         })),
     };
     octets::decode(kind, data, args.model.model, from_controller, request.as_deref()).map_err(|error| {
-        let failure = Failure::new(Exit::Failed, error.to_string());
+        let failure = Failure::new(ErrorKind::Local, error.to_string());
         match error {
             NotDecoded::Job(_) if args.octets.is_none() => {
                 failure.hint("--as request or --as response says which side it is from")

@@ -8,7 +8,9 @@ use std::time::Duration;
 
 use client::axis::{Jog, Trouble};
 use client::change::Change;
-use client::{Axis, AxisSettings, Drive, DriveAddress, Enabled, Error, Session, Wait, WriteMode, describe};
+use client::{
+    Axis, AxisSettings, Drive, DriveAddress, Enabled, Error, ErrorKind, Session, Wait, WriteMode, describe,
+};
 use network::files;
 use network::pcap::Writer;
 use network::segment::Pace;
@@ -20,7 +22,7 @@ use profile::value::{Assignment, Reading, Selection};
 use virtual_drive::drive::Injection;
 
 use crate::args::Demo;
-use crate::failure::{Exit, Failure};
+use crate::failure::Failure;
 use crate::output::{Colour, Output, Shared};
 use crate::render::live::LiveView;
 use crate::render::table::Table;
@@ -130,7 +132,7 @@ fn show(args: &Demo, (session, plant): (&mut Session, &Joined), output: &Output)
         });
     }
     show.summary();
-    taps.map_err(|error| Failure::new(Exit::Failed, format!("the capture is not complete: {error}")))?;
+    taps.map_err(|error| Failure::new(ErrorKind::Local, format!("the capture is not complete: {error}")))?;
     if let Some(path) = &args.pcap {
         output.say(&format!(
             "traffic is in {}; `profidrive decode {}` says what it means",
@@ -140,7 +142,7 @@ fn show(args: &Demo, (session, plant): (&mut Session, &Joined), output: &Output)
     }
     if interrupted {
         let message = "stopped by Ctrl-C or a signal; every axis was brought to rest";
-        return Err(Failure::new(Exit::Failed, message));
+        return Err(Failure::new(ErrorKind::Interrupted, message));
     }
     match show
         .steps
@@ -148,19 +150,20 @@ fn show(args: &Demo, (session, plant): (&mut Session, &Joined), output: &Output)
         .find_map(|step| Some((step.what, step.result.as_ref().err()?)))
     {
         Some((what, reason)) => Err(Failure::new(
-            Exit::Failed,
+            ErrorKind::Internal,
             format!("the demo failed at \"{what}\": {reason}"),
         )),
-        None if show.steps.len() != PROMISES.len() => {
-            Err(Failure::new(Exit::Failed, "the demo did not do everything"))
-        }
+        None if show.steps.len() != PROMISES.len() => Err(Failure::new(
+            ErrorKind::Internal,
+            "the demo did not do everything",
+        )),
         None => Ok(()),
     }
 }
 
 /// The drives and the controller.
 fn stage(args: &Demo) -> Result<(Network, Joined), Failure> {
-    let failed = |error: &dyn std::fmt::Display| Failure::new(Exit::Failed, error.to_string());
+    let failed = |error: &dyn std::fmt::Display| Failure::new(ErrorKind::Internal, error.to_string());
     let scenario = PLANT.parse().map_err(|error| failed(&error))?;
     let mut opening = Opening::new(Access::Cyclic).in_plant(scenario);
     if let Ok(stop) = Stop::on_signals() {
@@ -181,9 +184,12 @@ fn stage(args: &Demo) -> Result<(Network, Joined), Failure> {
 
 fn capture(path: &Path) -> Result<Writer<File>, Failure> {
     let failed = |error: std::io::Error| {
-        Failure::new(Exit::Failed, format!("cannot write {}: {error}", path.display()))
+        Failure::new(
+            ErrorKind::Local,
+            format!("cannot write {}: {error}", path.display()),
+        )
     };
-    let file = files::create(path).map_err(|error| Failure::new(Exit::Failed, error.to_string()))?;
+    let file = files::create(path).map_err(|error| Failure::new(ErrorKind::Local, error.to_string()))?;
     Writer::starting_now(file, "demo").map_err(failed)
 }
 

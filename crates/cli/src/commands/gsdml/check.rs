@@ -4,11 +4,12 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
+use client::ErrorKind;
 use gsdml::{Bitmap, Gsdml, Problem, Severity};
 use profidrive::report::{GsdmlCheckReport, GsdmlProblem};
 
 use crate::args::GsdmlCheck;
-use crate::failure::{Exit, Failure};
+use crate::failure::Failure;
 use crate::output::{Colour, Output};
 use crate::render::table::clean;
 
@@ -87,7 +88,7 @@ pub fn run(args: &GsdmlCheck, output: &Output) -> Result<(), Failure> {
         format!("{errors} errors")
     };
     Err(Failure::new(
-        Exit::Difference,
+        ErrorKind::Difference,
         format!("{}: {count}; {what}", path.display()),
     ))
 }

@@ -1,11 +1,12 @@
 //! `profidrive gsdml export --model akd -o DIR`
 
+use client::ErrorKind;
 use network::files::StateFile;
 use profidrive::report::GsdmlExportReport;
 use virtual_drive::description::export::export;
 
 use crate::args::GsdmlExport;
-use crate::failure::{Exit, Failure};
+use crate::failure::Failure;
 use crate::output::Output;
 
 pub fn run(args: &GsdmlExport, output: &Output) -> Result<(), Failure> {
@@ -20,7 +21,7 @@ pub fn run(args: &GsdmlExport, output: &Output) -> Result<(), Failure> {
         let path = args.output.join(name);
         StateFile::document(&path)
             .replace(&content)
-            .map_err(|error| Failure::new(Exit::Failed, error.to_string()))?;
+            .map_err(|error| Failure::new(ErrorKind::Local, error.to_string()))?;
         if !output.json() {
             output.line(&path.display().to_string());
         }

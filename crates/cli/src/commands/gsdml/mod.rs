@@ -8,10 +8,11 @@ use std::fs::File;
 use std::io::Read as _;
 use std::path::Path;
 
+use client::ErrorKind;
 use gsdml::{Gsdml as Description, MOST_OCTETS};
 
 use crate::args::{Gsdml, GsdmlCommand};
-use crate::failure::{Exit, Failure};
+use crate::failure::Failure;
 use crate::output::Output;
 
 pub fn run(args: &Gsdml, output: &Output) -> Result<(), Failure> {
@@ -25,7 +26,10 @@ pub fn run(args: &Gsdml, output: &Output) -> Result<(), Failure> {
 /// The octets of a file, not more than a description may have.
 fn octets(path: &Path) -> Result<Vec<u8>, Failure> {
     let failed = |error: std::io::Error| {
-        Failure::new(Exit::Failed, format!("cannot read {}: {error}", path.display()))
+        Failure::new(
+            ErrorKind::Local,
+            format!("cannot read {}: {error}", path.display()),
+        )
     };
     let mut octets = Vec::new();
     // one octet more than accepted, so that a longer file is detected
@@ -41,7 +45,7 @@ pub fn read(path: &Path) -> Result<Description, Failure> {
     gsdml::parse(&octets(path)?).map_err(|problem| {
         let place = problem.position;
         Failure::new(
-            Exit::Failed,
+            ErrorKind::Local,
             format!(
                 "{}:{place}: {}",
                 path.display(),

@@ -1,6 +1,6 @@
 //! `profidrive describe`
 
-use client::{Described, Drive, Refusal, Wait};
+use client::{Action, Described, Drive, ErrorKind, Refusal, Wait};
 use profidrive::report::{
     self, DescribeReport, ParameterDescription, ReportedDescription, access, number as number_as_written,
 };
@@ -14,7 +14,7 @@ use super::{name_bits, parse_all};
 use crate::advice::Commands;
 use crate::args::{Describe, Target};
 use crate::connect::{self, Need};
-use crate::failure::{Exit, Failure};
+use crate::failure::Failure;
 use crate::output::{Colour, Output};
 use crate::render::{number, value};
 
@@ -29,8 +29,9 @@ pub fn describe(args: &Describe, target: &Target, output: &Output) -> Result<(),
             .and_then(|tables| tables.by_high(selection.pnu))
         {
             let message = format!("{} is the high half of {}", selection.label(), whole.name);
-            let hint = format!("`profidrive describe {} {}`", drive.label(), whole.name);
-            return Err(Failure::new(Exit::Failed, message).hint(hint));
+            let parameter = whole.name.to_owned();
+            let hint = Action::Describe { parameter };
+            return Err(Failure::new(ErrorKind::Unsupported, message).hint(hint));
         }
         return in_no_table(&mut session, &mut drive, &selection, output);
     };
@@ -78,8 +79,8 @@ fn in_no_table(
     session.close().wait()?;
     let Some(description) = description else {
         let message = format!("{} is in no table of the {}", selection.label(), drive.model.name);
-        return Err(Failure::new(Exit::Failed, message)
-            .hint("the drive does not describe it; `profidrive read` may read it all the same"));
+        return Err(Failure::new(ErrorKind::Unsupported, message)
+            .hint("the drive does not describe it; {read} may read it all the same"));
     };
     output.json_report(&DescribeReport {
         drive: drive.label(),

@@ -1,6 +1,6 @@
 //! `profidrive list`
 
-use client::{Drive, Wait};
+use client::{Drive, ErrorKind, Wait};
 use profidrive::report::{ListReport, ParameterDescription, number, parameter};
 use profile::catalogue::{Catalogue, Parameter};
 use profile::notation::{self, Notation, ParameterReference, Shown};
@@ -10,7 +10,7 @@ use super::{name_bits, values_table};
 use crate::advice::Commands;
 use crate::args::{List, Target};
 use crate::connect::{self, Need};
-use crate::failure::{Exit, Failure};
+use crate::failure::Failure;
 use crate::output::Output;
 use crate::render::Page;
 use crate::render::table::Table;
@@ -27,7 +27,7 @@ pub fn list(args: &List, target: &Target, output: &Output) -> Result<(), Failure
     if parameters.is_empty() {
         let text = args.filter.as_deref().unwrap_or_default();
         return Err(Failure::new(
-            Exit::Failed,
+            ErrorKind::Unsupported,
             format!("no parameter of the {} matches `{text}`", tables.model),
         ));
     }

@@ -1,5 +1,6 @@
 //! `profidrive write`
 
+use client::ErrorKind;
 use client::Wait;
 use client::change::{Change, ChangeSet, Saved, Step};
 use profidrive::report::{Controller, WriteReport};
@@ -10,7 +11,7 @@ use super::{last_failure, refused_failure};
 use crate::advice::Commands;
 use crate::args::{Target, Write};
 use crate::connect::{self, Need};
-use crate::failure::{Exit, Failure};
+use crate::failure::Failure;
 use crate::output::Output;
 use crate::render::table::{Table, clean};
 use crate::render::{number, value};
@@ -84,7 +85,7 @@ fn problem(drive: &str, change: &Change) -> Option<Failure> {
         Step::Differs => {
             let label = change.label();
             let message = format!("{drive}: {label} reads back another value than was written");
-            let failure = Failure::new(Exit::Difference, message);
+            let failure = Failure::new(ErrorKind::Difference, message);
             Some(failure.hint("the drive may round, limit or change it by itself; read it again"))
         }
         _ => None,

@@ -1,10 +1,11 @@
 //! The device description that simulated drives have towards others.
 
+use client::ErrorKind;
 use plant::Scenario;
 use plant::host::{DescriptionError, ForeignDescription};
 
 use crate::args::Simulate;
-use crate::failure::{Exit, Failure};
+use crate::failure::Failure;
 use crate::output::Output;
 use crate::render::table::clean;
 
@@ -50,7 +51,7 @@ fn failure(name: &str, error: &DescriptionError) -> Failure {
     match error {
         DescriptionError::NotInScenario(vendor) => {
             let message = format!("{name} is of vendor 0x{vendor:04X}; no drive of the scenario is");
-            Failure::new(Exit::Failed, message)
+            Failure::new(ErrorKind::Local, message)
         }
         DescriptionError::NoModel {
             vendor,
@@ -60,7 +61,7 @@ fn failure(name: &str, error: &DescriptionError) -> Failure {
             clean(vendor_name)
         ))
         .hint("--model akd|vlt|vacon says what the drive is inside; to others it is that of the file"),
-        _ => Failure::new(Exit::Failed, format!("{name}: {}", clean(&error.to_string()))).hint(format!(
+        _ => Failure::new(ErrorKind::Local, format!("{name}: {}", clean(&error.to_string()))).hint(format!(
             "`profidrive gsdml show {name}` shows access points and modules"
         )),
     }

@@ -1,17 +1,18 @@
 //! Why a simulation failed, in the words of the command line.
 
+use client::ErrorKind;
 use network::system::LockError;
 use plant::ScenarioFileError;
 use plant::host::{FleetError, HostError};
 use profidrive::addressing::check_station_name;
 
-use crate::failure::{Exit, Failure};
+use crate::failure::Failure;
 
 impl From<ScenarioFileError> for Failure {
     fn from(error: ScenarioFileError) -> Self {
         let exit = match error {
-            ScenarioFileError::Scenario { .. } => Exit::Usage,
-            _ => Exit::Failed,
+            ScenarioFileError::Scenario { .. } => ErrorKind::Usage,
+            _ => ErrorKind::Local,
         };
         Self::new(exit, error.to_string())
     }
@@ -25,15 +26,15 @@ impl From<HostError> for Failure {
             HostError::Serial(error) => error.into(),
             HostError::Fleet(error) => error.into(),
             HostError::LineAddress { .. } => Self::usage(text),
-            HostError::MacInUse { .. } => Self::new(Exit::Failed, text)
+            HostError::MacInUse { .. } => Self::new(ErrorKind::Local, text)
                 .hint("does the same simulation run already? Another --name or --mac makes another drive"),
             HostError::StateFolder(error) => {
-                Self::new(Exit::Failed, format!("--state: {text}")).hint(match error {
+                Self::new(ErrorKind::Local, format!("--state: {text}")).hint(match error {
                     LockError::Held { .. } => "end that simulation, or give each its own folder",
                     LockError::File(_) => "choose a folder that can be written to",
                 })
             }
-            _ => Self::new(Exit::Failed, text),
+            _ => Self::new(ErrorKind::Local, text),
         }
     }
 }
@@ -81,11 +82,11 @@ mod tests {
             time: Duration::from_millis(3),
             nearest: vec![2, 4],
         });
-        assert_eq!(failure.exit, Exit::Usage);
+        assert_eq!(failure.kind, ErrorKind::Usage);
         assert_eq!(
             failure.message,
             "--min-cycle: an update time of 3 ms does not exist"
         );
-        assert!(failure.hint.unwrap().starts_with("nearest: 2 ms and 4 ms;"));
+        assert!(failure.hint.to_string().starts_with("nearest: 2 ms and 4 ms;"));
     }
 }

@@ -9,6 +9,7 @@ use std::net::SocketAddr;
 use std::path::Path;
 use std::time::Duration;
 
+use client::ErrorKind;
 use client::LineAddress;
 use network::system::Stop;
 use plant::Scenario;
@@ -21,7 +22,7 @@ use virtual_drive::model::{self, Model as DriveModel};
 
 use crate::args::{DcpInOperation, Interface, Protocol, Simulate};
 use crate::connect;
-use crate::failure::{Exit, Failure};
+use crate::failure::Failure;
 use crate::output::Output;
 
 use report::Printer;
@@ -63,7 +64,7 @@ pub fn run(args: &Simulate, on: &Interface, output: &Output) -> Result<(), Failu
 
 fn metrics(address: SocketAddr) -> Result<MetricsServer, Failure> {
     MetricsServer::open(address).map_err(|error| {
-        Failure::new(Exit::Failed, format!("--metrics {address}: {error}"))
+        Failure::new(ErrorKind::Local, format!("--metrics {address}: {error}"))
             .hint("give an address of this computer and a free port, for example 127.0.0.1:9464")
     })
 }
@@ -143,5 +144,5 @@ fn state(folder: &Path) -> StatePlace {
 
 fn stop() -> Result<Stop, Failure> {
     Stop::on_signals()
-        .map_err(|error| Failure::new(Exit::Failed, format!("cannot watch for Ctrl-C: {error}")))
+        .map_err(|error| Failure::new(ErrorKind::Internal, format!("cannot watch for Ctrl-C: {error}")))
 }

@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::time::Duration;
 
+use client::ErrorKind;
 use network::files::create;
 use network::pcap::Writer;
 use network::system::{Stop, now};
@@ -10,7 +11,7 @@ use plant::{Entry, Scenario, World};
 use profidrive::report::{SimulationEvent, SimulationReport};
 use profinet::Instant;
 
-use crate::failure::{Exit, Failure};
+use crate::failure::Failure;
 use crate::output::Output;
 
 /// Virtual time between two looks at the stop flag.
@@ -26,12 +27,13 @@ pub fn run(
         return Err(Failure::usage("how long? Virtual time has no end of its own")
             .hint("give `duration` in the scenario, or --for TIME"));
     };
-    let failed =
-        |what: &str, error: &dyn std::fmt::Display| Failure::new(Exit::Failed, format!("{what}: {error}"));
+    let failed = |what: &str, error: &dyn std::fmt::Display| {
+        Failure::new(ErrorKind::Local, format!("{what}: {error}"))
+    };
     let mut world = World::new(scenario).map_err(|error| failed("the scenario cannot start", &error))?;
     if let Some(path) = pcap {
         let name = path.display().to_string();
-        let file = create(path).map_err(|error| Failure::new(Exit::Failed, error.to_string()))?;
+        let file = create(path).map_err(|error| Failure::new(ErrorKind::Local, error.to_string()))?;
         let writer = Writer::new(file, "scenario", Duration::ZERO).map_err(|error| failed(&name, &error))?;
         world.add_tap(Box::new(writer));
     }

@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use profile::value::Reading;
 
-use super::{Axis, AxisStatus, Rest};
+use super::{Axis, AxisStatus, Released, Rest};
 use crate::axis::{Goal, Progress, Seen, SpeedScale, Trouble};
 use crate::client::AxisView;
 use crate::engine::{At, at};
@@ -40,7 +40,7 @@ struct Open {
     stop: Duration,
     /// The trouble that was returned to the owner since its last command.
     returned: Option<Trouble>,
-    result: Option<Result<Rest, Error>>,
+    result: Option<Released>,
 }
 
 impl Ending {
@@ -74,7 +74,7 @@ impl Ending {
         self.open().returned = trouble;
     }
 
-    pub(super) fn take_result(&self) -> Option<Result<Rest, Error>> {
+    pub(super) fn take_result(&self) -> Option<Released> {
         self.open().result.take()
     }
 
@@ -166,7 +166,7 @@ impl Closer {
         self.ending.done.store(true, Ordering::Release);
     }
 
-    async fn shut_down(&mut self) -> Result<Rest, Error> {
+    async fn shut_down(&mut self) -> Released {
         // where the network is left, the owner may still be at work in another thread
         self.ending.report();
         self.session.client().only_stop(self.link);
@@ -175,11 +175,14 @@ impl Closer {
         }
         let connection = self.session.connection(self.link);
         let running = connection == Connection::Running;
-        let rest = match self.lost(connection) {
+        let (rest, stopped) = match self.lost(connection) {
             // standstill was not seen, so this is not the end of a stop
-            Some(error) => Err(error),
-            None if running => self.bring_to_rest().await,
-            None => Ok(Rest::default()),
+            Some(error) => (Rest::Unknown, Err(error)),
+            None if running => {
+                let stopped = self.bring_to_rest().await;
+                (self.rest(), stopped)
+            }
+            None => (Rest::Unknown, Ok(())),
         };
         let released = {
             // a request of another caller on this connection gets its answer first
@@ -188,12 +191,23 @@ impl Closer {
             let _turn = engine.turn_at(&self.drive, true, Some(due)).await;
             self.session.release(self.link).await
         };
-        let rest = rest?;
-        released?;
-        if running {
-            self.session.put_values_back(&mut self.drive, &self.kept).await?;
+        let closed = released.is_ok();
+        let mut result = stopped.and(released);
+        if running && result.is_ok() {
+            result = self.session.put_values_back(&mut self.drive, &self.kept).await;
         }
-        Ok(rest)
+        Released { rest, closed, result }
+    }
+
+    /// How the axis is by the last data of its drive. The power stage is off by now, so a pulling load is visible. An axis
+    /// that this client never enabled was already coasting.
+    fn rest(&self) -> Rest {
+        match self.view() {
+            None => Rest::Unknown,
+            Some(view) if !view.turns => Rest::Stands,
+            Some(view) if view.seen.is_some_and(Seen::pulses_off) => Rest::Coasts,
+            Some(_) => Rest::Runs,
+        }
     }
 
     /// A silent drive on a line may still receive, and may run on without a time-out. It is sent the stop for a while,
@@ -208,7 +222,7 @@ impl Closer {
         }
     }
 
-    async fn bring_to_rest(&mut self) -> Result<Rest, Error> {
+    async fn bring_to_rest(&mut self) -> Result<(), Error> {
         let control_taken = self.view().is_some_and(|view| view.goal != Goal::Released);
         let stopped = if control_taken {
             self.ramp_down().await
@@ -233,18 +247,10 @@ impl Closer {
         if self.quick && !self.session.has_hurried() {
             return Err(self.trouble(Trouble::QuickStopUsed));
         }
-        // the power stage is off by now, so a pulling load becomes visible. An axis that this client never enabled was
-        // already coasting
-        let view = self.view();
-        let rest = match view.filter(|view| view.turns) {
-            None => Rest::Stands,
-            Some(view) if view.seen.is_some_and(Seen::pulses_off) => Rest::Coasts,
-            Some(_) => Rest::Runs,
-        };
-        if view.is_some_and(|view| view.operated) && rest != Rest::Stands {
+        if self.view().is_some_and(|view| view.operated && view.turns) {
             return Err(self.trouble(Trouble::StillTurns));
         }
-        Ok(rest)
+        Ok(())
     }
 
     /// OFF1, and whatever it takes until the pulses are off or the control gives up.
@@ -318,14 +324,11 @@ impl Axis {
     /// # Errors
     /// When the axis does not come to a standstill or the connection is lost; it is closed all the same.
     pub async fn release(self) -> Result<(), Error> {
-        self.release_and_look().await.map(|_| ())
+        self.release_and_look().await.result
     }
 
-    /// The same; returns how the axis was when control was given back.
-    ///
-    /// # Errors
-    /// As [`release`](Self::release).
-    pub async fn release_and_look(mut self) -> Result<Rest, Error> {
+    /// The same; returns how the axis was when control was given back, also where something went wrong on the way.
+    pub async fn release_and_look(mut self) -> Released {
         let _meanwhile = self.session.unstoppable();
         self.ending.report();
         loop {
@@ -343,7 +346,11 @@ impl Axis {
             if let Err(error) = self.session.look_again().await
                 && error.is_final()
             {
-                return Err(error);
+                return Released {
+                    rest: Rest::Unknown,
+                    closed: false,
+                    result: Err(error),
+                };
             }
         }
     }
