@@ -148,7 +148,7 @@ impl Kind {
 pub struct NotExplained {
     /// What is wrong.
     pub message: String,
-    /// What to write instead, where the message does not say it.
+    /// Valid spelling, where the message does not contain it.
     pub hint: Option<&'static str>,
 }
 

@@ -1,4 +1,4 @@
-//! Octets without their frame: what they are, and what they say.
+//! Decodes octets without their frame: type and contents.
 
 use profile::model::Model;
 use uss::Protocol;
@@ -46,7 +46,7 @@ pub enum NotDecoded {
 /// ```
 ///
 /// # Errors
-/// When the octets are no such thing.
+/// When the octets are not valid for this type.
 pub fn decode(
     kind: Kind,
     octets: &[u8],

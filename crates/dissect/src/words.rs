@@ -1,4 +1,4 @@
-//! Control and status words, states: what the bits say to a person.
+//! Control and status words, states: bits as readable text.
 
 use profile::state::bits::{self, Bit};
 use profile::state::{
@@ -25,7 +25,7 @@ pub fn bracketed(texts: &[String]) -> String {
     }
 }
 
-/// Returns the same without the brackets; empty when no bit says anything.
+/// Returns the same without the brackets; empty when no bit has a text.
 pub fn joined(texts: &[String]) -> String {
     let comma = texts.iter().any(|text| text.contains(", "));
     texts.join(if comma { "; " } else { ", " })

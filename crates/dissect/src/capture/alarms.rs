@@ -19,7 +19,7 @@ use crate::Weight;
 const TOPIC: &str = "alarm";
 /// Time for the acknowledgement of an alarm, longer than any controller takes.
 const ACK_TIMEOUT: Duration = Duration::from_secs(5);
-/// Most pairs of stations whose last PDU is remembered.
+/// Most pairs of stations whose last PDU is stored.
 const MAX_PAIRS: usize = 4096;
 
 /// Device, controller, and what an acknowledgement repeats of its alarm.

@@ -61,7 +61,7 @@ pub struct Scene<'a> {
 }
 
 impl Calls {
-    /// RPC packets seen.
+    /// RPC packets received.
     pub const fn seen(&self) -> u64 {
         self.seen
     }
@@ -194,7 +194,7 @@ fn requested<'c>(
     call
 }
 
-/// Returns the call of a packet, which lives on for a while.
+/// Returns the call of a packet; the call stays stored for a limited time.
 fn entry<'c>(open: &'c mut Pending<Key, Call>, key: Key, sink: &Sink<'_>) -> &'c mut Call {
     open.renew(key, sink.at + OVER)
 }

@@ -31,7 +31,7 @@ const GONE: Duration = Duration::from_secs(10);
 const PROFIDRIVE: u32 = 0x3A00;
 /// Frames after which a connection that began before the capture is described: its cycle is known then.
 const DESCRIBE_AFTER: u64 = 3;
-/// How often streams are looked at that may have fallen silent.
+/// Interval of the check for streams that have stopped.
 const LOOK: Duration = Duration::from_millis(20);
 /// Least time between two reports of lost frames of a stream.
 const REPORT: Duration = Duration::from_secs(1);
@@ -139,7 +139,7 @@ impl CyclicArs {
         self.streams.retain(|stream| stream.ar != ar);
     }
 
-    /// Remembers the cyclic data of a connect that was accepted.
+    /// Stores the cyclic data of an accepted connect.
     pub fn open(&mut self, asked: &Asked, response: &ConnectResponse, device: Ipv4Addr, drive: &JobDrive) {
         let Some(ar) = &asked.ar else { return };
         self.announced.retain(|stream| stream.ar != ar.ar_uuid);
@@ -369,7 +369,7 @@ impl CyclicArs {
         self.devices.get(&mac).copied().unwrap_or_default()
     }
 
-    /// Forgets what was measured, not the connections.
+    /// Resets the measurements and keeps the connections.
     pub fn restart(&mut self) {
         for track in self.tracks.values_mut() {
             track.timing.reset();

@@ -20,7 +20,7 @@ const TOPIC: &str = "DCP";
 const TIMEOUT: Duration = Duration::from_secs(1);
 /// Unit of the ResponseDelayFactor.
 const DELAY: Duration = Duration::from_millis(10);
-/// Maximum number of unanswered Identify requests remembered.
+/// Maximum number of unanswered stored Identify requests.
 const MAX_SILENT: usize = 1024;
 
 /// Requester, transaction and, unless multicast, the station.
@@ -134,7 +134,7 @@ impl Services {
         }
     }
 
-    /// Remembers a request until it is answered.
+    /// Stores a request until it is answered.
     fn asked(
         &mut self,
         frame: &Frame<'_>,
@@ -327,7 +327,7 @@ fn detail(service: &'static str, pdu: &Pdu<'_>) -> Dcp {
     }
 }
 
-/// Takes what a block says into the numbers of a service.
+/// Adds the value of a block to the description of a service.
 fn note_value(detail: &mut Dcp, value: &Value<'_>) {
     match value {
         Value::Name(name) => detail.name = Some(String::from_utf8_lossy(name).into_owned()),

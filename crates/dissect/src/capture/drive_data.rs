@@ -12,7 +12,7 @@ use crate::hex16;
 use crate::job::JobDrive;
 use crate::job::telegram::Half;
 
-/// A speed that so many frames have said stays.
+/// Number of frames with the same speed after which the speed counts as settled.
 const SETTLED: u32 = 3;
 
 /// Where a telegram is, and what it was.

@@ -8,21 +8,21 @@ use profinet::wire::Uuid;
 
 use crate::job::JobDrive;
 
-/// Maximum number of drives whose identity is remembered.
+/// Maximum number of drives whose identity is stored.
 const MAX_DRIVES: usize = 1024;
 
 /// The drives of a capture.
 #[derive(Debug, Default)]
 pub struct Drives {
     known: HashMap<Ipv4Addr, JobDrive>,
-    /// What a drive is taken for that does not say what it is.
+    /// Model assumed for a drive whose capture does not identify it.
     model: Option<Model>,
-    /// Stands for all those there is no room for: knows nothing.
+    /// Entry without data, shared by all drives beyond the maximum.
     other: JobDrive,
 }
 
 impl Drives {
-    /// Drives that do not say what they are, are taken for this model.
+    /// Model assumed for drives that the capture does not identify.
     pub fn new(model: Option<Model>) -> Self {
         Self {
             model,
@@ -41,14 +41,14 @@ impl Drives {
         self.known.entry(ip).or_insert_with(fresh)
     }
 
-    /// Learns from the object of a call which vendor and device use an address.
+    /// Records from the object of a call which vendor and device use an address.
     pub fn called(&mut self, ip: Ipv4Addr, object: &Uuid) {
         if let Some(reported) = JobDrive::of_object(object) {
             self.take(ip, reported);
         }
     }
 
-    /// Learns address, vendor and device of a station.
+    /// Records address, vendor and device of a station.
     pub fn discovered(&mut self, ip: Ipv4Addr, vendor: u16, device: u16) {
         if !ip.is_unspecified() && vendor != 0 {
             self.take(ip, JobDrive::of(vendor, device));

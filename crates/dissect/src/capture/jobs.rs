@@ -17,7 +17,7 @@ use crate::job::{self, Decoded, JobDrive};
 /// Time for the answer to a request: clients read it again and again for some 10 s.
 const TIMEOUT: Duration = Duration::from_secs(10);
 
-/// Longest request that is remembered for its answer; those of drives have 240 octets.
+/// Longest request stored for its response. Requests of drives have 240 octets.
 const MAX_REQUEST: usize = 4096;
 
 /// Returns true for the records that carry parameter jobs.

@@ -10,7 +10,7 @@ use super::drives::Drives;
 use super::event::{Detail, Party, Sink, Trouble};
 use crate::Weight;
 
-/// Most stations remembered; a capture of a whole plant has some hundreds.
+/// Maximum number of stored stations; a capture of a whole plant has some hundreds.
 const MAX_STATIONS: usize = 8192;
 /// A station that was seen with a name this long ago may have been replaced since.
 const RECENT: Duration = Duration::from_secs(10);
@@ -21,9 +21,9 @@ pub struct Names {
     pub drives: Drives,
     by_mac: HashMap<MacAddress, String>,
     by_ip: HashMap<Ipv4Addr, String>,
-    /// Who was seen last with a name.
+    /// Last user of a name.
     holders: HashMap<String, (MacAddress, Duration)>,
-    /// Who was seen last with an address.
+    /// Last user of an address.
     owners: HashMap<Ipv4Addr, (MacAddress, Duration)>,
     /// Names and addresses of which a conflict was reported, with the two.
     reported: HashSet<(String, MacAddress, MacAddress)>,
@@ -73,13 +73,13 @@ impl Names {
         by_mac || by_ip || (party.mac.is_some() && wanted.parse::<Ipv4Addr>().is_ok() && owns())
     }
 
-    /// Returns the address that a station was seen with last.
+    /// Returns the last address of a station.
     pub fn ip_of(&self, mac: MacAddress) -> Option<Ipv4Addr> {
         let mut owners = self.owners.iter();
         owners.find(|(_, (owner, _))| *owner == mac).map(|(ip, _)| *ip)
     }
 
-    /// Remembers the name and the address that a station reports of itself. Reports another station that has one of
+    /// Records the name and the address that a station reports of itself. Reports another station that has one of
     /// them too.
     pub fn seen(&mut self, mac: MacAddress, ip: Option<Ipv4Addr>, name: Option<&[u8]>, sink: &mut Sink<'_>) {
         if let Some(ip) = ip.filter(|ip| !ip.is_unspecified()) {
@@ -115,7 +115,7 @@ impl Names {
         }
     }
 
-    /// Remembers the IP address that a station uses. Reports another station that uses it.
+    /// Records the IP address that a station uses. Reports another station that uses it.
     pub fn seen_at(&mut self, mac: MacAddress, ip: Ipv4Addr, sink: &mut Sink<'_>) {
         let before = claim(&mut self.owners, ip, mac, sink.at);
         let Some((other, ago)) = before else { return };
@@ -164,7 +164,7 @@ impl Names {
     }
 }
 
-/// Remembers who uses something, and returns another station that did, with how long ago.
+/// Records the user of a name or address. Returns another station that used it, and how long ago.
 fn claim<K: std::hash::Hash + Eq>(
     holders: &mut HashMap<K, (MacAddress, Duration)>,
     what: K,

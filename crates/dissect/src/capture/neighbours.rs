@@ -10,7 +10,7 @@ use super::event::{Detail, Neighbour, Sink};
 use super::names::Names;
 use crate::Weight;
 
-/// Most senders remembered; what others say is reported each time.
+/// Maximum number of stored senders; frames of further senders are reported each time.
 const MAX_SENDERS: usize = 4096;
 
 /// The last announcement of each sender: reported once, since it is repeated every few seconds.

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, HashMap};
 use std::hash::Hash;
 use std::time::Duration;
 
-/// Most entries; beyond them the one that would be given up next is forgotten.
+/// Maximum number of entries; a further one replaces the entry that expires next.
 const MAX: usize = 1024;
 
 /// What waited for a shorter time when the capture ended is not reported: its answer may have come right after.

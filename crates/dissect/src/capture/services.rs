@@ -1,4 +1,4 @@
-//! What the services of context management ask and answer: connects, records, control, release.
+//! Requests and responses of the context management services: connects, records, control, release.
 
 use std::net::Ipv4Addr;
 
@@ -17,7 +17,7 @@ use super::udp::Datagram;
 use super::{connect, contents, diff, records};
 use crate::Weight;
 
-/// What an answer needs to know of its request.
+/// Data of a request needed to decode its response.
 #[derive(Debug, Default)]
 pub enum Context {
     #[default]
@@ -209,7 +209,7 @@ fn note_write(at: Ipv4Addr, write: &WriteRequest, data: &[u8], scene: &mut Scene
     sink.report(Weight::Normal, "record", text, Detail::Record(detail));
 }
 
-/// Reports an answer. `asked` is the frame of its request.
+/// Reports a response. `asked` is the frame number of its request.
 pub fn response(
     header: &Header,
     body: &[u8],
@@ -270,7 +270,7 @@ pub fn response(
         Context::Release(drive, ar) if ndr.status.is_ok() => scene.ars.close(drive, ar),
         Context::Release(..) => refused_connect("release", ndr.status, sink),
         Context::Control(what) if !ndr.status.is_ok() => refused_connect(what, ndr.status, sink),
-        // an answer without its request: its status is all that it says
+        // a response without its request contains only a status
         Context::None if !ndr.status.is_ok() => {
             refused_connect(operation_name(header), ndr.status, sink);
         }

@@ -104,7 +104,7 @@ impl Timing {
         self.last = None;
     }
 
-    /// Forgets what was measured, not the connection.
+    /// Resets the measurements and keeps the connection.
     pub fn reset(&mut self) {
         *self = Self {
             cycle: self.cycle,

@@ -14,24 +14,24 @@ use profile::value::{Interpretation, Parameters, Reading, Selection, take_scale}
 use profinet::wire::Uuid;
 use uss::Protocol;
 
-/// Words of one direction that are remembered.
+/// Maximum number of stored words of one direction.
 const MOST_WORDS: usize = 16;
 
-/// The drive that receives or answers a job. It learns from the values read and written. Unknown values are assumed as
+/// The drive that receives or answers a job. Values read and written update its scaling. Unknown values are assumed as
 /// delivered and reported as assumed.
 #[derive(Debug, Clone)]
 pub struct JobDrive {
     model: Model,
     parameters: Parameters,
-    /// Scales whose value was seen.
+    /// Scales whose value is in the capture.
     known: Vec<Scale>,
-    /// PNU 930, once it was seen.
+    /// PNU 930, if captured.
     operating_mode: Option<i64>,
-    /// The telegram that PNU 922 names, once it was seen.
+    /// The telegram that PNU 922 names, if captured.
     selected: Option<&'static Telegram>,
     /// Words of PNU 915 that were seen, with their subindex: what a free telegram carries instead of what is delivered.
     mapped: Vec<(u16, u16)>,
-    /// What the parameter that chooses the vendor's own control word has, once it was seen.
+    /// Value of the parameter that selects the vendor's own control word, if captured.
     chosen: Option<i64>,
     /// The model was not given.
     assumed: bool,
@@ -140,7 +140,7 @@ impl JobDrive {
         self.model.dialect.error_names
     }
 
-    /// Returns the mode it is in, as far as it was seen.
+    /// Returns the operating mode, if captured.
     pub fn mode(&self) -> Mode {
         self.mode_in(None)
     }
@@ -396,14 +396,14 @@ impl JobDrive {
         })
     }
 
-    /// Learns from a value that was read or written how other values are scaled.
+    /// Updates the scaling of other values from a value that was read or written.
     pub fn learn(&mut self, address: ParameterAddress, block: &ValueBlock<'_>) {
         for reading in self.readings(Some(address), block) {
             self.learn_from(&reading);
         }
     }
 
-    /// Learns from a reading how other values are scaled.
+    /// Updates the scaling of other values from a reading.
     pub fn learn_from(&mut self, reading: &Reading) {
         if reading.pnu == pnu::OPERATING_MODE {
             self.operating_mode = reading.raw();

@@ -1,4 +1,4 @@
-//! Parameter jobs in words: what a request asks, what a response answers.
+//! Parameter jobs as text: contents of requests and responses.
 
 mod description;
 mod drive;
@@ -72,7 +72,7 @@ pub struct Decoded {
 /// Decodes one job; guesses its direction when `side` is not given.
 ///
 /// # Errors
-/// When the octets are no such job.
+/// When the octets are not a valid job.
 pub fn decode(
     drive: &mut JobDrive,
     data: &[u8],
@@ -300,7 +300,7 @@ fn decode_request(drive: &JobDrive, data: &[u8]) -> Result<Decoded, String> {
         these.map(|one| (Weight::Error, format!("  not allowed ({name}): {one}")))
     };
     lines.extend(objected(None));
-    // a drive that refuses it has said so above
+    // a refusal by the drive was handled above
     let reserved = reference == 0 && drive.dialect().bad_reference.is_none();
     let warnings: Vec<&str> = reserved
         .then_some("reference 0 is reserved")

@@ -218,7 +218,7 @@ pub fn answers(dialect: &PkwDialect, request: Pkw, reply: Pkw) -> bool {
     info.replies.contains(&code) && number(reply) == number(request) && reply.ind == request.ind
 }
 
-/// Returns the value that a reply carries, to learn scalings from it.
+/// Returns the value that a reply carries, from which scalings are derived.
 pub fn reading(drive: &JobDrive, dialect: &PkwDialect, pkw: Pkw) -> Option<Reading> {
     let width = pkw.reply_code().info().width?;
     let address = address(dialect, pkw)?;
@@ -392,7 +392,7 @@ mod tests {
             ([0x31, 0x55, 0, 0, 0, 0, 0x01, 0xF4], None),
             ([0x20, 0x01, 0, 0, 0, 0, 0, 1], None),
             ([0x11, 0x55, 0, 0, 0, 0, 0, 0], None),
-            // a reading, and the second element of what is no array
+            // a reading, and the second element of a parameter without elements
             ([0x26, 0x51, 0, 0, 0, 0, 0, 1], Some("1 ")),
             ([0x11, 0x55, 0, 2, 0, 0, 0, 0], Some("4 ")),
             // a drive can have more than the tables

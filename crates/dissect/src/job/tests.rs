@@ -1,4 +1,4 @@
-//! Worked examples, what is learned from a job, and nonsense.
+//! Tests with worked examples, with scalings derived from jobs, and with invalid octets.
 
 use super::*;
 

@@ -180,7 +180,7 @@ fn address_conflicts_are_found_in_arp_and_in_dcp() {
         "{reported:?}"
     );
 
-    // what a device says of itself
+    // identification reported by a device
     let kind = (ServiceId::Identify, ServiceType::Success);
     let conflict = dcp(5, mac(PLC), FrameId::DCP_IDENTIFY_RESPONSE, kind, |pdu| {
         pdu.info(BlockInfo(0x81), &Value::Ip(suite(5)));
