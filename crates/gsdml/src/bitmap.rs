@@ -88,7 +88,7 @@ impl Bitmap {
         file
     }
 
-    /// Columns and rows of a BMP file; none when it is no such file.
+    /// Columns and rows of a BMP file; none if it is not a BMP file.
     #[must_use]
     pub fn size_of(file: &[u8]) -> Option<(u32, u32)> {
         let word = |at: usize| {

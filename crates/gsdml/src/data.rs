@@ -164,7 +164,7 @@ const TYPES: &[(&str, Option<u32>)] = &[
 /// Type of a data item.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum DataType {
-    /// One of the types this crate knows, by its name.
+    /// A supported type, by its name.
     Known(&'static str),
     /// Another one, as the file writes it; its length stands with the item.
     Other(String),

@@ -33,7 +33,7 @@ pub struct FileName {
     pub time: Option<u32>,
 }
 
-/// Why a name is not as the rule says.
+/// Reason why a file name violates the naming rule.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum FileNameError {
     /// It does not begin as it must.
@@ -191,7 +191,7 @@ mod tests {
         }
         assert_eq!(error("GSDML-V2.3-A-20140301.xml"), FileNameError::Parts);
         assert_eq!(error("GSDML-V2.3--B-20140301.xml"), FileNameError::Parts);
-        // a time that is none belongs to nothing
+        // an invalid time matches nothing
         assert!(matches!(
             error("GSDML-V2.3-A-B-20140301-250000.xml"),
             FileNameError::Date(_)

@@ -72,7 +72,7 @@ pub fn parse(octets: &[u8]) -> Result<Gsdml, Problem> {
     match (gsdml, reader.problems.list.into_iter().find(unusable)) {
         (_, Some(problem)) => Err(problem),
         (Some(gsdml), None) => Ok(gsdml),
-        // the reader says why it gives nothing; kept so that no path panics
+        // the reader reports a problem whenever it returns nothing; this case keeps every path free of panics
         (None, None) => Err(Problem {
             severity: Severity::Unusable,
             rule: Rule::Root,

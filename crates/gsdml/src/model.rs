@@ -1,4 +1,4 @@
-//! What a device description says, as types.
+//! Types for the contents of a device description.
 //!
 //! Source: GSDML of PROFIBUS & PROFINET International, schema versions 2.x. Names are those of the elements and
 //! attributes; where two versions say the same thing in two ways, the newer one.
@@ -108,11 +108,11 @@ pub struct AccessPoint {
     pub module_ident: u32,
     /// Version of PROFINET it is made for.
     pub pnio_version: Option<SchemaVersion>,
-    /// Oldest schema a reader must know to use it.
+    /// Oldest schema a reader must support to use it.
     pub required_schema: Option<SchemaVersion>,
     /// Slots it has.
     pub physical_slots: ValueList,
-    /// Slots of the access point itself; 0 where the file says nothing.
+    /// Slots of the access point itself; 0 if absent.
     pub fixed_in_slots: ValueList,
     /// Shortest update time, in steps of 31.25 us.
     pub min_device_interval: u16,
@@ -126,9 +126,9 @@ pub struct AccessPoint {
     pub address_assignment: Vec<String>,
     /// Reset modes of DCP.
     pub reset_modes: ValueList,
-    /// Connections for record access at once; none where the file says nothing.
+    /// Connections for record access at once; none if absent.
     pub device_access_ars: Option<u16>,
-    /// Longest record in octets; none where the file says nothing.
+    /// Longest record in octets; none if absent.
     pub max_record: Option<u32>,
     /// Certificate.
     pub certification: Option<Certification>,
@@ -161,7 +161,7 @@ pub struct Features {
     pub name_not_transferable: bool,
     /// `LLDP_NoD_Supported`: names its ports in the newer form.
     pub lldp_nod: bool,
-    /// `DeviceAccessSupported`: connections for record access; none where the file says nothing, which means no.
+    /// `DeviceAccessSupported`: connections for record access; none if absent, which means no.
     pub device_access: Option<bool>,
     /// `SharedDeviceSupported`.
     pub shared_device: bool,
@@ -196,7 +196,7 @@ pub struct IoLimits {
     pub input: u16,
     /// To the device.
     pub output: u16,
-    /// Both together; the sum where the file says nothing.
+    /// Both together; the sum if absent.
     pub both: Option<u16>,
 }
 
@@ -256,7 +256,7 @@ pub struct Submodule {
     pub ident: u32,
     /// Application process identifier; 0x3A00 for PROFIdrive.
     pub api: u32,
-    /// Subslots where a virtual submodule is; 1 where the file says nothing.
+    /// Subslots where a virtual submodule is; 1 if absent.
     pub fixed_in_subslots: ValueList,
     /// `MayIssueProcessAlarm`.
     pub process_alarms: bool,
@@ -295,11 +295,11 @@ pub struct Interface {
     pub dcp_boundary: bool,
     /// Controllers at once.
     pub ars: u16,
-    /// Start-up modes: `Legacy`, `Advanced`; `Legacy` where the file says nothing.
+    /// Start-up modes: `Legacy`, `Advanced`; `Legacy` if absent.
     pub start_up: Vec<String>,
-    /// Send clocks in steps of 31.25 us; 32 where the file says nothing.
+    /// Send clocks in steps of 31.25 us; 32 if absent.
     pub send_clocks: ValueList,
-    /// Reduction ratios; 1 to 512 where the file says nothing.
+    /// Reduction ratios; 1 to 512 if absent.
     pub reduction_ratios: ValueList,
 }
 
@@ -371,7 +371,7 @@ pub struct ParameterRef {
     pub allowed: Option<String>,
     /// Whether the user may change it.
     pub changeable: bool,
-    /// Whether the user sees it.
+    /// Whether it is visible to the user.
     pub visible: bool,
     /// Value texts.
     pub values: Option<String>,

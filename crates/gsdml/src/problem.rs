@@ -50,13 +50,13 @@ impl Severity {
 pub enum Rule {
     /// The octets are not text in an encoding that is read.
     Encoding,
-    /// The text is no XML.
+    /// The text is not valid XML.
     Xml,
     /// Document types and entities are not taken.
     Entity,
     /// The file is larger, deeper or fuller than is read.
     Limit,
-    /// It is no GSDML.
+    /// It is not GSDML.
     Root,
     /// An element that must be there is not, or one is there twice or where it does not belong.
     Element,
@@ -76,7 +76,7 @@ pub enum Rule {
     Loop,
     /// Lengths do not fit each other.
     Length,
-    /// The file name is not as the rule says, or says something else than the file.
+    /// The file name violates the naming rule or contradicts the contents of the file.
     FileName,
     /// Versions do not fit each other or what is in the file.
     Version,

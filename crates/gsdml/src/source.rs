@@ -89,7 +89,7 @@ impl<'a> Source<'a> {
     }
 }
 
-/// UTF-8, or ISO-8859-1 where the declaration says so.
+/// UTF-8, or ISO-8859-1 where it is declared.
 fn decode(octets: &[u8]) -> Result<Cow<'_, str>, Problem> {
     let unusable = |rule, message| Problem {
         severity: Severity::Unusable,

@@ -48,7 +48,8 @@ impl ValueList {
         self.ranges.is_empty()
     }
 
-    /// Returns all numbers in the order they are written. A file decides how many: take only as many as are needed.
+    /// Returns all numbers in the order they are written. The file determines their count: take only as many as are
+    /// needed.
     pub fn iter(&self) -> impl Iterator<Item = u32> + '_ {
         self.ranges.iter().flat_map(|(first, last)| *first..=*last)
     }

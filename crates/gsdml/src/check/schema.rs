@@ -22,7 +22,7 @@ enum Times {
     Optional,
     /// At least once.
     Several,
-    /// As often as wanted.
+    /// Any number of times.
     Any,
 }
 
@@ -301,7 +301,7 @@ const PASSED_OVER: &[&str] = &[
     "UnitDiagTypeList",
 ];
 
-/// Checks every element the table knows.
+/// Checks every element that the table contains.
 pub(super) fn check(reader: &mut Reader<'_>, root: Node<'_, '_>) {
     for node in root.descendants().filter(Node::is_element) {
         let name = node.tag_name().name();

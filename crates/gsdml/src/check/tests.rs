@@ -474,7 +474,7 @@ fn a_file_that_is_not_gsdml_is_rejected() {
     }
 }
 
-/// Everything that could take the square of the file's size, at the size where that would be seen.
+/// Everything that could take the square of the file's size, at a size where that is measurable.
 #[test]
 fn large_files_take_time_in_proportion() {
     let many = 40_000;

@@ -99,7 +99,7 @@ impl Reader<'_> {
         }
     }
 
-    /// Yes or no; no where the file says nothing.
+    /// Reads a boolean; false if absent.
     pub(super) fn flag(&mut self, node: Node<'_, '_>, name: &str) -> bool {
         self.flag_or(node, name, false)
     }

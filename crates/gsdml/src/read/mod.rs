@@ -90,7 +90,7 @@ impl<'s> Reader<'s> {
         }
     }
 
-    /// Remembers a problem at an octet. Its place is looked for only when it is kept: that takes time.
+    /// Records a problem at an octet. Line and column are only computed for recorded problems, as this takes time.
     pub fn problem(&mut self, severity: Severity, rule: Rule, at: usize, message: impl Into<String>) {
         if self.problems.wants(severity) {
             self.problems.list.push(Problem {

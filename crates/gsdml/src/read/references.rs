@@ -70,7 +70,7 @@ impl Reader<'_> {
         }
     }
 
-    /// Remembers that something is named.
+    /// Records that an identifier is referenced.
     pub(super) fn name(&mut self, node: Node<'_, '_>, attribute_name: &str, kind: Kind, id: &str) {
         let at = attribute(node, attribute_name).map_or(0, |attribute| attribute.range().start);
         self.references.push(Reference {
