@@ -13,7 +13,7 @@ use beside::{unnamed, with_new_name};
 /// Largest state file that is read; anything longer is not one of ours.
 pub const MAX_STATE: u64 = 16 << 20;
 
-/// Mode of files that belong to this user alone.
+/// Mode of files only accessible to this user.
 const PRIVATE: u32 = 0o600;
 /// Mode of files that a user named: the umask decides.
 const SHARED: u32 = 0o666;
@@ -59,7 +59,7 @@ pub struct StateFile {
 }
 
 impl StateFile {
-    /// Returns the file of a program: readable by this user alone (mode 0600), and not read through a link. Nothing is
+    /// Returns the file of a program: only readable by this user (mode 0600), and not read through a link. Nothing is
     /// touched yet.
     #[must_use]
     pub fn new(path: impl Into<PathBuf>) -> Self {

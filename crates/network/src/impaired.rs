@@ -84,7 +84,7 @@ impl Lane {
 }
 
 impl<S: Station> Impaired<S> {
-    /// Creates a good cable; `seed` decides every fault by chance to come.
+    /// Creates a good cable; `seed` determines all random faults.
     #[must_use]
     pub fn new(inner: S, seed: u64) -> Self {
         Self {

@@ -1,4 +1,4 @@
-//! Whether an IPv4 address is in use, asked before it is taken (RFC 5227, 2.1).
+//! Checks whether an IPv4 address is in use before it is assigned (RFC 5227, 2.1).
 
 use std::net::Ipv4Addr;
 use std::time::Duration;

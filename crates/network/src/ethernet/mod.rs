@@ -13,7 +13,7 @@
 #[cfg(not(all(feature = "raw-ethernet", target_os = "linux")))]
 mod absent;
 #[cfg(all(feature = "raw-ethernet", target_os = "linux"))]
-#[allow(unsafe_code)] // system calls that std does not offer; each block says why it is sound
+#[allow(unsafe_code)] // system calls that std does not offer; each block states why it is sound
 mod linux;
 
 #[cfg(not(all(feature = "raw-ethernet", target_os = "linux")))]

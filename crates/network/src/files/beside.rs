@@ -100,7 +100,7 @@ pub(super) fn unnamed(folder: &Path, mode: u32) -> Option<io::Result<File>> {
     let mut options = OpenOptions::new();
     options.write(true).mode(mode).custom_flags(libc::O_TMPFILE);
     match options.open(folder) {
-        // file systems and kernels that do not know it
+        // file systems and kernels that do not support it
         Err(error)
             if matches!(
                 error.raw_os_error(),

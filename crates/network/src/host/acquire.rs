@@ -9,7 +9,7 @@ use smoltcp::wire::{ArpPacket, ArpRepr};
 use super::dhcp::Dhcp;
 use super::link_local::{Heard, LinkLocal, Step};
 
-/// For so long a DHCP server alone is waited for; ours, no source says how long an AKD waits.
+/// Time during which only DHCP is tried. Own choice: no source states how long an AKD waits.
 const DHCP_TIMEOUT: Duration = Duration::from_secs(5);
 
 /// What the stack has to do.
@@ -25,7 +25,7 @@ pub(super) enum Action {
     Use(IpSuite),
 }
 
-/// The search for an address, and the care for it once it is found.
+/// Acquires an address, then defends and renews it.
 #[derive(Debug)]
 pub(super) struct Acquire {
     mac: MacAddress,

@@ -19,7 +19,7 @@ pub(super) fn is_broadcast(suite: &IpSuite, address: Ipv4Addr) -> bool {
 /// The next station on the way to an address.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum NextHop {
-    /// Known without asking.
+    /// Known without a request.
     Mac(MacAddress),
     /// To be requested by ARP.
     Neighbour(Ipv4Addr),

@@ -34,7 +34,7 @@ pub(super) enum Step {
     GiveUp,
 }
 
-/// What a received ARP packet says.
+/// Contents of a received ARP packet.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Heard {
     /// Ethernet address of the sender.

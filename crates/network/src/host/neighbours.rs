@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use profinet::{Instant, MacAddress};
 
-/// Most neighbours remembered unless more are wanted; the one unused for longest makes room.
+/// Default maximum of stored neighbours; a further one replaces the least recently used.
 pub(super) const MAX_NEIGHBOURS: usize = 512;
 /// Most frames waiting for one neighbour; the oldest makes room.
 pub(super) const MAX_WAITING_EACH: usize = 4;
@@ -50,7 +50,7 @@ pub(super) enum Resolution {
 /// What is due at a neighbour.
 #[derive(Debug, PartialEq, Eq)]
 pub(super) enum Due {
-    /// Ask for this address.
+    /// Send an ARP request for this address.
     Request(Ipv4Addr),
     /// No answer: this many waiting frames are lost.
     GivenUp(usize),
@@ -79,12 +79,12 @@ impl Default for Neighbours {
 }
 
 impl Neighbours {
-    /// Remembers at most so many, at least [`MAX_NEIGHBOURS`].
+    /// Sets the maximum number of stored neighbours, at least [`MAX_NEIGHBOURS`].
     pub(super) fn set_limit(&mut self, limit: usize) {
         self.limit = limit.max(MAX_NEIGHBOURS);
     }
 
-    /// Forgets everything; returns how many waiting frames are lost.
+    /// Removes all neighbours. Returns the number of waiting frames that are lost.
     pub(super) fn clear(&mut self) -> usize {
         self.entries.clear();
         self.next_due = None;
@@ -119,7 +119,7 @@ impl Neighbours {
         entry.mac.map_or(Resolution::Unknown, Resolution::Known)
     }
 
-    /// Keeps `frame` until `ip` is known; returns how many frames were lost for want of room.
+    /// Keeps `frame` until `ip` is known; returns the number of frames dropped for lack of space.
     pub(super) fn wait(&mut self, ip: Ipv4Addr, frame: Vec<u8>) -> usize {
         let Some(entry) = self.entries.get_mut(&ip) else {
             return 1;

@@ -26,7 +26,7 @@ const DATAGRAM: usize = ETHERNET + IPV4 + UDP;
 const MTU: usize = 1500;
 /// Most frames of its own (ARP, echo, datagrams that waited) ready to be sent; beyond, new ones are dropped.
 const MAX_READY: usize = 128;
-/// Most local ports remembered as used by the endpoint, beside [`RPC_PORT`].
+/// Maximum number of local ports stored as used by the endpoint, beside [`RPC_PORT`].
 const MAX_PORTS: usize = 64;
 /// Announcements of a new address and the pause between them (RFC 5227, 2.3).
 const ANNOUNCEMENTS: u8 = 2;
@@ -36,9 +36,9 @@ const HOP_LIMIT: u8 = 64;
 /// What a [`Stack`] has counted since it was made.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct StackStatistics {
-    /// PROFINET and LLDP frames handed to the endpoint.
+    /// PROFINET and LLDP frames passed to the endpoint.
     pub frames: u64,
-    /// Datagrams handed to the endpoint.
+    /// Datagrams passed to the endpoint.
     pub datagrams: u64,
     /// Echo requests answered.
     pub echoes: u64,
@@ -68,7 +68,7 @@ pub struct Stack {
 }
 
 impl Stack {
-    /// Creates a stack for the station `mac`, without an IP address until it sees the endpoint's.
+    /// Creates a stack for the station `mac`, without an IP address until the endpoint has one.
     #[must_use]
     pub fn new(mac: MacAddress) -> Self {
         Self {
@@ -85,8 +85,8 @@ impl Stack {
         }
     }
 
-    /// Remembers the Ethernet addresses of so many neighbours, at least 512. A station that works with more of them at
-    /// once would request addresses again and again.
+    /// Sets how many Ethernet addresses of neighbours are stored, at least 512. A station that works with more of them
+    /// at once would request addresses again and again.
     pub fn set_neighbours(&mut self, most: usize) {
         self.neighbours.set_limit(most);
     }
@@ -103,7 +103,7 @@ impl Stack {
         self.statistics
     }
 
-    /// Takes one received frame and hands the endpoint what is for it.
+    /// Takes one received frame and passes its contents to the endpoint.
     pub fn handle_frame<E: Endpoint + ?Sized>(&mut self, now: Instant, frame: &[u8], endpoint: &mut E) {
         let Some((destination, source)) = addresses(frame) else {
             return;
@@ -253,7 +253,7 @@ impl Stack {
         self.acquire = Some(acquire);
     }
 
-    /// Takes note of a changed IP configuration: announce it, forget the neighbours.
+    /// Applies a changed IP configuration: announces it and removes the neighbours.
     fn follow(&mut self, now: Instant, suite: IpSuite) {
         if suite == self.suite {
             return;

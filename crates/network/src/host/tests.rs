@@ -23,7 +23,7 @@ struct Probe {
     frames: Vec<Vec<u8>>,
     datagrams: Vec<(SocketAddrV4, u16, Vec<u8>)>,
     outbox: Vec<(SocketAddrV4, u16, Vec<u8>)>,
-    /// A port it wants datagrams at, beside the usual ones.
+    /// A port for which it receives datagrams, beside the usual ones.
     extra: Option<u16>,
     traffic: Vec<(Traffic, Vec<u8>)>,
 }

@@ -26,7 +26,7 @@ pub struct Captured {
 /// Why a capture file cannot be read (on).
 #[derive(Debug, thiserror::Error)]
 pub enum ReadError {
-    /// The operating system said no.
+    /// The operating system reported an error.
     #[error("cannot read the capture: {0}")]
     Io(#[from] io::Error),
     /// Neither pcap nor pcapng.
@@ -221,7 +221,7 @@ impl Iterator for Reader {
     }
 }
 
-/// Takes the frame out of a block, or takes note of what the block says about the following ones.
+/// Returns the frame of a block, or stores the settings that the block has for the following ones.
 fn take(
     interfaces: &mut Vec<Interface>,
     offset: u64,
@@ -330,7 +330,7 @@ fn taken(failure: &Failure) -> Option<io::Error> {
     failure.lock().ok()?.take()
 }
 
-/// Fills the whole buffer where it can, so that the parser sees no short reads, and keeps the error.
+/// Fills the whole buffer where it can, so that the parser gets no short reads, and keeps the error.
 struct Whole<R> {
     source: R,
     failure: Failure,

@@ -105,7 +105,7 @@ impl<W: Write> Writer<W> {
         })
     }
 
-    /// Hands everything to the operating system.
+    /// Writes all buffered data to the operating system.
     ///
     /// # Errors
     /// When the file cannot be written.

@@ -30,7 +30,7 @@ pub(crate) use tap::finish_all;
 
 /// Most frames taken from one station in one turn; what is left follows a microsecond later.
 const MAX_BURST: usize = 1024;
-/// Time a station gets when it asks to be called again at once, so that time always goes on.
+/// Delay of a station that requests to be called again at once, so that time always goes on.
 const BREATH: Duration = Duration::from_micros(1);
 
 /// An endpoint that is lent for one call, with its IP part.
@@ -73,7 +73,7 @@ impl std::fmt::Debug for Segment {
 }
 
 impl Segment {
-    /// Creates an empty segment at time zero; `seed` decides every random fault to come.
+    /// Creates an empty segment at time zero; `seed` determines all random faults.
     #[must_use]
     pub fn new(seed: u64) -> Self {
         Self {
@@ -258,7 +258,7 @@ impl Segment {
             _ => false,
         };
         self.drain(port, guest);
-        // Whoever is due again at once gets a moment later: time must go on.
+        // A station due again at once is called a moment later, as virtual time must advance.
         let next = self.poll_timeout(port, guest).map(|at| at.max(self.now + BREATH));
         self.deadlines.set(port, next);
         guests

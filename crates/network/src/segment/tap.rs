@@ -1,13 +1,13 @@
-//! Whoever listens to the whole segment.
+//! Monitor ports of a segment.
 
 use std::io;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use profinet::Instant;
 
-/// A monitor port: sees every frame once, when it reaches the switch.
+/// A monitor port: receives every frame once, when it reaches the switch.
 ///
-/// [`pcap::Writer`](crate::pcap::Writer) is one. To keep a hand on it, add an `Arc<Mutex<_>>` of it.
+/// [`pcap::Writer`](crate::pcap::Writer) is one. To keep access to it, add an `Arc<Mutex<_>>` of it.
 pub trait Tap: Send {
     /// One frame, with the virtual time at which it was sent.
     fn frame(&mut self, at: Instant, frame: &[u8]);
@@ -15,7 +15,7 @@ pub trait Tap: Send {
     /// Flushes at the end and returns the first failure.
     ///
     /// # Errors
-    /// When what was seen could not be written.
+    /// When the frames could not be written.
     fn finish(&mut self) -> io::Result<()> {
         Ok(())
     }

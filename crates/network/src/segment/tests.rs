@@ -308,7 +308,7 @@ fn the_medium_steps_to_its_own_events_and_no_further() {
         assert!(medium.now() < ms(1), "no answer");
         medium.step(&mut client, ms(1)).unwrap();
     }
-    // The server's own announcement answers what ARP asks; then the datagram there and back: 10 us each.
+    // The server's own announcement answers the ARP request; then the datagram there and back: 10 us each.
     assert_eq!(
         client.datagrams,
         [(Instant::from_nanos(30_000), b"ping".to_vec())]

@@ -25,7 +25,7 @@ pub enum Error {
     Busy {
         /// The port.
         port: String,
-        /// Who, as far as the system lets it be seen.
+        /// The other processes, as far as the system shows them.
         holders: Vec<Holder>,
     },
     /// It is something else than a serial port.
@@ -39,10 +39,10 @@ pub enum Error {
     Settings {
         /// The port.
         port: String,
-        /// What the system says.
+        /// Error text of the operating system.
         reason: String,
     },
-    /// It was there and is no more: unplugged.
+    /// It no longer exists: unplugged.
     #[error("the serial port {port} went away")]
     Gone {
         /// The port.

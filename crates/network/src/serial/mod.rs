@@ -1,10 +1,10 @@
-//! A serial line: a port of the computer, opened for itself alone, and what carries octets between it and an engine.
+//! A serial line: a port of the computer, opened exclusively, and what carries octets between it and an engine.
 //!
 //! | wish | type |
 //! |---|---|
 //! | a port | [`Port`], opened with [`Settings`] |
 //! | an engine at it, asleep until something happens | [`Line`] and [`Talker`] |
-//! | an end of a line that is no port: a pseudo-terminal | [`Port::pair`] |
+//! | an end of a line that is not a port: a pseudo-terminal | [`Port::pair`] |
 
 mod error;
 #[cfg(target_os = "linux")]
@@ -38,7 +38,7 @@ fn opening(name: &str, error: serialport::Error) -> Error {
     }
 }
 
-/// An engine that speaks on a line. Rule: feed, drain, sleep until the deadline.
+/// A sans-IO engine on a serial line. Rule: feed, drain, sleep until the deadline.
 pub trait Talker {
     /// Takes octets that came.
     fn handle_octets(&mut self, now: Instant, octets: &[u8]);
@@ -59,7 +59,7 @@ pub trait Talker {
 /// use profidrive_network::serial::{Line, Port, Settings, Talker};
 /// use profinet::Instant;
 ///
-/// /// Sends back what it hears.
+/// /// Sends back what it receives.
 /// #[derive(Default)]
 /// struct Echo(Vec<u8>);
 /// impl Talker for Echo {

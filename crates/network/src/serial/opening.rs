@@ -21,7 +21,7 @@ pub fn opening(name: &str, error: serialport::Error) -> Error {
         Err(source) => Error::System { port, source },
         Ok(false) => Error::NotSerial { port },
         Ok(true) => match error.kind() {
-            // the lock of another program that does not take the port for itself alone
+            // the lock of another program that does not open the port exclusively
             serialport::ErrorKind::NoDevice => busy(port),
             serialport::ErrorKind::Io(ErrorKind::WouldBlock | ErrorKind::ResourceBusy) => busy(port),
             _ => Error::Settings {
@@ -37,7 +37,7 @@ fn busy(port: String) -> Error {
     Error::Busy { port, holders }
 }
 
-/// Returns the processes that have a port open; those of other users only root sees.
+/// Returns the processes that have a port open; those of other users are only visible to root.
 fn holders(port: &str) -> io::Result<Vec<Holder>> {
     let device = fs::canonicalize(port)?;
     let opens = |process: &Path| {
@@ -60,7 +60,7 @@ fn holders(port: &str) -> io::Result<Vec<Holder>> {
     Ok(holders)
 }
 
-/// Opens a file without waiting for a modem; says whether it is a terminal.
+/// Opens a file without waiting for a modem; returns whether it is a terminal.
 trait CustomOpen {
     fn custom_open(&mut self, name: &str) -> io::Result<bool>;
 }

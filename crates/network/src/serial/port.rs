@@ -62,7 +62,7 @@ impl Settings {
     }
 }
 
-/// An open serial port, for this program alone.
+/// An open serial port, opened exclusively.
 #[derive(Debug)]
 pub struct Port {
     name: String,

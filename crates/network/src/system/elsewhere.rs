@@ -28,13 +28,13 @@ pub fn now() -> Instant {
     Instant::ZERO + start.elapsed()
 }
 
-/// Returns nothing: the standard library does not know it.
+/// Returns nothing: not available in the standard library.
 #[must_use]
 pub const fn free_memory() -> Option<u64> {
     None
 }
 
-/// Returns nothing: the standard library does not know it.
+/// Returns nothing: not available in the standard library.
 #[must_use]
 pub const fn thread_time() -> Option<ThreadTime> {
     None

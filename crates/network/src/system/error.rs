@@ -7,7 +7,7 @@ use std::net::Ipv4Addr;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// Raw sockets need a right that the program does not have.
+    /// Raw sockets require a capability (CAP_NET_RAW) that the program does not have.
     #[error("not allowed to open a raw socket on `{interface}`")]
     NoPermission {
         /// The interface requested.
@@ -30,7 +30,7 @@ pub enum Error {
         /// Its name.
         interface: String,
     },
-    /// The interface was there and is no more.
+    /// The interface no longer exists.
     #[error("network interface `{interface}` went away")]
     InterfaceGone {
         /// Its name.

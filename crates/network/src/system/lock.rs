@@ -9,7 +9,7 @@ use crate::files::{StateFileError, sweep};
 
 /// Name of the file in the folder that is locked.
 const NAME: &str = ".lock";
-/// Most octets that are read of what the holder says of itself.
+/// Maximum number of octets read of the holder's description.
 const LONGEST: u64 = 512;
 
 /// Why a folder cannot be used.
@@ -20,7 +20,7 @@ pub enum LockError {
     Held {
         /// The folder.
         folder: PathBuf,
-        /// What the other program says of itself; foreign text.
+        /// Description by the other program; untrusted text.
         holder: String,
     },
     /// The folder or its lock cannot be made.
@@ -28,7 +28,7 @@ pub enum LockError {
     File(#[from] StateFileError),
 }
 
-/// A folder that one program uses: others that request it are refused and learn who has it. Given back when dropped,
+/// A folder that one program uses: others that request it get an error that names the holder. Given back when dropped,
 /// and by the system when the program is killed.
 #[derive(Debug)]
 pub struct FolderLock {
@@ -81,7 +81,7 @@ impl FolderLock {
                 return Err(LockError::Held { folder, holder });
             }
             let opened = file.metadata().map_err(|error| failed("lock", &path, error))?;
-            // whoever had it may have removed the file between the open and the lock
+            // the former holder may have removed the file between the open and the lock
             if !symlink_metadata(&path).is_ok_and(|found| is_same(&found, &opened)) {
                 continue;
             }

@@ -165,7 +165,7 @@ impl Common {
         }
     }
 
-    /// Hands one datagram of a socket to the endpoint; the next wait reports further ones.
+    /// Passes one datagram of a socket to the endpoint; the next wait reports further ones.
     pub fn receive(&mut self, udp: Option<&mut Ports>, index: usize, endpoint: &mut dyn Endpoint) -> bool {
         if !self.waiting.has(index) {
             return false;
@@ -178,7 +178,7 @@ impl Common {
     }
 }
 
-/// Returns the sockets of the own addresses, the server ports among them if wanted.
+/// Returns the sockets of the own addresses, with the server ports if requested.
 pub(crate) fn with_server(own: Vec<IpSuite>, server: ServerPort) -> Result<Ports, Error> {
     let mut ports = Ports::new(own, server);
     ports.listen()?;

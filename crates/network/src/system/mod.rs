@@ -14,7 +14,7 @@ mod elsewhere;
 mod error;
 mod interface;
 #[cfg(target_os = "linux")]
-#[allow(unsafe_code)] // system calls that std does not offer; each block says why it is sound
+#[allow(unsafe_code)] // system calls that std does not offer; each block states why it is sound
 #[cfg_attr(not(feature = "raw-ethernet"), allow(dead_code, unused_imports))]
 pub(crate) mod linux;
 mod lock;

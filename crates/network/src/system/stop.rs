@@ -10,7 +10,7 @@ use super::os::Event;
 /// group.
 pub(super) const SAME_SIGNAL: u64 = 1000;
 
-/// A flag that wakes whoever waits in a runner or medium it was given to. Clones are the same flag.
+/// A stop flag that wakes the runner or medium it was given to. Clones are the same flag.
 ///
 /// ```
 /// # fn main() -> std::io::Result<()> {
@@ -132,7 +132,7 @@ impl Stop {
         Self::on_signals_with(ForcedExit::Second)
     }
 
-    /// Returns the same, and `forced_exit` says which signal ends the program at once.
+    /// Returns the same, and `forced_exit` states which signal ends the program at once.
     ///
     /// # Errors
     /// When the operating system has no descriptor left or refuses the handler.
@@ -147,7 +147,7 @@ impl Stop {
         Ok(stop)
     }
 
-    /// Sets the flag and wakes whoever waits.
+    /// Sets the flag and wakes all waiting threads.
     pub fn stop(&self) {
         self.inner.set();
     }

@@ -48,7 +48,7 @@ impl Ports {
         }
     }
 
-    /// Opens the server port of every address where it is free or shared, if wanted at all.
+    /// Opens the server port of every address where it is free or shared, if requested.
     ///
     /// # Errors
     /// [`Error::PortOccupied`] where it is required and free at no address. Where it is free at some, an occupied one
@@ -84,7 +84,7 @@ impl Ports {
     ) -> Result<(), Error> {
         let address = self.source(destination);
         if self.server == ServerPort::Required {
-            // whoever is spoken to may call back
+            // a peer may call back
             self.open(address, RPC_PORT)?;
         }
         let port = self.find_or_open(address, source_port)?;

@@ -1,4 +1,4 @@
-//! Which frames the kernel should wake us for: classic BPF programs.
+//! Classic BPF programs that select the received frames in the kernel.
 
 use libc::{BPF_ABS, BPF_B, BPF_H, BPF_JEQ, BPF_JMP, BPF_JSET, BPF_K, BPF_LD, BPF_RET, BPF_W};
 use profinet::MacAddress;
@@ -7,7 +7,7 @@ use socket2::SockFilter;
 /// With more addresses than this the program only looks at EtherTypes; jumps reach 255 instructions.
 pub(super) const MAX_ADDRESSES: usize = 100;
 
-/// What a socket wants.
+/// Frames that a socket receives.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Wanted {
     /// PROFINET frames only: the kernel does ARP and IP.

@@ -162,7 +162,7 @@ impl PacketMedium {
         packet.flush()
     }
 
-    /// Hands over the frames that are there, and the deadline if it is due; does not wait.
+    /// Passes on the waiting frames, and the deadline if it is due; does not wait.
     fn work(&mut self, endpoint: &mut dyn Endpoint) -> Result<bool, Error> {
         let mut worked = false;
         for _ in 0..MAX_INPUTS {

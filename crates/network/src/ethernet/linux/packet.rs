@@ -17,7 +17,7 @@ use crate::system::{Error, InterfaceInfo};
 const PACKET_IGNORE_OUTGOING: libc::c_int = 23;
 /// Frames sent with one call.
 const BATCH: usize = 64;
-/// Multicast addresses a station listens to: DCP Identify, DCP Hello and LLDP.
+/// Multicast addresses a station receives: DCP Identify, DCP Hello and LLDP.
 const MULTICAST: [[u8; 6]; 3] = [
     [0x01, 0x0E, 0xCF, 0, 0, 0],
     [0x01, 0x0E, 0xCF, 0, 0, 1],
@@ -73,7 +73,8 @@ impl PacketSocket {
         // Room for a burst of many stations; a smaller limit of the system is not a failure.
         let _ = socket.set_send_buffer_size(1 << 20);
         if let Some(wanted) = wanted {
-            // Kernels before 4.20 do not know the option: own frames are then seen and ignored by their source address.
+            // Kernels before 4.20 do not support the option: own frames are then received and ignored by their source
+            // address.
             let _ = set_option(fd, PACKET_IGNORE_OUTGOING, &(1 as libc::c_int));
             socket
                 .attach_filter(&program(wanted, &[]))

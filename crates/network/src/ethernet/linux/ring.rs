@@ -20,7 +20,7 @@ const TP_STATUS_USER: u32 = 1;
 const TP_STATUS_CSUM_NOT_READY: u32 = 1 << 3;
 const TP_STATUS_VLAN_VALID: u32 = 1 << 4;
 
-/// What the kernel says about a received frame.
+/// Metadata of a received frame from the kernel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Received {
     /// The UDP or TCP checksum is left to a network card that never saw the frame.
@@ -98,7 +98,7 @@ impl Ring {
         // status is USER the kernel does not touch the slot.
         let header: libc::tpacket2_hdr = unsafe { self.slot().cast::<libc::tpacket2_hdr>().read() };
         let offset = usize::from(header.tp_mac);
-        // A frame longer than the slot is cut by the kernel: what is left is not a whole frame, so none is handed out.
+        // A frame longer than the slot is cut by the kernel: what is left is not a whole frame, so none is returned.
         let whole = header.tp_snaplen == header.tp_len;
         let length = (header.tp_snaplen as usize).min(SLOT.saturating_sub(offset));
         let length = if whole { length } else { 0 };

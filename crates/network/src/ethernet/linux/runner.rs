@@ -19,7 +19,7 @@ use crate::system::{Bell, Error, InterfaceInfo, Stop, now};
 const MAX_FRAMES: usize = 64;
 /// Most frames taken from one station in one turn; what is left follows a moment later.
 const MAX_BURST: usize = 256;
-/// Time a station gets when it asks to be called again at once.
+/// Delay of a station that requests to be called again at once.
 const BREATH: Duration = Duration::from_micros(1);
 /// A deadline met later than this counts as late: a cycle of the fastest drives.
 const LATE: Duration = Duration::from_millis(1);
@@ -125,8 +125,8 @@ impl Runner {
         })
     }
 
-    /// Opens the interface once more, after [`step`](Self::step) said that it is down or gone. Until this succeeds the
-    /// stations go on in steps as before, but hear nothing, and what they send is lost.
+    /// Opens the interface once more, after [`step`](Self::step) reported that it is down or gone. Until this succeeds
+    /// the stations continue in steps, but receive no frames, and the frames they send are lost.
     ///
     /// # Errors
     /// As [`open`](Self::open); it may be tried again.
@@ -362,7 +362,7 @@ impl Runner {
         self.failure.take().map_or(Ok(()), Err)
     }
 
-    /// Hands out one received frame; false if there is none.
+    /// Passes on one received frame; false if there is none.
     fn receive(&mut self, now: Instant) -> bool {
         let Self {
             socket,
