@@ -72,7 +72,7 @@ pub enum ScenarioFileError {
 /// A message with its place in the file.
 pub(crate) struct Located(pub Range<usize>, pub String);
 
-/// Turns the message of a value into one that knows its place.
+/// Adds the location in the file to the message about a value.
 pub(crate) fn located<T, U, E: ToString>(
     value: &Spanned<T>,
     read: impl FnOnce(&T) -> Result<U, E>,

@@ -135,7 +135,7 @@ async fn serve(listener: std::net::TcpListener, registry: Arc<Registry>) {
                 .timer(TokioTimer::new())
                 .keep_alive(false)
                 .serve_connection(TokioIo::new(stream), answer);
-            // a client that is too slow or talks something else is dropped
+            // a client that is too slow or uses another protocol is disconnected
             let _ = timeout(LONGEST_REQUEST, connection).await;
             drop(place);
         });

@@ -35,7 +35,7 @@ use crate::text::derived_mac;
 /// ```
 #[derive(Debug, Clone)]
 pub struct Scenario {
-    /// Decides everything that happens by chance.
+    /// Seed of all random events.
     pub seed: u64,
     /// How long it goes on; `None` until it is ended.
     pub duration: Option<Duration>,
@@ -77,7 +77,7 @@ pub struct Cue {
     pub trigger: Trigger,
     /// What.
     pub what: ScenarioEvent,
-    /// How long; `None` for as long as nothing else is said.
+    /// Duration; `None` until the next change.
     pub lasts: Option<Duration>,
 }
 
@@ -125,9 +125,9 @@ pub enum Action {
     Release,
     /// Connect again after a release.
     Connect,
-    /// Say that its own program has stopped (provider state STOP).
+    /// Report that its own program has stopped (provider state STOP).
     Stop,
-    /// Say that its program runs.
+    /// Report that its program runs.
     Run,
 }
 
@@ -202,7 +202,8 @@ impl DrivePlan {
         config
     }
 
-    /// Returns the drive, made and set up, as a station on a good cable; `seed` decides what a bad one does by chance.
+    /// Returns the drive, made and set up, as a station on a good cable; `seed` determines the random faults of a bad
+    /// one.
     ///
     /// # Errors
     /// When one of its first parameters is refused.

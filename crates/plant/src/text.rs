@@ -5,7 +5,7 @@ use std::time::Duration;
 use profile::notation::Quantity;
 use profinet::{IpSuite, MacAddress};
 
-/// Longest time a scenario may speak of: a year.
+/// Longest time allowed in a scenario: a year.
 const LONGEST: f64 = 366.0 * 86_400.0;
 
 /// One revolution in the positions of the axis.

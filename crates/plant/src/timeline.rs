@@ -39,7 +39,7 @@ enum When {
 pub struct Played {
     /// What.
     pub what: ScenarioEvent,
-    /// How long it lasts; `None` for as long as nothing else is said.
+    /// Duration; `None` until the next change.
     pub lasts: Option<Duration>,
 }
 

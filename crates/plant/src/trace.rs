@@ -30,7 +30,7 @@ pub enum What {
     Controller(String),
     /// Where the drive is, at a sample or because its status word has changed.
     Values {
-        /// Control word it obeys.
+        /// Control word in force.
         stw1: Stw1,
         /// Status word it sends.
         zsw1: Zsw1,
@@ -83,7 +83,7 @@ impl fmt::Display for What {
 }
 
 impl What {
-    /// Creates a happening that lasts until something else is said.
+    /// Creates an event that lasts until the next change.
     #[must_use]
     pub const fn happened(what: ScenarioEvent) -> Self {
         Self::Happened(Played { what, lasts: None })

@@ -197,7 +197,7 @@ impl World {
         Some(unit.inner().endpoint())
     }
 
-    /// Goes on until `until`, from event to event; `record` hears what happens.
+    /// Runs from event to event until `until`; `record` receives the events.
     pub fn run_until(&mut self, until: Instant, record: &mut dyn FnMut(Entry)) {
         loop {
             self.act(record);
@@ -493,7 +493,7 @@ impl ControllerSeat {
                 .is_some_and(|step| Instant::ZERO + step.at <= now)
     }
 
-    /// Does one thing that is due; what it has to say.
+    /// Executes one due action. Returns the resulting message.
     fn act(&mut self, now: Instant, controller: &mut Controller) -> Option<String> {
         if self.connect_at.is_some_and(|at| at <= now) {
             self.connect_at = None;
@@ -547,7 +547,7 @@ impl ControllerSeat {
         }
     }
 
-    /// Takes an event of the controller; what it has to say.
+    /// Handles an event of the controller. Returns the resulting message.
     fn take(&mut self, now: Instant, event: Event, controller: &mut Controller) -> Option<String> {
         let own = self.ar;
         match event {

@@ -35,7 +35,7 @@ pub fn folder() -> Result<PathBuf, ControlSocketError> {
     Ok(path)
 }
 
-/// Returns the user this program runs as: whoever owns its own entry in /proc.
+/// Returns the user this program runs as: the owner of its own entry in /proc.
 fn user() -> u32 {
     fs::metadata("/proc/self").map_or(0, |own| own.uid())
 }

@@ -1,4 +1,4 @@
-//! Receives requests of other processes and hands them to the thread that runs the drives.
+//! Receives requests of other processes and passes them to the thread that runs the drives.
 
 use std::fs;
 use std::net::Shutdown;
@@ -103,7 +103,7 @@ struct Client {
 }
 
 impl Places {
-    /// Waits for a free place. Where there is none, the client that has said nothing for longest loses its own: an idle
+    /// Waits for a free place. Where there is none, the client idle for longest is disconnected: an idle
     /// connection blocks no other.
     fn take(self: &Arc<Self>, stream: Stream) -> Place {
         let stream = Arc::new(stream);
@@ -182,7 +182,7 @@ fn listen(
         let place = places.take(stream);
         let (requests, bell) = (requests.clone(), bell.clone());
         let client = move || {
-            // whoever asked may be gone
+            // the client may have disconnected
             let _ = answer(&place, &requests, &bell);
         };
         if Builder::new().name("request".into()).spawn(client).is_err() {

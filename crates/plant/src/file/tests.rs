@@ -87,7 +87,7 @@ fn a_whole_plant_is_read() {
     assert_eq!(sent, [("STW1", 0x047F), ("NSOLL_A", -164)]);
 }
 
-/// Returns the plant with one line replaced, and what is said about it.
+/// Returns the plant with one line replaced, and the resulting error.
 fn refused(line: &str, by: &str) -> (usize, String) {
     assert!(PLANT.contains(line), "{line}");
     let read = PLANT.replacen(line, by, 1).parse::<Scenario>();

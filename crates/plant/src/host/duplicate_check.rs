@@ -59,7 +59,7 @@ pub struct DuplicateCheck {
 }
 
 impl DuplicateCheck {
-    /// Asks the other simulations on this interface by their sockets, which answer at once, and begins to search the
+    /// Queries the other simulations on this interface by their sockets, which answer at once, and begins to search the
     /// segment by DCP and ARP.
     ///
     /// # Errors

@@ -1,4 +1,4 @@
-//! What a simulation reports while it runs, on its way to whoever shows it.
+//! Events that a running simulation reports to its front end.
 
 use std::fmt;
 use std::net::Ipv4Addr;
@@ -120,7 +120,7 @@ pub enum Saved {
 pub enum SaveResult {
     /// It is in the state folder.
     Stored,
-    /// There is no state folder: it lasts as long as the simulation.
+    /// There is no state folder: the state is discarded at the end of the simulation.
     NoFolder,
     /// It could not be written, for this reason.
     Failed(String),
@@ -139,7 +139,7 @@ impl Event {
 }
 
 impl DriveEvent {
-    /// Returns true for what somebody wanted to happen: by a time line, by the control socket, or its end.
+    /// Returns true for a requested event: by a time line, by the control socket, or its end.
     #[must_use]
     pub const fn is_commanded(&self) -> bool {
         matches!(self, Self::Played(_) | Self::Injected(_) | Self::Ended(_))

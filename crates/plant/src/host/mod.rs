@@ -101,9 +101,9 @@ pub struct HostConfig {
     pub interface: String,
     /// The drives.
     pub drives: Drives,
-    /// Decides everything that happens by chance.
+    /// Seed of all random events.
     pub seed: u64,
-    /// Where their state is kept; `None` to forget it at the end.
+    /// Where their state is kept; `None` to discard it at the end.
     pub state: Option<StatePlace>,
     /// Instead of the device description of its model.
     pub description: Option<ForeignDescription>,
@@ -501,7 +501,7 @@ impl Host {
         });
     }
 
-    /// Switches the drives off and saves what they want saved.
+    /// Switches the drives off and saves their pending values.
     fn finish(mut self) -> Result<(), HostError> {
         if self.load.is_some() {
             self.send_load(now());

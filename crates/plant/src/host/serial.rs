@@ -21,7 +21,7 @@ use crate::control_socket::{ControlSocket, Request, Response};
 
 /// Octets of one telegram may come so far apart: adapters hand them over in lumps.
 const GAP: Duration = Duration::from_millis(30);
-/// Time between two looks for requests of other processes, which a port does not wake for.
+/// Interval for polling requests of other processes, which do not end a wait for the port.
 const POLL: Duration = Duration::from_millis(100);
 /// Time between two steps while there is no port.
 const STEP: Duration = Duration::from_millis(10);
@@ -39,7 +39,7 @@ pub struct SerialHostConfig {
     pub address: u8,
     /// The drives.
     pub fleet: Fleet,
-    /// Where their state is kept; `None` to forget it at the end.
+    /// Where their state is kept; `None` to discard it at the end.
     pub state: Option<StatePlace>,
     /// How long the simulation goes on; `None` until it is stopped.
     pub time: Option<Duration>,

@@ -19,7 +19,7 @@ const ATTEMPTS: u32 = 40;
 /// Time between two of them.
 const PAUSE: Duration = Duration::from_millis(50);
 
-/// The folder of a simulation; no other one uses it as long as this value lives.
+/// The folder of a simulation; locked for as long as this value exists.
 #[derive(Debug)]
 pub struct StateFolder {
     path: PathBuf,
@@ -131,7 +131,7 @@ impl DriveState {
     }
 }
 
-/// Reads a file; where `decode` says what is wrong with it, it is renamed, so that nothing is lost and the drive can start.
+/// Reads a file; if `decode` rejects it, it is renamed, so that nothing is lost and the drive can start.
 fn checked<T>(
     file: &StateFile,
     decode: impl Fn(&[u8]) -> Result<T, String>,
@@ -228,8 +228,8 @@ fn checksum(fields: &Map<String, Value>) -> String {
     format!("{:08x}", crc32(text.as_bytes()))
 }
 
-/// Decodes and checks a state; says what is wrong with it. Files of earlier versions have no checksum: they are taken
-/// when their values are valid, so that a drive keeps its name when the program is replaced.
+/// Decodes and checks a state; returns what is wrong with it. Files of earlier versions have no checksum: they are
+/// taken when their values are valid, so that a drive keeps its name when the program is replaced.
 fn decode(content: &[u8]) -> Result<Stored, String> {
     let not_one = || "it is not the state of a drive".to_owned();
     let Ok(Value::Object(mut fields)) = serde_json::from_slice(content) else {
