@@ -1,6 +1,6 @@
 //! The PROFIdrive drive profile: parameters, state machine, telegrams, units and faults.
 //!
-//! Knows no PROFINET, no socket and no clock; it turns bytes into meaning and back. A drive and a client are built from
+//! Independent of PROFINET, sockets and clocks; it decodes and encodes bytes. A drive and a client are built from
 //! the same modules: [`parameter`] (base mode parameter access), [`pkw`] (the
 //! older parameter channel in cyclic words and on serial lines), [`state`] (S1 to S5), [`telegram`] (what is where in
 //! the cyclic data), [`mod@unit`] (what a raw number means), [`fault`] (the fault buffer), [`catalogue`] (the tables of each

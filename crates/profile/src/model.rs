@@ -1,4 +1,4 @@
-//! What is known about a kind of drive before it is asked: one row for each model, read by drive and client alike.
+//! Facts about a drive model: one row for each model, used by virtual drives and clients.
 
 use crate::catalogue::{self, Catalogue, Scaling};
 use crate::parameter::Dialect;
@@ -12,7 +12,7 @@ const LOCAL_ACCESS: u16 = 0xB02E;
 /// API of the drive profile.
 pub const PROFIDRIVE_API: u32 = 0x3A00;
 
-/// What is known about a kind of drive before it is asked.
+/// Facts about a drive model that are available before the first request.
 #[derive(Debug, Clone, Copy)]
 pub struct Model {
     /// Name for people.
@@ -203,7 +203,7 @@ impl Model {
         models.find(|model| model.key.eq_ignore_ascii_case(name)).copied()
     }
 
-    /// `None` for a model with built-in tables; else the tables that were learned, if any.
+    /// `None` for a model with built-in tables; else the tables that were read from the drive, if any.
     #[must_use]
     pub fn learned_or_none(&self) -> Option<Option<&'static Catalogue>> {
         match self.catalogue {

@@ -58,7 +58,7 @@ pub struct BackupRule {
     pub role: Role,
     /// When it is written.
     pub phase: Phase,
-    /// Why it is not restored like any setting, where there is more to say than its role.
+    /// Why it is not restored like any setting, where the role alone does not explain it.
     pub why: &'static str,
 }
 

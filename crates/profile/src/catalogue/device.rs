@@ -4,7 +4,7 @@ use super::Parameter;
 use crate::telegram::{Telegram, signal};
 
 /// Identity and modules of a drive model.
-/// Source: `data/<model>/device.toml`, which says where each number is from.
+/// Source: `data/<model>/device.toml`, which gives the source of each number.
 #[derive(Debug, Clone, Copy)]
 pub struct Device {
     /// Vendor number on PROFINET, also PNU 964 index 0.
@@ -45,7 +45,7 @@ pub struct Device {
     pub min_device_interval: u16,
     /// Telegram modules that can be plugged in slot 1.
     pub telegrams: &'static [TelegramModule],
-    /// What a device description says of it beyond that.
+    /// Further contents of its device description.
     pub description: DescriptionFacts,
 }
 
@@ -117,7 +117,7 @@ pub struct Words {
     pub german: &'static str,
 }
 
-/// What a device description says of a drive model and nothing else needs.
+/// Data of a drive model that only its device description contains.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct DescriptionFacts {
     /// Date of the description as the number YYYYMMDD.

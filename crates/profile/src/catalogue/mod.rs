@@ -1,4 +1,4 @@
-//! What a drive model knows about itself: its parameters, fault numbers and modules, as tables.
+//! Tables of a drive model: parameters, fault numbers and modules.
 //!
 //! The tables of a model are generated from its folder in `data/` (`cargo run -p xtask -- gen`); the code here only finds
 //! things in them.
@@ -63,7 +63,7 @@ pub struct Catalogue {
     pub backup: &'static [BackupRule],
     /// What parameters are to drive and client, in the order of the table.
     pub parts: &'static [PartRow],
-    /// Parameters whose bits say something each, ascending by PNU.
+    /// Parameters whose bits have a meaning each, ascending by PNU.
     pub words: &'static [Word],
     /// What to do when the present state forbids a write (error 0x11), for parameters where more can be said than that,
     /// ascending by PNU.
@@ -77,7 +77,7 @@ pub struct Catalogue {
 impl Catalogue {
     /// Returns the parameter with this name, case does not matter. Where the vendor gave one name to several numbers,
     /// the first of the vendor's own range; [`all_by_name`](Self::all_by_name) has all. Three other ways to write a
-    /// name are understood too: without the `_32` of a value cut to 32 bits (`VL.FB`), with `PN.` before a signal
+    /// name are accepted too: without the `_32` of a value cut to 32 bits (`VL.FB`), with `PN.` before a signal
     /// (`PN.STW1`, AKD PROFINET manual 6.3 and 6.6), and a signal by the parameter that it sets (`MT.FEEDRATE`, 5.8).
     /// Where parameters are numbers to their vendor (VLT, Vacon), only letters and digits of a name count:
     /// `ramp-1-ramp-up-time` is `Ramp 1 Ramp up Time`.

@@ -30,7 +30,7 @@ pub(super) fn nearest(parameters: &'static [Parameter], name: &str, count: usize
 }
 
 /// Twice the edit distance; a name that merely goes on where the text ends, or lacks the group before the dot, is
-/// nearer than its length says.
+/// nearer than its length suggests.
 fn score(name: &str, text: &str) -> usize {
     let whole = 2 * distance(name.as_bytes(), text.as_bytes());
     let begins = name

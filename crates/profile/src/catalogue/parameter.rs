@@ -507,7 +507,7 @@ mod tests {
             parameter.rule(&Scaling::default()),
             "raw 1 = 1 counts, PN.POSSCALE 1000"
         );
-        // The rule and the conversion are one: what the rule says is what comes out.
+        // The rule and the conversion are one: the conversion has to follow the rule.
         for parameter in AKD.parameters {
             let rule = parameter.rule(&fine);
             let words: alloc::vec::Vec<&str> = rule.split([' ', ',']).collect();

@@ -26,7 +26,7 @@ impl PartRow {
     }
 }
 
-/// The numbers of the parameters of a model by their parts, looked up once: a drive that obeys parameters reads this
+/// The numbers of the parameters of a model by their parts, looked up once: a drive that uses parameters reads this
 /// instead of the table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct PartNumbers([u16; Part::ALL.len()]);

@@ -1,4 +1,4 @@
-//! Words: numbers of which each bit, or a few bits together, say something of their own.
+//! Words: numbers of which each bit, or a few bits together, have a meaning of their own.
 
 use alloc::borrow::ToOwned;
 use alloc::format;
@@ -32,7 +32,7 @@ pub struct Field {
     pub choices: &'static [Meaning],
 }
 
-/// What the bits of one parameter say.
+/// Meanings of the bits of one parameter.
 ///
 /// ```
 /// use profidrive_profile::catalogue::{AKD, VLT};

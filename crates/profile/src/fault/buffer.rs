@@ -126,8 +126,8 @@ impl FaultBuffer {
         }
     }
 
-    /// Writing 0 to PNU 952: forgets all acknowledged situations and counts situations from 0 again. Faults that are not
-    /// acknowledged stay, so that ZSW1 bit 3 never is without its reason (that is our reading).
+    /// Writing 0 to PNU 952: removes all acknowledged situations and counts situations from 0 again. Faults that are
+    /// not acknowledged stay, so that ZSW1 bit 3 never is without its reason (that is our reading).
     pub fn clear(&mut self) {
         let before = self.elements;
         let one = usize::from(self.shape.faults);

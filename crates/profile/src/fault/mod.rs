@@ -35,7 +35,7 @@ pub enum Counting {
 
 /// How a fault buffer is divided.
 /// Source: PNU 950, present when it is not eight by eight; Vacon OPTCP manual p. 37. The order of its two elements is
-/// as remembered, no public text confirms it.
+/// from memory, no public text confirms it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Shape {
     /// Number of situations, PNU 950 index 0.

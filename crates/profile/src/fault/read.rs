@@ -1,14 +1,14 @@
-//! Reading a fault buffer over the wire so that all of it belongs together.
+//! Reading a fault buffer over the wire so that its parts are consistent.
 
 /// What to do next.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Next {
-    /// Read PNU 944 and hand it to [`ConsistentRead::counter`].
+    /// Read PNU 944 and pass it to [`ConsistentRead::counter`].
     Counter,
-    /// Read the buffer (947, and 945, 948, 949 as wanted), then call [`ConsistentRead::buffer`]. What was read before is
-    /// void.
+    /// Read the buffer (947, and 945, 948, 949 as needed), then call [`ConsistentRead::buffer`]. What was read before
+    /// is void.
     Buffer,
-    /// What was read last belongs together.
+    /// The parts read last are consistent.
     Done,
     /// The buffer changed during every attempt.
     GiveUp,
@@ -17,7 +17,7 @@ pub enum Next {
 /// Order of reads for a consistent fault buffer: counter, buffer, counter; equal counters mean that nothing changed.
 /// Source: AKD manual 5.14; Siemens V90 p. 109 (the drive refreshes the buffer in the background).
 ///
-/// It does no input or output: the caller reads what [`next`](Self::next) says, in one request each or all in one.
+/// It does no input or output: the caller reads what [`next`](Self::next) returns, in one request each or all in one.
 ///
 /// ```
 /// use profidrive_profile::fault::{ConsistentRead, Next};

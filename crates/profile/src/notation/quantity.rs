@@ -88,14 +88,14 @@ pub enum QuantityError {
     },
 }
 
-/// The unit written does not fit the unit wanted.
+/// The given unit does not fit the expected one.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct UnitMismatch {
     /// The unit as written.
     pub given: String,
     /// What it measures, if it is a unit at all.
     pub given_dimension: Option<Dimension>,
-    /// The unit wanted; empty when the value has none.
+    /// The expected unit; empty when the value has none.
     pub wanted: String,
 }
 

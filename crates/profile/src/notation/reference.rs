@@ -22,7 +22,7 @@ use core::str::FromStr;
 pub struct ParameterReference {
     /// The parameter.
     pub target: Target,
-    /// The elements, where the text says which.
+    /// The elements, where the text has them.
     pub elements: Option<Elements>,
     /// The letter in front of the number, where there was one.
     pub prefix: Option<Prefix>,
@@ -52,7 +52,8 @@ impl Default for Elements {
     }
 }
 
-/// `p` (writable) or `r` (read-only) in front of a number. What the drive says decides, not the letter.
+/// `p` (writable) or `r` (read-only) in front of a number. The description from the drive takes precedence over the
+/// letter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Prefix {
     /// `p`: can be written.

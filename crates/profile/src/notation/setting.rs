@@ -11,7 +11,7 @@
 //!
 //! The first line has the kind of the file and the version of its form. Then follow, one a line and in any order, head
 //! lines `key: value`, settings `NAME = value` and words without a mark. What stands behind `#` is a comment, empty lines
-//! mean nothing. Characters that have a meaning here, and those that a terminal would obey, are escaped: `\u{23}`. The
+//! mean nothing. Characters that have a meaning here, and those that control a terminal, are escaped: `\u{23}`. The
 //! last line is terminated; where a form is sealed, or where there is such a line, it has the CRC-32 of everything before it.
 //! So a text that was cut is recognised, but for an unsealed one that was cut between two lines.
 //!
@@ -78,27 +78,27 @@ pub struct Form {
     pub comment_gap: usize,
 }
 
-/// What a text says, comments aside.
+/// Contents of a text without its comments.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Settings {
     /// Version of its form.
     pub version: u32,
-    /// The lines that say something, in their order.
+    /// The lines with content, in their order.
     pub lines: Vec<Line>,
 }
 
-/// A line that says something.
+/// A line with content.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Line {
     /// Counted from 1.
     pub number: usize,
-    /// What it says.
+    /// Its content.
     pub entry: Entry,
     /// What stands behind the mark of a comment.
     pub comment: String,
 }
 
-/// What a line says.
+/// Content of a line.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Entry {
     /// `key: value`
@@ -167,7 +167,7 @@ pub enum Cause {
         /// The checksum of the text.
         computed: u32,
     },
-    /// The line says what this kind of file does not have, or not in this way.
+    /// The line has content that this kind of file does not support, or not in this form.
     Line(String),
 }
 
@@ -300,7 +300,7 @@ impl Form {
     }
 }
 
-/// A line of a text; `None` where it says nothing.
+/// A line of a text; `None` where it has no content.
 fn line(text: &str, number: usize) -> Result<Option<Line>, Problem> {
     let (text, comment) = text.split_once('#').unwrap_or((text, ""));
     let text = text.trim();
@@ -403,7 +403,7 @@ pub fn shorten(text: &str) -> String {
     text.chars().take(QUOTED).map(clean).chain(more.chars()).collect()
 }
 
-/// Returns true for what a terminal obeys (C0, DEL, C1), and for what is not seen but changes what is: bidirectional
+/// Returns true for what controls a terminal (C0, DEL, C1), and for what is not seen but changes what is: bidirectional
 /// controls, characters without width, separators of lines, tags.
 ///
 /// Source: Unicode, general category Cc, and the default ignorable code points that are not letters of a script.

@@ -88,7 +88,7 @@ impl Attributes {
 }
 
 /// How a change is meant to last. What a drive does beyond that is its vendor's: an AKD keeps what its command
-/// DRV.NVSAVE saves, a Vacon keeps every change, a VLT only what a request says is to be kept.
+/// DRV.NVSAVE saves, a Vacon keeps every change, a VLT only changes whose request demands it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Keep {
     /// An ordinary change: request ID 2, AK 2, 3, 7 and 8 of the PKW channel.

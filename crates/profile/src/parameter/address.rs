@@ -11,7 +11,7 @@ pub(super) const ADDRESS: usize = 6;
 /// Elements of one parameter address at most, 0xEA.
 pub const MAX_ELEMENTS: u8 = 234;
 
-/// What a request wants.
+/// Attribute that a request addresses.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum RequestId {
     /// 0x01.
@@ -95,9 +95,9 @@ impl RequestId {
         id == self.response_octet() || id == self.octet()
     }
 
-    /// Returns true when a response with this ID can refuse such a request because the drive does not know it. Every
-    /// drive knows the requests of the profile. For the others the response ID is not standardised: a Vacon has 0x80,
-    /// others 0x81 or that of the request.
+    /// Returns true when a response with this ID can refuse such a request because the drive does not support it. Every
+    /// drive supports the requests of the profile. For the others the response ID is not standardised: a Vacon has
+    /// 0x80, others 0x81 or that of the request.
     ///
     /// ```
     /// use profidrive_profile::parameter::RequestId;

@@ -3,12 +3,12 @@
 use super::address::{DecodeError, Wrong};
 use super::format::{CodeSpace, Format, Kind, Octets};
 
-/// One value as its format says.
+/// One value in its format.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Value<'a> {
     /// Two's complement types.
     Signed(i64),
-    /// Unsigned numbers, bits, and the types Byte, Word and Double word whose sign only a table knows.
+    /// Unsigned numbers, bits, and the types Byte, Word and Double word whose sign is only given by a table.
     Unsigned(u64),
     /// IEEE 754.
     Float(f64),
@@ -120,7 +120,7 @@ impl<'a> ValueBlock<'a> {
         Some((self.raw(index)? << unused).cast_signed() >> unused)
     }
 
-    /// Value `index` as its format says. A string is one value (index 0).
+    /// Value `index` in its format. A string is one value (index 0).
     #[must_use]
     pub fn value(&self, index: usize, space: CodeSpace) -> Option<Value<'a>> {
         let info = self.format.info(space)?;

@@ -124,7 +124,7 @@ impl Description {
         }
     }
 
-    /// Returns the name without the blanks, `?` for octets that are no ASCII.
+    /// Returns the name without the blanks, `?` for octets that are not ASCII.
     pub fn name(&self) -> impl Iterator<Item = char> + '_ {
         let used = self
             .name

@@ -18,15 +18,15 @@ pub enum ChangeResponse {
 /// When a drive keeps a changed value over a power cycle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Saving {
-    /// When a command says so, for all values at once (AKD: DRV.NVSAVE; profile: PNU 971).
+    /// On a command, for all values at once (AKD: DRV.NVSAVE; profile: PNU 971).
     Command,
-    /// When the request that changes it says so, besides a command (VLT: request ID 0x42; parameter 9-71).
+    /// By the request that changes it, besides a command (VLT: request ID 0x42; parameter 9-71).
     Request,
     /// Always (Vacon).
     Always,
 }
 
-/// Facts about one vendor's parameter manager. A virtual drive answers by them, a client asks by them. Source: AKD
+/// Facts about one vendor's parameter manager. Virtual drives and clients both follow them. Source: AKD
 /// PROFINET manual 3.6; Danfoss MG06G102 5.5 and MCA 101 p. 27-34; Vacon OPTEA manual p. 116-123.
 ///
 /// ```
@@ -206,7 +206,7 @@ impl Dialect {
         ..Self::STANDARD
     };
 
-    /// Returns true when the drive knows requests with this ID.
+    /// Returns true when the drive supports requests with this ID.
     #[must_use]
     pub fn knows(&self, id: RequestId) -> bool {
         self.requests.contains(&id)

@@ -26,7 +26,7 @@ pub enum ErrorNames {
 pub struct ErrorInfo {
     /// Number on the wire.
     pub number: u16,
-    /// What it says.
+    /// Its text.
     pub meaning: &'static str,
     /// What a person can do about it.
     pub remedy: &'static str,
@@ -154,7 +154,7 @@ mod tests {
             ErrorNumber(0x65).info(ErrorNames::Danfoss).map(|i| i.meaning),
             Some("wrong axis")
         );
-        // a number of the profile of which a model says more
+        // a number of the profile for which a model has a more precise text
         let remedy = |names| ErrorNumber::NOT_NOW.info(names).map_or("", |info| info.remedy);
         assert!(remedy(ErrorNames::Danfoss).contains("0-11"));
         assert!(!remedy(ErrorNames::Profile).contains("0-11"));

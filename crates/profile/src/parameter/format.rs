@@ -40,7 +40,7 @@ pub struct FormatInfo {
     pub kind: Kind,
     /// Set for whole numbers and single bits, which a change may carry as one another.
     pub integer: Option<Integer>,
-    /// False where no public document says the code or the length.
+    /// False where no public document gives the code or the length.
     pub verified: bool,
     /// Where this is from.
     pub source: &'static str,
@@ -49,7 +49,7 @@ pub struct FormatInfo {
 /// What the octets of an integer type mean.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Integer {
-    /// A whole number, with the sign that [`FormatInfo::kind`] says.
+    /// A whole number, with the sign that [`FormatInfo::kind`] gives.
     Number,
     /// Single bits, without a sign.
     Bits,
@@ -209,7 +209,7 @@ impl Format {
         (info.integer == Some(Integer::Number)).then_some(info.kind == Kind::Signed)
     }
 
-    /// Octets of `count` values without the pad octet; `left` is what remains in the block and decides where a
+    /// Octets of `count` values without the pad octet; `left` is what remains in the block and determines where a
     /// type has two lengths. `None` for an unknown code.
     #[must_use]
     pub fn data_len(self, space: CodeSpace, count: u8, left: usize) -> Option<usize> {

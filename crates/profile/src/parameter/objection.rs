@@ -147,7 +147,7 @@ pub struct Objection {
     pub what: Forbidden,
     /// Error number of the answer; `None` where the record write is refused.
     pub answer: Option<ErrorNumber>,
-    /// True where no tables say that the drive has the parameter, and another number is the answer if it does not.
+    /// True where no table lists the parameter, and another number is the answer if it does not.
     pub assumed: bool,
 }
 

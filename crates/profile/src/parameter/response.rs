@@ -45,17 +45,17 @@ pub enum ResponseError {
     /// The answer comes from another axis.
     #[error("the response comes from axis {found}, asked was axis {expected}")]
     Axis {
-        /// Axis asked.
+        /// Axis of the request.
         expected: u8,
         /// Axis that answered.
         found: u8,
     },
-    /// Number of values of a parameter differs from the number of elements asked.
+    /// Number of values of a parameter differs from the number of requested elements.
     #[error("PNU {pnu} was answered with {found} values, asked were {expected}")]
     Values {
         /// The parameter.
         pnu: u16,
-        /// Elements asked.
+        /// Requested elements.
         expected: u8,
         /// Values answered.
         found: u8,
@@ -63,7 +63,7 @@ pub enum ResponseError {
     /// Number of parameters differs from the request.
     #[error("the response has {found} parameters, asked were {expected}")]
     Parameters {
-        /// Parameters asked.
+        /// Requested parameters.
         expected: usize,
         /// Parameters answered.
         found: usize,
@@ -195,7 +195,7 @@ impl<'a> Response<'a> {
         }
     }
 
-    /// Every value that was read has as many elements as were asked. Strings may be of any length, descriptions and
+    /// Every value that was read has as many elements as were requested. Strings may be of any length, descriptions and
     /// texts have their own.
     fn check_counts(&self, addresses: &[ParameterAddress]) -> Result<(), ResponseError> {
         for (answer, address) in self.answers().zip(addresses) {

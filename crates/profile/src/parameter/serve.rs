@@ -15,7 +15,7 @@ use super::{DecodeError, Wrong};
 /// A request that gets no response block: the record write is refused instead.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum Refusal {
-    /// Shorter than its own header says, or followed by something: refuse with ErrorCode1 0xB1.
+    /// Shorter than its own header indicates, or followed by something: refuse with ErrorCode1 0xB1.
     #[error("the length of the parameter request does not fit its header")]
     Length,
     /// Number of parameters not possible: refuse with ErrorCode1 0xB7.
@@ -36,7 +36,7 @@ pub enum Refusal {
 /// The response is never longer than the dialect's largest block: what does not fit is answered with 0x15. Order of the
 /// checks (our choice, no public text states one): request ID, number of parameters, length, reference; then for each
 /// parameter axis, attribute, PNU, elements and subindex, and for a change: rights, read-only, format, number of
-/// values, size, and what the drive itself says (state, limits).
+/// values, size, and what the drive itself reports (state, limits).
 ///
 /// Elements of an array are written in order up to the first that is refused; the additional information of that error
 /// is its subindex.
@@ -186,7 +186,7 @@ struct Job<'a> {
 
 impl Job<'_> {
     /// A negative response that answers the request itself: every parameter gets the error, and where a block has no room
-    /// for so many there is one answer. The header says how many answers there are.
+    /// for so many there is one answer. The header gives the number of answers.
     fn whole(mut self, header: [u8; HEADER], number: ErrorNumber) -> Result<usize, Refusal> {
         let [reference, response_id, axis, parameters] = header;
         let answers = match parameters {

@@ -5,7 +5,7 @@ use super::address::MAX_ELEMENTS;
 use super::error::{ErrorNames, ErrorNumber, ParameterError};
 use super::objection::{Denial, Forbidden};
 
-/// Returns the number with the subindex as additional information, where the profile says so.
+/// Returns the number with the subindex as additional information, where the profile defines it.
 pub(super) fn at(number: ErrorNumber, subindex: u16) -> ParameterError {
     let has_subindex = number.info(ErrorNames::Profile).is_some_and(|info| info.subindex);
     ParameterError {

@@ -448,7 +448,7 @@ fn responses_never_exceed_the_block() {
     );
 }
 
-/// A request that is wrong as a whole gets as many answers as its header says.
+/// A request that is wrong as a whole gets as many answers as its header indicates.
 #[test]
 fn whole_requests_are_refused_parameter_by_parameter() {
     let two = "10 01 03 9A 00 00 10 01 03 A2 00 00";

@@ -51,7 +51,7 @@ pub struct Spontaneous {
 /// reported once, by [`Client::handle`] or, when it ran out of time, by [`Client::handle_timeout`].
 ///
 /// * A request stands until a reply with its parameter number, its IND and one of the AKs of its row comes.
-/// * Nothing in a reply says which of two equal requests it belongs to. So before a request for the parameter, element
+/// * A reply does not show to which of two equal requests it belongs. So before a request for the parameter, element
 ///   and text code of the one before, or where a refusal does not name the parameter, the client sends AK 0 and waits
 ///   for the zero telegram.
 /// * At the start, after a time-out and after a loss it does so too, after a time-out and a loss for
@@ -128,7 +128,7 @@ impl Client {
         }
     }
 
-    /// Returns the facts it asks by.
+    /// Returns the dialect that it uses.
     #[must_use]
     pub const fn dialect(&self) -> &PkwDialect {
         &self.dialect
@@ -259,7 +259,7 @@ impl Client {
         self.text.get(..self.text_length).unwrap_or_default()
     }
 
-    /// Returns the last spontaneous message since this was asked before.
+    /// Returns the last spontaneous message since the last call.
     pub fn take_spontaneous(&mut self) -> Option<Spontaneous> {
         self.spontaneous.take()
     }

@@ -1,8 +1,8 @@
-//! What the upper four bits of PKE say: requests of the master and replies of the slave, as tables.
+//! Codes in the upper four bits of PKE: requests of the master and replies of the slave, as tables.
 
 use core::fmt;
 
-/// What a request wants.
+/// Action that a request demands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Action {
     /// Nothing: the channel is at rest.
@@ -48,7 +48,7 @@ pub struct RequestInfo {
     pub code: RequestCode,
     /// Name for people.
     pub name: &'static str,
-    /// What it wants.
+    /// Action that it demands.
     pub action: Action,
     /// Width of the value it brings.
     pub width: Option<Width>,

@@ -67,7 +67,7 @@ pub enum PlainArray {
     Refused(PkwErrorNumber),
 }
 
-/// Facts about the PKW channel of one vendor in one carrier. A virtual drive answers by them, a client asks by them.
+/// Facts about the PKW channel of one vendor in one carrier. Virtual drives and clients both follow them.
 ///
 /// ```
 /// use profidrive_profile::pkw::{PkwDialect, RequestCode};
@@ -182,7 +182,7 @@ impl PkwDialect {
     };
 
     /// Returns the PKW dialect of a vendor's drives at a serial line, with any protocol; `None` for a vendor
-    /// without a channel of its own. `texts` says whether the parameter part has room for them.
+    /// without a channel of its own. `texts`: whether the parameter part has room for them.
     ///
     /// ```
     /// use profidrive_profile::pkw::PkwDialect;

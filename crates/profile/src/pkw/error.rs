@@ -1,4 +1,4 @@
-//! Error numbers of the PKW channel: what PWE low says in a reply with AK 7.
+//! Error numbers of the PKW channel: the contents of PWE low in a reply with AK 7.
 
 use alloc::format;
 use alloc::string::{String, ToString};
@@ -40,7 +40,7 @@ impl PkwErrorNames {
 pub struct PkwErrorInfo {
     /// Number in PWE low.
     pub number: u16,
-    /// What it says.
+    /// Its text.
     pub meaning: &'static str,
     /// What a person can do about it.
     pub remedy: &'static str,
@@ -125,8 +125,8 @@ impl PkwErrorNumber {
             _ => Self::OTHER,
         }
     }
-    /// Returns the number of the acyclic channel that says the same, for a client that knows those. Beyond 18 some
-    /// vendors have own numbers for what the profile has one for; what has none keeps its number.
+    /// Returns the number of the acyclic channel with the same meaning, for clients that use those numbers. Beyond 18
+    /// some vendors have own numbers for what the profile has one for; what has none keeps its number.
     ///
     /// ```
     /// use profidrive_profile::parameter::ErrorNumber;

@@ -1,4 +1,4 @@
-//! What a client wants of a drive through the channel, and what comes of it.
+//! Jobs of a client for the channel, and their results.
 
 use super::code::{Action, Memory, REQUESTS, RequestCode, RequestInfo, Width};
 use super::dialect::PkwDialect;

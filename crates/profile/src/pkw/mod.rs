@@ -6,7 +6,7 @@
 //!
 //! * [`Pkw`] is the telegram, [`REQUESTS`] and [`REPLIES`] are its codes, [`PkwErrorNumber`] is the cause of a refusal;
 //! * a drive answers with a [`Server`] over its [`ParameterAccess`](crate::parameter::ParameterAccess);
-//! * a master asks with a [`Client`], one [`Job`] after the other;
+//! * a master uses a [`Client`], one [`Job`] after the other;
 //! * vendors and carriers differ by data: [`PkwDialect`].
 //!
 //! Source: PROFIdrive V2 parameter channel as printed in Danfoss FC parameter block description p. 73, Siemens CU240S

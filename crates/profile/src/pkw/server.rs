@@ -105,7 +105,7 @@ impl Server {
         &self.dialect
     }
 
-    /// Forgets the standing request: what comes next is new. For a new connection.
+    /// Discards the standing request: the next request is new. For a new connection.
     pub fn reset(&mut self) {
         self.length = 0;
         self.done = None;
@@ -118,7 +118,7 @@ impl Server {
         self.refused = number;
     }
 
-    /// Forgets that the standing request was refused, so that the same request is tried again: each telegram of a serial
+    /// Clears the refusal of the standing request, so that the same request is tried again: each telegram of a serial
     /// line is a request of its own. A change that was carried out or is being saved is not repeated, as the master may
     /// have lost the reply.
     pub fn forget_refusal(&mut self) {

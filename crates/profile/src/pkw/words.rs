@@ -147,7 +147,7 @@ impl Pkw {
         })
     }
 
-    /// Returns true for a request that the dialect has. With text (AK 15) IND has to say whether it is read or written.
+    /// Returns true for a request that the dialect has. With text (AK 15) IND indicates whether it is read or written.
     ///
     /// ```
     /// use profidrive_profile::pkw::{Pkw, PkwDialect};
@@ -206,7 +206,7 @@ pub struct Words<'a> {
 }
 
 impl<'a> Words<'a> {
-    /// As what the master asks.
+    /// In the form of the master's request.
     ///
     /// ```
     /// use profidrive_profile::pkw::{Pkw, PkwDialect};

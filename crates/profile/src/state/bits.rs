@@ -3,7 +3,7 @@
 use super::generated_bits;
 use crate::telegram::Telegram;
 
-/// What the axis is for, which decides over the meaning of some bits.
+/// Operating mode of the axis, which determines the meaning of some bits.
 /// Source: PNU 930; AKD manual 5.4.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Mode {
@@ -108,7 +108,7 @@ pub fn describe(table: &'static [Bit; 16], word: u16) -> impl Iterator<Item = Bi
     })
 }
 
-/// What a word says in short: the bits that are set by their name; an inverse bit by its meaning, and only where it
+/// Short text of a word: the bits that are set by their name; an inverse bit by its meaning, and only where it
 /// stops something.
 ///
 /// ```

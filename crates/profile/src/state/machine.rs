@@ -3,7 +3,7 @@
 use super::transition::{Condition, FaultReaction, MOST_TRANSITIONS, TRANSITIONS, Transition};
 use super::{Motion, State, Stw1, Zsw1};
 
-/// What the machine needs to know in one drive cycle. The default is a drive without anything: no valid word, turning,
+/// Inputs of the state machine in one drive cycle. The default is a drive without anything: no valid word, turning,
 /// no fault.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Inputs {
@@ -21,9 +21,9 @@ pub struct Inputs {
     pub cause_present: bool,
     /// Acknowledge by another way than STW1, for example a command of the drive.
     pub acknowledge: bool,
-    /// The drive itself wants OFF2, for example because a safety function took the pulses away.
+    /// The drive itself requests OFF2, for example because a safety function took the pulses away.
     pub coast_stop: bool,
-    /// The drive itself wants OFF3, for example by a digital input.
+    /// The drive itself requests OFF3, for example by a digital input.
     pub quick_stop: bool,
     /// Bits of ZSW1 that are not the state machine's: 7, 8 and 10 to 15. Others are left out.
     pub status: Zsw1,
@@ -94,7 +94,8 @@ impl core::fmt::Debug for Path {
 /// - A fault with the motor on starts its reaction, any other leads to S1. It stays in ZSW1 bit 3 until an edge of STW1
 ///   bit 7 comes without the cause being present. Then OFF leads to S2.
 /// - The edge needs bit 10 in the word with the 1; the word with the 0 before it may be without. A bit 7 that is 1 from
-///   the first word on is not an edge. Source: the profile wants control with the edge; that the 0 needs none is ours.
+///   the first word on is not an edge. Source: the profile requires control for the edge; that the 0 needs none is an
+///   own choice.
 /// - When control changes between the PLC and local operation, S2 and S3 fall back to S1, so that an ON that waits on the
 ///   other side cannot start the motor; in S4 the other side takes over. Source: ours, the profile is silent.
 ///
@@ -165,8 +166,8 @@ impl Machine {
         self.fault
     }
 
-    /// Forgets the word in force: from the next step on the drive behaves as before the first one, which is a coast stop.
-    /// For a controller that is gone and will not be waited for.
+    /// Clears the word in force: from the next step on the drive behaves as before the first one, which is a coast
+    /// stop. For a controller that is gone and will not be waited for.
     pub fn forget_word(&mut self) {
         self.word = Stw1(0);
         self.acknowledge_level = true;
@@ -369,7 +370,7 @@ mod tests {
             [
                 (State::S1, 0x0240),
                 (State::S2, 0x0231),
-                (State::S2, 0x0231), // the manual says S3, but ON is not given
+                (State::S2, 0x0231), // the manual states S3, but ON is not given
                 (State::S4, 0x0237),
                 (State::S4, 0x0237)
             ]

@@ -5,7 +5,7 @@
 //! precedes starting.
 //!
 //! The facts are one table, [`POSITION_TRANSITIONS`]; [`PositionMachine`] applies it, one transition per drive cycle.
-//! It decides the next action. Its owner determines where the axis goes and whether a task can run.
+//! It returns the next action. The caller determines where the axis goes and whether a task can run.
 
 use super::{Stw1, Zsw1};
 
@@ -127,7 +127,7 @@ pub enum PositionCommand {
 /// What the owner has to do in a transition.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum PositionEffect {
-    /// Nothing but what the new state says.
+    /// Nothing beyond the new state.
     None,
     /// The task that was requested becomes the running one, in the place of any other.
     StartTask,
@@ -204,8 +204,9 @@ const CONTINUE: &[Also] = &[
 /// A reason with "or" in its guard has a row for each alternative.
 ///
 /// Source: AKD manual 5.4 and 5.10; ABB FSPS and FENA for the meaning of bits 4 and 5. Ours: jog 1 and 2 end with each
-/// of bits 4 to 6, as in velocity mode; two wishes to jog at once stop; a jog bit that is 1 during a task, homing or a
-/// stop by a command has to be set anew; a task is taken with bits 4 and 5 only; what comes while the axis brakes is lost.
+/// of bits 4 to 6, as in velocity mode; two simultaneous jog requests stop; a jog bit that is 1 during a task, homing
+/// or a stop by a command has to be set anew; a task is taken with bits 4 and 5 only; what comes while the axis brakes
+/// is lost.
 #[rustfmt::skip]
 pub static POSITION_TRANSITIONS: &[PositionTransition] = &[
     row(Basic, Homing, (HOME, HOME), HOME_EDGE, PositionEffect::StartHoming, 4, "homing started"),
@@ -279,7 +280,7 @@ const fn row(
     }
 }
 
-/// What the machine needs to know in one drive cycle. The default: no wish, nothing permitted, the axis turns.
+/// Inputs of the state machine in one drive cycle. The default: no request, nothing permitted, the axis turns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct PositionInputs {
     /// Control word in force.
@@ -319,7 +320,7 @@ impl PositionOutput {
     }
 }
 
-/// What the axis knows about itself, for the status word.
+/// State of the axis, for the status word.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct PositionFacts {
     /// The following error is inside its window.
@@ -335,8 +336,8 @@ pub struct PositionFacts {
 /// Extended state machine of one axis in position mode.
 /// Source: AKD manual 5.10; the transitions are in [`POSITION_TRANSITIONS`].
 ///
-/// - It runs in S4 only. Whoever enters or leaves S4 calls [`reset`](Self::reset): bits that are 1 already are not
-///   edges then, so nothing that was requested outside S4 starts.
+/// - It runs in S4 only. The caller that enters or leaves S4 calls [`reset`](Self::reset): bits that are 1 already are
+///   not edges then, so nothing that was requested outside S4 starts.
 /// - Bit 12 of ZSW1 rises when a task that bit 6 requested is taken, and falls when bit 6 does. A task that cannot run
 ///   is not acknowledged; the one that runs is not disturbed.
 ///
@@ -428,13 +429,13 @@ impl PositionMachine {
         self.acknowledge
     }
 
-    /// Returns true when a step with this word sees bit 6 rise: the owner has to find out if the task can run.
+    /// Returns true when a step with this word has a rising edge of bit 6: the caller has to check if the task can run.
     #[must_use]
     pub const fn wants_task(&self, word: Stw1) -> bool {
         self.rises(word, Stw1::ACTIVATE_TASK)
     }
 
-    /// Returns true when a step with this word sees bit 11 rise.
+    /// Returns true when a step with this word has a rising edge of bit 11.
     #[must_use]
     pub const fn wants_homing(&self, word: Stw1) -> bool {
         self.rises(word, Stw1::START_HOMING)

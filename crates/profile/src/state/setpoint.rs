@@ -81,7 +81,7 @@ pub enum Jog {
 /// What the speed loop gets as its target.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum SpeedCommand {
-    /// As bits 4, 5 and 6 say.
+    /// According to bits 4, 5 and 6.
     Channel(Setpoint),
     /// Jog setpoint 1, along the jog ramps.
     Jog1,

@@ -133,7 +133,8 @@ const RAMP: Condition = Condition::NewFaultWith(FaultReaction::RampStop);
 ///
 /// Source: STW1 and priorities: Lenze KHB 13.0001 p. 33, Parker Compax3 p. 312, ABB FPBA-01 p. 57, Eaton MN040010EN
 /// p. 94. The conditions of T1 (no fault) and of T12 and T14 (operation disabled) are as the profile's diagram is
-/// remembered; no public text confirms them. T16 leads to S1 as in devices of V4; others have a fault state of its own.
+/// from memory; no public text confirms them. T16 leads to S1 as in devices of V4; others have a fault state of its
+/// own.
 pub static TRANSITIONS: &[Transition] = &[
     row(
         Reason::T1,

@@ -6,7 +6,7 @@ use core::ops::{BitAnd, BitOr};
 use super::State;
 use super::bits::{self, BitMeaning, Mode};
 
-/// Control word 1 (STW1, signal 1): what the controller wants from the axis.
+/// Control word 1 (STW1, signal 1): commands of the controller to the axis.
 /// Source: profile 6.3.1; AKD manual 5.4.
 ///
 /// ```
@@ -19,7 +19,7 @@ use super::bits::{self, BitMeaning, Mode};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub struct Stw1(pub u16);
 
-/// Status word 1 (ZSW1, signal 2): what the axis says about itself.
+/// Status word 1 (ZSW1, signal 2): status reported by the axis.
 /// Source: profile 6.3.1; AKD manual 5.5.
 ///
 /// ```
@@ -108,7 +108,7 @@ impl Zsw1 {
     pub const WARNING: Self = Self(1 << 7);
     /// Bit 8: speed error or following error within tolerance.
     pub const IN_TOLERANCE: Self = Self(1 << 8);
-    /// Bit 9: the drive asks the controller to take control; 0 is local operation.
+    /// Bit 9: the drive requests control by the controller; 0 is local operation.
     pub const CONTROL_REQUESTED: Self = Self(1 << 9);
     /// Bit 10: comparison speed or target position reached.
     pub const REACHED: Self = Self(1 << 10);
@@ -255,7 +255,7 @@ mod tests {
         assert_eq!(state(0x0213, Stw1::RUN), Some(State::S5Quick));
         assert_eq!(state(0x0217, Stw1::QUICK_STOP), Some(State::S5Quick));
         assert_eq!(state(0x0200, Stw1::RUN), None);
-        // A word without control by PLC is no OFF.
+        // A word without control by PLC is not an OFF command.
         assert_eq!(state(0x0237, Stw1(0)), Some(State::S4));
     }
 

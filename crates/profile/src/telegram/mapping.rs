@@ -131,7 +131,7 @@ impl Mapping {
         mapping
     }
 
-    /// Returns a mapping for a drive of this vendor; `direction` says if it is that of PNU 915 (setpoint) or 916
+    /// Returns a mapping for a drive of this vendor; `direction` selects that of PNU 915 (setpoint) or 916
     /// (actual).
     ///
     /// # Errors

@@ -264,7 +264,7 @@ pub struct Telegram {
     /// Words without a signal carry parameters that settings of the drive choose, see
     /// [`parameter_words`](Self::parameter_words).
     pub parameters: bool,
-    /// The words in the places of STW1 and ZSW1 have the bits of the vendor's own profile (VLT: as 8-10 says), see
+    /// The words in the places of STW1 and ZSW1 have the bits of the vendor's own profile (VLT: as set by 8-10), see
     /// [`Profile`](crate::state::Profile).
     pub own_words: bool,
     /// The number of NSOLL_A and NIST_A that is 100 % where the telegram has a scale of its own; none: that of the drive.

@@ -26,7 +26,7 @@ pub enum Scale {
     Singleturn,
     /// 2^32 is 12000 rpm.
     MdiVelocity,
-    /// 2^15 is 12000 rpm, whatever PN.VELSCALING says: the jog setpoints (manual 5.12.1 and 6.5).
+    /// 2^15 is 12000 rpm, independent of PN.VELSCALING: the jog setpoints (manual 5.12.1 and 6.5).
     NominalVelocity,
     /// The raw number times 10^n in the unit of the parameter; n is not 0, that is [`Raw`](Self::Raw).
     Decimal(i8),

@@ -1,4 +1,4 @@
-//! Conversion index and physical size: how a drive says what its whole numbers mean (the variable attribute of a
+//! Conversion index and physical size: how a drive describes its integers (the variable attribute of a
 //! parameter description).
 //!
 //! Source: Danfoss MCA 101 manual p. 80 and FC 300 Profibus manual p. 18; index 100 is of no public table and taken as 1.

@@ -3,8 +3,9 @@
 //! Source: profile 6.2 by way of Eaton MN040062EN p. 61, Eaton DS7 p. 202, TR-Electronic encoTRive p. 195 and Danfoss
 //! MG33C402 p. 81. The formulas of T2, T4, D2, R2, E2, X2 and X4 are common knowledge, no public table was at hand.
 //!
-//! A conversion to the wire takes the nearest number, halves away from zero, and says when the value does not fit: it is
-//! never cut without a word. A conversion from the wire is exact as far as `f64` goes, which it does for all types here.
+//! A conversion to the wire takes the nearest number, halves away from zero, and reports a value that does not fit: it
+//! is never cut without a word. A conversion from the wire is exact as far as `f64` goes, which it does for all types
+//! here.
 //!
 //! ```
 //! use profidrive_profile::unit::{Linear, akd};
@@ -126,7 +127,7 @@ impl Linear {
         }
     }
 
-    /// Returns the raw number times 10^`index`, as the conversion index of Danfoss says; at most 22 either way.
+    /// Returns the raw number times 10^`index`, as defined by the conversion index of Danfoss; at most 22 either way.
     #[must_use]
     pub const fn decimal(index: i8, width: Width) -> Self {
         let mut power = 1.0;

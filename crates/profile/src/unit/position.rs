@@ -1,4 +1,4 @@
-//! The unit in which the user of an AKD wants positions.
+//! User unit of positions on an AKD.
 
 /// 2^32 increments are one revolution.
 const FINE: f64 = 4_294_967_296.0;

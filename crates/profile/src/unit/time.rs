@@ -3,7 +3,7 @@
 use super::{Raw, Width, nearest};
 
 /// R2: a time as the reciprocal of its fraction of the sampling time, t = 2^14 times sampling time / raw number.
-/// Source: common knowledge of the profile, 6.2; no public table was at hand.
+/// Source: common knowledge of the profile, 6.2; no public table was available.
 ///
 /// ```
 /// use profidrive_profile::unit::Reciprocal;

@@ -51,7 +51,7 @@ impl FromStr for Assignment {
             })?;
         let reference: ParameterReference = name.parse()?;
         let value = Given::of(value).map_err(|problem| ParameterProblem::Quantity {
-            // as the caller writes it: only a drive knows the notation of its vendor
+            // as the caller writes it: only a drive can check the notation of its vendor
             parameter: name.trim().to_owned(),
             problem,
         })?;

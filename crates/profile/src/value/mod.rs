@@ -103,7 +103,7 @@ pub enum ParameterProblem {
         /// The name as given.
         name: String,
     },
-    /// A number that collects parameters, without saying which of them.
+    /// A number that collects parameters, without naming them.
     #[error("p{pnu:04} collects parameters by their ids: say which, for example ID 103 or {pnu}[103]")]
     NoId {
         /// The number.
@@ -192,7 +192,7 @@ pub enum ParameterProblem {
     Limit {
         /// The parameter.
         parameter: String,
-        /// The value wanted, in the unit of the parameter.
+        /// The value to write, in the unit of the parameter.
         value: f64,
         /// Lowest value.
         minimum: f64,
@@ -218,7 +218,7 @@ pub enum ParameterProblem {
     Fraction {
         /// The parameter.
         parameter: String,
-        /// The value wanted.
+        /// The value to write.
         value: f64,
     },
     /// Written twice at once.
@@ -240,7 +240,7 @@ pub enum ParameterProblem {
     RawSize {
         /// The parameter.
         parameter: String,
-        /// The raw value wanted.
+        /// The raw value to write.
         raw: u64,
         /// Size of the parameter.
         octets: usize,

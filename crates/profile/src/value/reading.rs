@@ -80,7 +80,7 @@ impl Beyond {
 pub enum Content {
     /// A whole number and what it is in engineering units.
     Number {
-        /// As it travels: all that eight octets can say, with a sign or without.
+        /// Transmitted number; covers eight octets, signed or unsigned.
         raw: i128,
         /// In the unit of the reading.
         engineering: f64,
@@ -102,14 +102,14 @@ impl Content {
     }
 }
 
-/// How a format code is to be read: what PROFIdrive's format table says, in short.
+/// How a format code is to be read: short form of PROFIdrive's format table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Interpretation {
     /// Two's complement.
     Signed,
     /// Without sign.
     Unsigned,
-    /// As the parameter's own table says, else without sign (byte, word, double word).
+    /// As the parameter's own table gives it, else unsigned (byte, word, double word).
     Plain,
     /// IEEE 754.
     Float,

@@ -22,7 +22,7 @@ pub const SCALING: [Part; 16] = [
     Part::MotorPoles,
 ];
 
-/// Takes over the value of a parameter that scales others, in its engineering unit, and says which scale it is for;
+/// Takes over the value of a parameter that scales others, in its engineering unit, and returns the scale it is for;
 /// nothing happens for any other one, and by 0 nothing is scaled. The reference of a converter depends on several
 /// parameters and is not taken here.
 ///

@@ -20,7 +20,7 @@ pub struct Selection {
     pub count: u16,
     /// True when elements are distinguished: an array, or an index was given.
     pub indexed: bool,
-    /// What the tables say.
+    /// Contents of the tables.
     pub parameter: Option<&'static Parameter>,
     /// How its number is written.
     pub notation: Notation,
@@ -102,7 +102,7 @@ impl Parameters {
     ///
     /// # Errors
     /// An unknown name (with the nearest ones), or elements that the tables do not have. A number that is in no
-    /// table is passed on: the drive may know it.
+    /// table is passed on: the drive may have it.
     pub fn select(&self, reference: &ParameterReference) -> Result<Selection, ParameterProblem> {
         let notation = self.notation();
         let first = reference.elements.map(|elements| elements.first);
@@ -219,7 +219,7 @@ impl Parameters {
     }
 }
 
-/// Returns an application id that no table has: the drive may know it.
+/// Returns an application id that no table has: the drive may have it.
 const fn unknown_id(pnu: u16, id: u16, notation: Notation) -> Selection {
     Selection {
         first: id,

@@ -161,7 +161,7 @@ fn written(form: &Form, lines: &[(Entry, String)]) -> String {
 }
 
 proptest! {
-    /// Whatever names and values are: they come back, one a line, and no terminal obeys them.
+    /// All names and values survive the round trip, one a line, without terminal control characters.
     #[test]
     fn every_entry_survives_the_text(
         lines in prop::collection::vec((any_entry(), any_text()), 0..8), sealed: bool,

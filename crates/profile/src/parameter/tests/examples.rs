@@ -11,7 +11,7 @@ use super::*;
 struct Printed {
     /// PNU, what it is, its values from subindex 0 (of PNU 10001: at the subindex requested).
     rows: Vec<(u16, Attributes, Vec<u64>)>,
-    /// What it says to any read or write of a row marked as failing.
+    /// Its error number for any read or write of a row marked as failing.
     refuses: Option<ErrorNumber>,
     written: Vec<(u16, u16, u64)>,
 }
@@ -59,7 +59,7 @@ impl ParameterAccess for Printed {
     }
 }
 
-/// What a client wants, or what was written after it.
+/// What a client requests, or what was written after it.
 enum Wish<'a> {
     Read(&'a [ParameterAddress]),
     Change(&'a [NewValue<'a>]),
@@ -113,7 +113,7 @@ fn exchange(
         "answer to {request}: {:02X?}",
         &out[..length]
     );
-    // and understood
+    // and decoded
     let parsed = Response::parse(&answer, id, octets[0], &addresses, dialect).unwrap();
     let answers: Vec<Got> = parsed
         .answers()
@@ -241,7 +241,7 @@ fn on_axis_0() {
     assert_eq!(drive.written, [(930, 0, 1)]);
 }
 
-/// Toshiba p. 32 and 40, FENA p. 351, G120X p. 258: axis 1, true types, four octets say that all is written.
+/// Toshiba p. 32 and 40, FENA p. 351, G120X p. 258: axis 1, true types, four octets confirm that all is written.
 #[test]
 fn of_the_profile() {
     let standard = &Dialect::STANDARD;

@@ -80,7 +80,7 @@ proptest! {
         }
     }
 
-    /// What the manager answers, the client understands; what is damaged on the way does not hurt it.
+    /// The client decodes every answer of the manager, and damaged answers cause no panic.
     #[test]
     fn answers_decode_as_encoded(addresses in prop::collection::vec((0..8_usize, 0..4_u8, 0..70_u16), 1..39), flip in any::<(u8, u16)>()) {
         let pnus = [922, 930, 947, 915, 964, 2135, 2004, 5000];

@@ -102,7 +102,7 @@ fn everything_as_a_double_word() {
 }
 
 /// Both sides of the requests of Danfoss. Only the IDs of the profile are documented for the response; a mirrored one is
-/// understood as well.
+/// accepted as well.
 #[test]
 fn requests_of_a_vlt_from_the_client() {
     let one = [ParameterAddress::value(930, 0)];
@@ -129,7 +129,7 @@ fn requests_of_a_vlt_from_the_client() {
             Some(Answer::Error(ErrorNumber::NOT_NOW.into()))
         );
     }
-    // a drive that does not know the request, with one error for each of two parameters
+    // a drive that does not support the request, with one error for each of two parameters
     let two = [one[0]; 2];
     let unknown = hex("07 81 00 02 44 01 00 66 44 01 00 66");
     let service = ErrorNumber::DANFOSS_UNKNOWN_SERVICE.into();

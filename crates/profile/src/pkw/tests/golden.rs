@@ -267,7 +267,7 @@ fn a_text() {
     );
 }
 
-/// What `decode` says about the words.
+/// Output of `decode` for the words.
 #[test]
 fn words_for_people() {
     let dialect = PkwDialect::DANFOSS_FC;

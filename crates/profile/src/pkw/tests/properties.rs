@@ -79,7 +79,7 @@ proptest! {
         }
     }
 
-    /// What a client asks a server for is what its parameter has, whatever came before.
+    /// A client reads the value of the parameter from the server, independent of earlier jobs.
     #[test]
     fn a_client_and_a_server_agree(jobs in prop::collection::vec((0..5_usize, any::<u16>()), 1..20),
                                    dialect in prop::sample::select(&DIALECTS[..])) {

@@ -154,7 +154,7 @@ fn arrays() {
     }
     assert_eq!(ask("11 9E 01 00 00 00 00 00"), words("71 9E 01 00 00 00 00 04"));
     assert_eq!(drive.writes, [(1530, 2, 0x21, false), (1530, 2, 0x22, true)]);
-    // a Siemens drive wants its array requests
+    // a Siemens drive requires array requests
     let mut server = Server::new(PkwDialect::SIEMENS_PPO);
     assert_eq!(
         reply(&mut server, &mut drive, "15 FA 01 00 00 00 00 00"),
@@ -198,7 +198,7 @@ fn rights() {
     assert_eq!(reply(&mut server, &mut drive, "11 9E 00 00 00 00 00 00")[0], 0x11);
 }
 
-/// What a dialect does not know is refused with its own number and not executed.
+/// A request that a dialect does not have is refused with its own number and not executed.
 #[test]
 fn requests_that_do_not_exist() {
     let danfoss = [

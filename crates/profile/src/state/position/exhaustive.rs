@@ -5,7 +5,7 @@ use super::PositionState::{
 };
 use super::{PositionCommand, PositionEffect, PositionInputs, PositionMachine, Stw1};
 
-/// What one step is asked.
+/// Inputs of one step.
 #[derive(Clone, Copy)]
 struct Asked {
     inputs: PositionInputs,

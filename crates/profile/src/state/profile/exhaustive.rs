@@ -68,7 +68,7 @@ fn the_status_word_never_disagrees_with_the_state() {
                         let fits = same || (hidden && decoded.is_some_and(State::pulses));
                         assert!(fits, "{} {status:04X} {decoded:?}", at());
                     }
-                    // Nothing but the bits that were asked for starts it.
+                    // Only the requested bits start it.
                     if output.state == State::S4 && from != State::S4 {
                         assert!(orders.stw1.has(Stw1(0x000F)) || !output.accepted, "{}", at());
                     }

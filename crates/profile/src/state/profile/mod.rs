@@ -125,7 +125,7 @@ pub struct Conditions {
     pub timer_exceeded: bool,
 }
 
-/// What one bit of a status word says.
+/// Meaning of one bit of a status word.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Says {
     /// Always 0.

@@ -27,7 +27,8 @@ const fn ask(number: u8) -> Asks {
     }
 }
 
-/// Vendor telegrams. Without all of the start bits the motor ramps to standstill; ours, the source says "no action".
+/// Vendor telegrams. Without all of the start bits the motor ramps to standstill; own choice, the source states "no
+/// action".
 pub(super) static PPO: Facts = Facts {
     key: "vacon",
     name: "Vacon vendor PPO",

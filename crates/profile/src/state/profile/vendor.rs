@@ -34,8 +34,8 @@ impl ControlWords {
         own: Profile::Profidrive,
         chosen: &[],
     };
-    /// VLT: its PROFIdrive words in telegram 1, in the PPO types as 8-10 says. Source: MCA 120 manual 6.5 and 6.6; that
-    /// 8-10 does not count for telegram 1 is our reading.
+    /// VLT: its PROFIdrive words in telegram 1, in the PPO types as set by 8-10. Source: MCA 120 manual 6.5 and 6.6;
+    /// that 8-10 does not count for telegram 1 is our reading.
     pub const VLT: Self = Self {
         standard: Profile::DanfossProfidrive,
         own: Profile::DanfossFc,
@@ -48,7 +48,7 @@ impl ControlWords {
         chosen: &[],
     };
 
-    /// Those of a telegram; of the profile's where none is known. `choice` is what the drive's parameter says.
+    /// Those of a telegram; of the profile's where none is known. `choice` is the value of the drive's parameter.
     #[must_use]
     pub fn of(&self, telegram: Option<&Telegram>, choice: Option<i64>) -> Profile {
         if telegram.is_some_and(|telegram| telegram.own_words) {
