@@ -11,7 +11,8 @@ use crate::wire::Reader;
 use crate::wire::lldp::{self, Lldpdu};
 use crate::{Instant, MacAddress};
 
-/// Neighbours remembered at one port. A cable has one other end; behind a hub or a simple switch there are more.
+/// Maximum number of neighbours stored for one port. A cable has one other end; behind a hub or a simple switch there
+/// are more.
 pub const MAX_NEIGHBOURS: usize = 16;
 
 /// A neighbour: the station at the other end of the cable.
@@ -76,7 +77,7 @@ pub struct Counts {
     pub deletes: u32,
     /// Neighbours for which there was no room.
     pub drops: u32,
-    /// Neighbours that went because they were silent for too long.
+    /// Neighbours removed because their time to live expired.
     pub ageouts: u32,
 }
 
@@ -159,7 +160,7 @@ impl Neighbours {
         self.changed = now;
     }
 
-    /// Forgets who was silent for too long.
+    /// Removes neighbours whose time to live has expired.
     pub fn handle_timeout(&mut self, now: Instant) {
         let before = self.list.len();
         self.list.retain(|neighbour| neighbour.expires > now);

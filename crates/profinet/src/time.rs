@@ -6,7 +6,7 @@ use core::time::Duration;
 /// A point in time in nanoseconds since an origin the caller chose.
 ///
 /// The engines never read a clock: every `handle_*` call gets the time. A simulation starts at zero and counts
-/// in virtual time; a program on a network hands in a monotonic clock.
+/// in virtual time; a program on a network passes the time of a monotonic clock.
 ///
 /// ```
 /// use core::time::Duration;

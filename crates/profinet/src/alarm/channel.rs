@@ -23,7 +23,7 @@ const fn following(sequence: u16) -> u16 {
 pub enum Received {
     /// New data: process it. Its acknowledgement is on its way.
     New,
-    /// Data seen before: acknowledged again, not to be processed.
+    /// Data received before: acknowledged again, not to be processed.
     Repeated,
     /// Data out of sequence: a NACK is on its way.
     OutOfSequence,

@@ -94,7 +94,7 @@ impl Side {
         }
     }
 
-    /// Hands the next alarm to the channel if none is unanswered.
+    /// Passes the next alarm to the channel if none is unanswered.
     fn start_next(&mut self, now: Instant, timeout: Duration) {
         if self.active.is_some() {
             return;

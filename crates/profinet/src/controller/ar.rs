@@ -28,7 +28,7 @@ use crate::wire::{PnioStatus, Uuid};
 /// How long after becoming ready the first input frame may take at least.
 const FIRST_FRAME: Duration = Duration::from_secs(2);
 
-/// What all connections share, handed in by the controller.
+/// What all connections share, provided by the controller.
 pub(super) struct Shared<'a> {
     pub now: Instant,
     pub rpc: &'a mut rpc::Client,

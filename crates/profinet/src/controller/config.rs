@@ -1,4 +1,4 @@
-//! What a controller is, whom it talks to and how.
+//! Configuration of a controller: identity, devices and connections.
 
 use alloc::string::String;
 use alloc::vec::Vec;
@@ -92,7 +92,7 @@ impl Default for Timeouts {
 pub struct Target {
     /// Its name of station; needed for every [`Resolve`] but `Trust`.
     pub name: String,
-    /// Its Ethernet address; found by name, or learned from its answer, if not given.
+    /// Its Ethernet address; found by name, or taken from its answer, if not given.
     pub mac: Option<MacAddress>,
     /// Its IP configuration; found by name if not set.
     pub ip: IpSuite,
@@ -264,7 +264,7 @@ impl ConnectConfig {
 
     /// Creates a connection for the records of a device that accepts none for records alone: the start-up is held, and
     /// the outputs never become valid (IOPS bad, provider stopped). The device never receives a valid control word, not
-    /// even a stop, and sees no change from run to stop at the release.
+    /// even a stop, and detects no change from run to stop at the release.
     #[must_use]
     pub const fn for_records(modules: Vec<ModuleConfig>, timing: Timing) -> Self {
         let mut config = Self::new(modules, timing);

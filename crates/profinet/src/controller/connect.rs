@@ -104,7 +104,7 @@ fn ar_request(identity: &ArIdentity, ar_type: ArType, properties: u32, factor: u
     }
 }
 
-/// Blocks of a device-access connect: the AR block alone.
+/// Blocks of a device-access connect: only the AR block.
 pub(super) fn access_request(identity: &ArIdentity, factor: u16) -> Vec<u8> {
     let properties =
         ArProperties::ACTIVE | ArProperties::PARAMETERIZED_BY_INITIATOR | ArProperties::DEVICE_ACCESS;

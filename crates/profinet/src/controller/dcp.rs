@@ -251,7 +251,7 @@ impl DcpClient {
         self.start(Kind::Set { mac, name, block }, now + self.timeouts.dcp)
     }
 
-    /// Forgets a request; no event will come for it.
+    /// Cancels a request; no event follows.
     pub(super) fn cancel(&mut self, id: DcpId) {
         self.requests.retain(|request| request.id != id);
     }

@@ -100,7 +100,7 @@ impl Controller {
         }
     }
 
-    /// Hands DCP events to the connections that requested them, the others to the application.
+    /// Passes DCP events to the connections that requested them, the others to the application.
     fn drain_dcp(&mut self, now: Instant) {
         while let Some(event) = self.dcp.poll_event() {
             let (id, last) = match &event {
@@ -132,7 +132,7 @@ impl Controller {
         }
     }
 
-    /// Hands results of calls to whom they concern.
+    /// Passes results of calls to the connection or the application.
     fn drain_rpc(&mut self, now: Instant) {
         while let Some((id, reply)) = self.rpc.poll_event() {
             match self.owners.remove(&id) {

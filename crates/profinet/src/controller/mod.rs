@@ -96,7 +96,8 @@ pub struct Controller {
 /// from a controller that is busy with all the others, gives up.
 const MAX_STARTING: usize = 64;
 
-/// Activities of devices that are remembered: each device calls with one of its own when it becomes ready, and may start again.
+/// Activities of devices that are stored: each device calls with one of its own when it becomes ready, and may start
+/// again.
 const fn activities(connections: usize) -> usize {
     connections * 2 + 16
 }

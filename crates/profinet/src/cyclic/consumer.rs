@@ -54,7 +54,7 @@ pub enum Rejected {
     Expired,
 }
 
-/// What a [`Consumer`] has seen.
+/// Statistics of a [`Consumer`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct CyclicStatistics {
     /// Frames taken.

@@ -1,4 +1,4 @@
-//! Application ARs: their phases as a table, and what belongs to one.
+//! Application ARs: their phases as a table, and the data of one.
 
 use core::net::Ipv4Addr;
 use core::time::Duration;

@@ -35,7 +35,7 @@ const MAX_BLOCKS: usize = 512;
 const MAX_SUBMODULES: usize = 256;
 /// Octets of the longest block that expects so many: each in a module of its own, with data both ways.
 const MAX_EXPECTED: usize = 2 + MAX_SUBMODULES * (14 + 8 + 12);
-/// Octets of the longest IOCR block that says where so many lie: each with data and status in an API of its own.
+/// Octets of the longest IOCR block that gives the places of so many: each with data and status in an API of its own.
 const MAX_IOCR: usize = 40 + MAX_SUBMODULES * (8 + 6 + 6);
 /// Most IOCR blocks that are looked at; two are served.
 const MAX_IOCRS: usize = 4;

@@ -1,4 +1,4 @@
-//! What a device is: identity, modules that can be plugged, limits; and what it remembers over a restart.
+//! Configuration of a device (identity, pluggable modules, limits) and its non-volatile data.
 
 use alloc::string::String;
 use alloc::vec::Vec;
@@ -248,7 +248,7 @@ impl Default for ImRecords {
     }
 }
 
-/// What a device remembers over a restart.
+/// Non-volatile data of a device.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Stored {
     /// Name of station, empty for none.

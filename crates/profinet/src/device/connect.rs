@@ -154,7 +154,7 @@ impl Device {
     /// Selects the AR for record access to end when all are in use, and returns the cause.
     ///
     /// The standard leaves the choice to the device. A tool that crashed keeps its AR until the activity time is over,
-    /// which may be 100 s; started again it must not be shut out by its former lives. So the AR that has been silent
+    /// which may be 100 s; after a restart its former ARs must not lock it out. So the AR that has been silent
     /// for longest ends if it is the same initiator's (address, MAC address, object and station name) and was silent
     /// for [`ABANDONED`], else if it was silent for more than half of its activity time. An AR whose record is being
     /// worked on stays in any case.
@@ -540,7 +540,7 @@ impl Device {
     }
 }
 
-/// Returns true if the answer to ApplicationReady says Done for this AR.
+/// Returns true if the answer to ApplicationReady is Done for this AR.
 fn confirms(reply: &Reply, ar_uuid: Uuid) -> bool {
     let mut reader = Reader::new(&reply.stub);
     let Ok(ndr) = NdrResponse::decode(&mut reader, reply.order) else {

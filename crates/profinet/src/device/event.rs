@@ -10,7 +10,7 @@ use crate::wire::block::RecordAddress;
 use crate::wire::dcp::DcpOption;
 use crate::{IpSuite, MacAddress};
 
-/// Names an application AR as long as it lives.
+/// Identifies an application relationship (AR) while it exists.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct ArKey(pub(super) u32);
 

@@ -13,7 +13,7 @@ const WINDOW: Duration = Duration::from_millis(40 * 100);
 /// So far behind its allowance a flood gets at most: the time of silence after which it is served again. Longer than
 /// one client is held, so that others are served while the flood goes on.
 const LOCK: Duration = Duration::from_secs(4);
-/// Number of sources remembered; a further one replaces the one whose last request is oldest.
+/// Number of stored sources; a further one replaces the one whose last request is oldest.
 const SOURCES: usize = 8;
 
 const _: () = assert!(WINDOW.as_millis() == REFILL.as_millis() * BURST as u128);

@@ -130,7 +130,7 @@ pub struct Device {
 }
 
 impl Device {
-    /// Creates a device as it starts: with what it remembers, without ARs.
+    /// Creates a device as after a restart: with its non-volatile data, without ARs.
     #[must_use]
     pub fn new(config: DeviceConfig, stored: Stored) -> Self {
         let mut uuids = UuidSource::new(config.seed);

@@ -20,7 +20,7 @@ use crate::{Instant, MacAddress};
 pub(super) const INTERVAL: Duration = Duration::from_secs(5);
 /// The first pause is shorter by up to 63 of these.
 const SPREAD: Duration = Duration::from_millis(50);
-/// How many pauses the neighbour waits before it forgets.
+/// Number of intervals after which the neighbour removes the entry.
 pub(super) const HOLD: u16 = 4;
 /// MAUType: 100BASE-TX full duplex.
 pub(super) const MAU_TYPE: u16 = 16;

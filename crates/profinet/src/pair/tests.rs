@@ -116,7 +116,7 @@ fn a_record_written_right_after_start_up_is_accepted() {
     assert_eq!(done, [(write, Ok(vec![])), (job, Ok(b"job".to_vec()))]);
 }
 
-/// The record length that a device description promises, both ways.
+/// The record length given by a device description, both ways.
 #[test]
 fn the_longest_record_of_a_description_goes_both_ways() {
     let mut p = pair();

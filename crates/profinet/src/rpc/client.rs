@@ -163,7 +163,7 @@ impl Client {
         id
     }
 
-    /// Forgets a call; no event will come for it.
+    /// Cancels a call; no event follows.
     pub fn cancel(&mut self, id: CallId) {
         self.calls.retain(|call| call.id != id);
         self.events.retain(|event| event.0 != id);

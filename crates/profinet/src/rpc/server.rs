@@ -33,7 +33,7 @@ pub struct Interface {
 /// What a [`Server`] spends on its clients.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ServerLimits {
-    /// Clients (activities) remembered at once.
+    /// Clients (activities) stored at once.
     pub activities: usize,
     /// Maximum number of activities of one address, so that one client cannot displace all others.
     pub activities_per_address: usize,
@@ -151,7 +151,7 @@ pub struct Server {
     serial: u16,
     /// Nothing is waiting to be sent.
     quiet: bool,
-    /// When something is due next: kept, because a controller of many devices remembers as many activities and looks at
+    /// When something is due next: kept, because a controller of many devices stores as many activities and looks at
     /// each turn.
     next: Option<Instant>,
 }
@@ -178,7 +178,7 @@ impl Server {
         }
     }
 
-    /// Sets how many activities are remembered at most, all clients together.
+    /// Sets the maximum number of stored activities of all clients together.
     pub const fn set_activities(&mut self, most: usize) {
         self.limits.activities = most;
     }
@@ -197,7 +197,7 @@ impl Server {
         }
     }
 
-    /// Takes a datagram that arrived at the server's port. Anything that is no PDU of a client is dropped.
+    /// Takes a datagram that arrived at the server's port. Anything but a PDU of a client is dropped.
     #[must_use]
     pub fn handle(&mut self, now: Instant, source: SocketAddrV4, pdu: &[u8]) -> Option<Call> {
         let call = self.take(now, source, pdu);

@@ -21,7 +21,7 @@ pub enum ByteOrder {
 pub struct DecodeError {
     /// The field or block being read.
     pub what: &'static str,
-    /// Offset from the start of the outermost PDU handed to the decoder.
+    /// Offset from the start of the outermost PDU passed to the decoder.
     pub offset: usize,
     /// What is wrong there.
     pub problem: Problem,

@@ -315,7 +315,7 @@ mod tests {
         arp[12] = 0x08;
         arp[13] = 0x06;
         assert_eq!(Frame::parse(&arp), None);
-        // a tag inside a tag is no PROFINET frame
+        // a tag inside a tag is not a PROFINET frame
         let mut twice = [0; 60];
         twice[12..22].copy_from_slice(&[0x81, 0, 0, 0, 0x81, 0, 0, 0, 0x88, 0x92]);
         assert_eq!(Frame::parse(&twice), None);

@@ -116,7 +116,7 @@ impl fmt::Debug for DataStatus {
 
 /// State of one submodule's data: the IOPS octet of a provider, the IOCS octet of a consumer.
 ///
-/// Source: IEC 61158-6-10, coding of the field IOxS. Only bit 7 decides.
+/// Source: IEC 61158-6-10, coding of the field IOxS. Only bit 7 is evaluated.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Iops(pub u8);
 

@@ -11,7 +11,7 @@ pub use pack::pack;
 use super::timing::IocrError;
 use crate::wire::rt::{MAX_DATA_LENGTH, MIN_DATA_LENGTH};
 
-/// Direction of a cyclic connection, seen from the controller.
+/// Direction of a cyclic connection, from the point of view of the controller.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Direction {
     /// Device to controller.

@@ -40,7 +40,7 @@ fn plc(port: &[u8], ttl: u16) -> Vec<u8> {
     lldp_frame(PLC, &lldpdu)
 }
 
-/// Returns the LLDPDUs among what was sent, handed to `look`.
+/// Returns the LLDPDUs among what was sent, passed to `look`.
 fn lldpdu(sent: &[Sent], mut look: impl FnMut(&Lldpdu<'_>)) -> usize {
     let mut count = 0;
     for sent in sent {

@@ -128,7 +128,7 @@ impl<'a> RtaPdu<'a> {
     /// Returns the status of an ERR PDU.
     ///
     /// # Errors
-    /// When this is no ERR PDU or its variable part has fewer than four octets.
+    /// When this is not an ERR PDU or its variable part has fewer than four octets.
     pub fn error(&self) -> Result<PnioStatus, DecodeError> {
         if self.kind != RtaType::Err {
             return Err(DecodeError {

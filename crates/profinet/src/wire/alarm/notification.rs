@@ -204,7 +204,7 @@ impl Notification<'_> {
     }
 }
 
-/// What a controller thinks of an alarm.
+/// Response of a controller to an alarm.
 ///
 /// Source: IEC 61158-6-10, AlarmAck-PDU, BlockType 0x8001 and 0x8002.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

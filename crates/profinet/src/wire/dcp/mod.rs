@@ -149,7 +149,7 @@ pub struct Block<'a> {
 }
 
 impl<'a> Block<'a> {
-    /// As a filter of an Identify request: the value alone.
+    /// As a filter of an Identify request: only the value.
     ///
     /// # Errors
     /// When the value has a wrong length.

@@ -22,7 +22,7 @@ pub enum NameRule {
     /// Another character than a-z, 0-9, hyphen, dot.
     #[error("{character:?} at position {position} is not allowed: only a-z, 0-9, '-' and '.'")]
     Character {
-        /// The character (of octets that are no UTF-8: U+FFFD).
+        /// The character (of octets that are not UTF-8: U+FFFD).
         character: char,
         /// Where it is.
         position: usize,

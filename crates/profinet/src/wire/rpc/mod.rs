@@ -89,7 +89,7 @@ pub enum PacketType {
     Fault,
     /// Still busy with the call.
     Working,
-    /// The call was never seen.
+    /// The server never received the call.
     NoCall,
     /// The call was not executed.
     Reject,
@@ -190,7 +190,7 @@ impl Flags {
 
 /// The RPC header.
 ///
-/// IEC 61158-6-10, RPC-PDU; 80 octets. `order` decides how the numbers and UUIDs are read.
+/// IEC 61158-6-10, RPC-PDU; 80 octets. `order` is the byte order of the numbers and UUIDs.
 ///
 /// ```
 /// use profidrive_profinet::wire::rpc::{Header, PacketType, operation};
