@@ -11,7 +11,7 @@ pub enum PkwPart {
     Three,
     /// Four words, the usual.
     Four,
-    /// As long as the telegram says, two words at least (the setting 127 of USS, text blocks of the FC protocol).
+    /// Length given by the telegram, two words at least (the setting 127 of USS, text blocks of the FC protocol).
     Variable,
 }
 

@@ -1,8 +1,8 @@
 //! Serial telegrams for drives: USS and the Danfoss FC protocol.
 //!
-//! One master asks many slaves in turn over one pair of wires; STX, a length, an address and a check octet make the
-//! frame, silence separates telegrams. Knows no drive and no port: it takes octets with the time they came, gives octets to
-//! send and the next deadline. Time is a [`Duration`](core::time::Duration) since an origin the caller chose.
+//! One master polls many slaves in turn over one pair of wires; STX, a length, an address and a check octet make the
+//! frame, silence separates telegrams. Independent of drives and ports: it takes octets with the time they came, gives
+//! octets to send and the next deadline. Time is a [`Duration`](core::time::Duration) since an origin the caller chose.
 //!
 //! * [`Telegram`] is the frame, [`Address`] its third octet, [`Layout`] how its data are divided into parameter and
 //!   process part, [`Timing`] the times;

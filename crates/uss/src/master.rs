@@ -1,4 +1,4 @@
-//! The master: asks its slaves in turn, one telegram at a time.
+//! The master: polls its slaves in turn, one telegram at a time.
 
 use alloc::boxed::Box;
 use alloc::collections::VecDeque;
@@ -11,7 +11,7 @@ use super::receiver::{Echo, Receiver, ReceiverStatistics};
 use super::telegram::{EncodeError, MAX_DATA, MAX_TELEGRAM, Telegram};
 use super::timing::Timing;
 
-/// What a master has to know.
+/// Configuration of a master.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct MasterConfig {
     /// How addresses are read.
@@ -20,9 +20,9 @@ pub struct MasterConfig {
     pub timing: Timing,
     /// What the telegrams look like.
     pub layout: Layout,
-    /// Whether it hears itself.
+    /// Whether it receives its own telegrams.
     pub echo: Echo,
-    /// How often a telegram is repeated before its slave counts as lost. A lost slave is asked once in each round.
+    /// How often a telegram is repeated before its slave counts as lost. A lost slave is polled once in each round.
     pub retries: u8,
     /// Time from one round to the next at least.
     pub round: Duration,
@@ -61,7 +61,7 @@ pub struct SlaveId(usize);
 /// What happened at the line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Event {
-    /// A reply came: [`Master::reply`] has it, [`Master::set_data`] says what to ask next.
+    /// A reply came: [`Master::reply`] has it, [`Master::set_data`] sets the next request.
     Reply(SlaveId),
     /// A slave does not answer after all repetitions. Reported again only after it answered.
     Lost(SlaveId),
@@ -101,7 +101,7 @@ enum State {
         slave: usize,
         begin: Duration,
         end: Duration,
-        /// The telegram sent was heard once: its echo, or a reply like it.
+        /// The telegram sent was received once: its echo, or a reply like it.
         heard: bool,
     },
 }
@@ -149,7 +149,7 @@ pub struct Master {
     /// The next round may not begin before.
     round: Duration,
     echoes: bool,
-    /// Telegrams that came on a line that echoes although the one sent was not heard, since one was.
+    /// Telegrams received on an echoing line since the last echo.
     unheard: u8,
 }
 
@@ -255,7 +255,7 @@ impl Master {
         self.receiver.statistics()
     }
 
-    /// Returns true when the master knows that it hears itself.
+    /// Returns true when the master has detected that it receives its own telegrams.
     #[must_use]
     pub const fn hears_itself(&self) -> bool {
         self.echoes
@@ -422,7 +422,7 @@ impl Master {
 
     fn take_sent(&mut self, slave: usize) {
         if let Some(entry) = self.slaves.get_mut(slave) {
-            // the data may have been replaced since: what was heard is what was sent
+            // the data may have been replaced since: the echo equals the octets sent
             let sent = self.sent.get(..self.sent_length).unwrap_or_default();
             if let Ok(telegram) = Telegram::decode(sent) {
                 entry.reply_length = telegram.data.len();

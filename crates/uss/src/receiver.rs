@@ -6,7 +6,7 @@ use super::layout::Layout;
 use super::telegram::{MAX_TELEGRAM, STX, Telegram, bcc, total};
 use super::timing::Timing;
 
-/// Whether a station hears what it sends.
+/// Whether a station receives its own telegrams.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Echo {
     /// Never: what is received was sent by another.
@@ -18,7 +18,7 @@ pub enum Echo {
     Detect,
 }
 
-/// What a receiver has seen.
+/// Statistics of a receiver.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct ReceiverStatistics {
     /// Whole telegrams.
@@ -81,7 +81,7 @@ enum State {
     Lost,
     /// Inside of a telegram of so many octets, if LGE is there.
     Inside(Option<usize>),
-    /// A whole telegram; what follows decides.
+    /// A whole telegram; accepted or rejected by what follows.
     Complete,
 }
 

@@ -8,7 +8,7 @@ use super::receiver::{Echo, Receiver, ReceiverStatistics};
 use super::telegram::{EncodeError, MAX_DATA, MAX_TELEGRAM, Telegram};
 use super::timing::Timing;
 
-/// What a slave has to know.
+/// Configuration of a slave.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct SlaveConfig {
     /// How addresses are read.
@@ -19,7 +19,7 @@ pub struct SlaveConfig {
     pub timing: Timing,
     /// What the telegrams look like.
     pub layout: Layout,
-    /// Whether it hears itself.
+    /// Whether it receives its own telegrams.
     pub echo: Echo,
 }
 
@@ -58,7 +58,7 @@ pub struct SlaveCounters {
     pub broadcasts: u64,
     /// Telegrams for others, and special ones.
     pub foreign: u64,
-    /// Its own telegrams heard again.
+    /// Echoes of its own telegrams.
     pub echoes: u64,
     /// Replies sent.
     pub replies: u64,
@@ -66,7 +66,7 @@ pub struct SlaveCounters {
     pub dropped: u64,
 }
 
-/// What a master wants.
+/// A request of the master.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Request<'a> {
     /// Parameter and process part; [`Layout::split`] divides them, it always can.
@@ -78,7 +78,7 @@ pub struct Request<'a> {
 /// A slave at the line: feed octets, take the request, respond, drain.
 ///
 /// A reply goes out after the start delay and before the response delay is over, or not at all. The address octet goes
-/// back as it came. A USS mirror telegram is sent back without asking anyone.
+/// back as it came. A USS mirror telegram is sent back without a call of the application.
 ///
 /// ```
 /// use core::time::Duration;
@@ -106,13 +106,13 @@ pub struct Slave {
     open: Option<(Address, Duration)>,
     out: [u8; MAX_TELEGRAM],
     out_length: usize,
-    /// Until when the last reply may be heard again.
+    /// Time until which an echo of the last reply is possible.
     echo_until: Option<Duration>,
     counters: SlaveCounters,
 }
 
 impl Slave {
-    /// Creates a slave that has heard nothing yet.
+    /// Creates a slave that has received nothing yet.
     #[must_use]
     pub const fn new(config: SlaveConfig) -> Self {
         Self {
@@ -142,7 +142,7 @@ impl Slave {
         &self.config
     }
 
-    /// Takes octets from the line. A request that the master gave up, because it sends again, is not answered any more.
+    /// Takes octets from the line. An unanswered request is dropped when the master sends again.
     pub fn handle_octets(&mut self, now: Duration, octets: &[u8]) {
         for &octet in octets {
             let before = self.receiver.silent_from();

@@ -35,7 +35,7 @@ pub enum DecodeError {
     /// LGE does not fit the number of octets.
     #[error("LGE at offset 1 says {expected} octets in all, there are {found}")]
     Length {
-        /// Octets that LGE promises.
+        /// Octets according to LGE.
         expected: usize,
         /// Octets that are there.
         found: usize,
@@ -61,7 +61,7 @@ pub enum EncodeError {
     /// More data than LGE can count.
     #[error("{0} octets of data, a telegram holds {MAX_DATA}")]
     Data(usize),
-    /// The data cannot be divided as the layout says.
+    /// The data cannot be divided according to the layout.
     #[error("{0} octets of data do not fit the layout of the telegrams")]
     Layout(usize),
     /// The buffer is too small.

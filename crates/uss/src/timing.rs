@@ -34,7 +34,7 @@ pub struct Timing {
 }
 
 impl Timing {
-    /// USS: the slave answers within 20 ms (the usual figure, no document at hand fixes it).
+    /// USS: the slave answers within 20 ms (the usual figure, no available document defines it).
     #[must_use]
     pub const fn uss(baud: u32) -> Self {
         Self::new(baud, Duration::from_millis(20))

@@ -1,4 +1,4 @@
-//! A master and its slaves on one line in virtual time: all hear everything, octet by octet.
+//! A master and its slaves on one line in virtual time: every station receives every octet.
 
 use proptest::prelude::*;
 
@@ -22,7 +22,7 @@ struct Faults {
     lost: u64,
     flipped: u64,
     noise: u64,
-    /// The master hears itself.
+    /// The master receives its own telegrams.
     echo: bool,
 }
 
@@ -47,12 +47,12 @@ struct Line {
     /// Replies received and losses reported, per slave.
     replies: Vec<u32>,
     losses: Vec<u32>,
-    /// What each slave is asked now, and a number for the next.
+    /// Present request to each slave, and a number for the next.
     asked: Vec<[u8; 4]>,
     serial: u8,
-    /// Replies that were what a slave says to other data than the present.
+    /// Replies of a slave to other data than the present.
     wrong: u32,
-    /// Replies that no slave ever gave: a strange octet in the place of a lost one is not seen one time in 256.
+    /// Replies that no slave ever gave: a strange octet in the place of a lost one stays undetected one time in 256.
     spoiled: u32,
 }
 
@@ -377,7 +377,7 @@ fn replies_like_their_requests() {
     }
 }
 
-/// A strange octet in the place of a lost one, and the exclusive or agrees: no protocol of this kind sees that.
+/// A strange octet in the place of a lost one, and the exclusive or matches: no protocol of this kind detects that.
 #[test]
 fn an_octet_in_the_place_of_another() {
     let faults = Faults {

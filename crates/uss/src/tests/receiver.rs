@@ -96,7 +96,7 @@ fn what_follows_betrays_a_short_length() {
     assert_eq!(receiver.statistics().trailing, 1);
 }
 
-/// A port may hand over several telegrams at once: echo and reply, or a broadcast and what follows.
+/// A port may deliver several telegrams at once: echo and reply, or a broadcast and what follows.
 #[test]
 fn telegrams_in_one_lump() {
     let (_, mut receiver) = receiver();

@@ -95,7 +95,7 @@ fn a_busy_line_takes_the_reply_away() {
     assert_eq!(out[..length], telegram(Address(0x81), &hex("06 03 00 01")));
 }
 
-/// Its own reply heard again is not a request.
+/// The echo of its own reply is not a request.
 #[test]
 fn its_own_echo_is_not_answered() {
     for echo in [Echo::Yes, Echo::Detect] {
