@@ -68,7 +68,7 @@ impl SerialConfig {
 enum Master {
     /// Not there, or it only reads.
     None,
-    /// It has, or had, control; `since` when it spoke last, `controls` what its last word said.
+    /// It has, or had, control; `since` is the time of its last telegram, `controls` the value of its last word.
     Heard { since: Instant, controls: bool },
 }
 
@@ -200,7 +200,7 @@ impl SerialStation {
     }
 
     /// Makes the drive wait for its owner: changes that are to be saved are answered only when
-    /// [`report_save`](Self::report_save) says what became of them. Until then the reply is AK 0. Without this call they are
+    /// [`report_save`](Self::report_save) reports the result. Until then the reply is AK 0. Without this call they are
     /// answered at once.
     pub fn confirm_saves(&mut self) {
         self.drive.confirm_saves();

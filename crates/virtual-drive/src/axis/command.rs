@@ -10,7 +10,7 @@ pub enum Command {
     Off,
     /// Velocity loop closed, target through the ramp generator.
     Speed {
-        /// Wanted speed in rpm.
+        /// Speed setpoint in rpm.
         target: f64,
         /// Ramps in rpm/s, or none: the target applies at once, as fast as the current limit allows.
         ramp: Option<Ramps>,
@@ -19,7 +19,7 @@ pub enum Command {
     },
     /// Current loop only.
     Current {
-        /// Wanted current in ampere.
+        /// Current setpoint in ampere.
         target: f64,
     },
     /// Position loop closed: goes to a position and stays there. The way is planned from the present position, speed and
@@ -41,7 +41,7 @@ pub enum Command {
     /// Position loop closed: the reference goes on at a speed, for jogging and searching. Speed 0 brakes on the ramp and
     /// stays, also when a load pulls.
     Travel {
-        /// Wanted speed in rpm, with sign.
+        /// Speed setpoint in rpm, with sign.
         speed: f64,
         /// Ramps in rpm/s.
         ramps: Ramps,
@@ -50,7 +50,7 @@ pub enum Command {
     },
     /// Direct current through the motor: brakes an induction motor, of a servo it takes the current away.
     DcBrake {
-        /// Wanted current in ampere.
+        /// Current setpoint in ampere.
         current: f64,
     },
 }

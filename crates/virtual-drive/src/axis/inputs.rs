@@ -1,4 +1,4 @@
-//! What the drive sees of the places along the way: limit switches, home switch, index pulse.
+//! Position inputs of the drive: limit switches, home switch, index pulse.
 
 use super::plant::{Plant, Travel};
 
@@ -32,7 +32,7 @@ pub struct Inputs {
 pub struct Latch {
     /// Place in 2^-32 rev, in the numbers of [`Axis::position`](super::Axis::position).
     pub position: i64,
-    /// How often it happened since the start; wraps. A change of it says that `position` is new.
+    /// How often it happened since the start; wraps. A change means that `position` is new.
     pub count: u32,
 }
 

@@ -55,7 +55,7 @@ pub(super) struct Gains {
 impl Gains {
     /// `authority` is the acceleration of the axis per current, `reluctance` the current per acceleration.
     pub fn new(dt: f64, tuning: &Tuning, authority: f64, reluctance: f64) -> Self {
-        // The gain never makes one step overshoot, whatever a parameter says.
+        // The gain never makes one step overshoot, whatever the value of the parameter.
         let rate = 1.0 / dt;
         let speed = within(tuning.gain, 0.0, 0.5 * reluctance * rate);
         let position = within(tuning.position_gain, 0.0, speed * authority * (1.0 / 3.0));

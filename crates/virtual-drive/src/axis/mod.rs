@@ -340,8 +340,8 @@ impl Axis {
         self.current
     }
 
-    /// Returns the position in 2^-32 revolutions seen by the drive (PL.FB): feedback plus the shift of the homing.
-    /// Wraps.
+    /// Returns the position in 2^-32 revolutions as measured by the drive (PL.FB): feedback plus the shift of the
+    /// homing. Wraps.
     #[must_use]
     pub const fn position(&self) -> i64 {
         self.seen.position.wrapping_add(self.shift)

@@ -178,7 +178,7 @@ fn a_hard_stop_holds_and_switches_and_index_are_seen() {
         (inputs.positive_edge.position, inputs.positive_edge.count),
         (2 * REV, 1)
     );
-    // Leaving it: the error of the reference must be forgotten first, as when the power stage goes off.
+    // Leaving it: the error of the reference must be cleared first, as when the power stage goes off.
     run(&mut axis, 0.01, Command::Off);
     run(&mut axis, 3.0, travel(-300.0));
     let inputs = axis.inputs();

@@ -1,7 +1,7 @@
 //! Pieces of constant jerk, strung together: what the trajectory follows.
 //!
-//! Lengths are in 2^-32 revolutions and times in seconds; nothing here knows the direction in the plant: the signs of
-//! speed and acceleration are those of the position.
+//! Lengths are in 2^-32 revolutions and times in seconds; nothing here depends on the direction in the plant: the signs
+//! of speed and acceleration are those of the position.
 
 /// Most pieces of one plan: the end of an acceleration (1), a stop (6), a way up (3), the cruise (1), a way down (3) and
 /// what follows (1).
@@ -80,7 +80,7 @@ impl Profile {
         }
     }
 
-    /// Forgets all pieces and starts at a state.
+    /// Removes all pieces and starts at a state.
     pub const fn restart(&mut self, start: State) {
         self.count = 0;
         self.end = start;

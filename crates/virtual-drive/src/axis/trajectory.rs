@@ -64,7 +64,7 @@ impl Manner {
         }
     }
 
-    /// Speed in 2^-32 rev/s into a direction, for a speed wanted in rpm.
+    /// Speed in 2^-32 rev/s into a direction, for a speed setpoint in rpm.
     fn speed(&self, wanted: f64, positive: bool) -> f64 {
         let [negative_limit, positive_limit] = self.limits;
         let limit = if positive { positive_limit } else { negative_limit };

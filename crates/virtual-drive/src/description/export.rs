@@ -54,7 +54,7 @@ pub fn export(model: &'static Model) -> Exported {
     let device = &model.catalogue.device;
     let facts = &device.description;
     let description = Description::of(model);
-    // what the device answers on the wire is what the file says
+    // the answers of the device on the wire have to match the file
     let config = describe::device_config(&StationConfig::new(model, MacAddress([2, 0, 0, 0, 0, 0])));
     let picture = FileName::picture(device.vendor_id, device.device_id, facts.family);
     let mut texts = Texts::default();

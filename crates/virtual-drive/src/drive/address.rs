@@ -41,7 +41,7 @@ impl Drive {
         self.rotary.unwrap_or_default()
     }
 
-    /// Values as delivered, with the address as the switches say.
+    /// Values as delivered, with the address set by the switches.
     pub(super) fn delivered(&self) -> Values {
         let mut values = Values::new(self.model.catalogue);
         if let Some(pnu) = self
@@ -55,7 +55,7 @@ impl Drive {
     }
 
     /// Makes the rotary switches count, as they do after a reset of the address settings (manual 3.4.2), unless saved
-    /// parameters say otherwise.
+    /// parameters override it.
     pub fn follow_switches(&mut self) {
         let never_saved = self.saving.newest().is_none();
         if let Some(pnu) = self.model.number(Part::AddressMode).filter(|_| never_saved) {

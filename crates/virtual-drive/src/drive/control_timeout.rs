@@ -52,7 +52,7 @@ impl Drive {
         Duration::try_from_secs_f64(seconds).ok()
     }
 
-    /// The controller is lost, `age` after its last word: a fault, or a warning where the parameters say so.
+    /// The controller is lost, `age` after its last word: a fault, or a warning where the parameters select it.
     pub(super) fn raise_lost(&mut self, cause: Disconnect, age: Duration) {
         let number = self.model.connection_lost_fault;
         match self.model.connection_lost {

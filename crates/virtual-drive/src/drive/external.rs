@@ -10,7 +10,7 @@ pub(super) struct ExternalInputs {
     pub hardware_disable: bool,
     /// The input for the controlled stop is active.
     pub controlled_stop: bool,
-    /// The holding brake is applied or released whatever the drive wants.
+    /// The holding brake is applied or released independent of the drive.
     pub brake: Option<bool>,
     /// Local operation.
     pub panel: Panel,

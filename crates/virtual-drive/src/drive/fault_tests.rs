@@ -32,7 +32,7 @@ fn the_reaction_is_the_one_of_the_table() {
     }
 }
 
-/// AKD manual 5.4: bit 7 acknowledges; a PLC that gives it together with bit 10 is heard, one that holds it is not.
+/// AKD manual 5.4: bit 7 acknowledges; it takes effect when set together with bit 10, but not when it stays set.
 #[test]
 fn the_first_words_of_a_connection_acknowledge_by_an_edge() {
     for (words, left) in [(&[0x0000, 0x04FE][..], 0), (&[0x04FE, 0x04FE], FAULT)] {

@@ -309,7 +309,7 @@ impl Drive {
         if !self.faults.active.push(number) {
             return;
         }
-        // More than eight faults in one situation: DRV.FAULT9 and 10 know them, the buffer does not.
+        // More than eight faults in one situation: DRV.FAULT9 and 10 contain them, the buffer does not.
         self.faults.buffer.raise(Fault {
             number,
             ..Fault::default()

@@ -54,7 +54,7 @@ pub(super) struct Inverter {
     pub not_by_bus: bool,
     pub thermal_warning: bool,
     pub thermal_trip: bool,
-    /// Low and high limits of current, A, and speed, rpm, outside of which the extended status word says so.
+    /// Low and high limits of current, A, and speed, rpm, outside of which the extended status word sets its bits.
     pub watched: [[f64; 2]; 2],
 }
 

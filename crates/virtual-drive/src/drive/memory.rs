@@ -12,7 +12,7 @@ use super::settings::Settings;
 use crate::store::{Image, ImageError, is_saved, key};
 
 impl Drive {
-    /// Starts with what was saved; returns how many of its entries this model does not know or cannot take.
+    /// Starts with what was saved; returns the number of entries that this model does not have or rejects.
     ///
     /// # Errors
     /// When the text is damaged or of another model; the drive then keeps the values it has.
@@ -25,7 +25,8 @@ impl Drive {
     }
 
     /// Makes the drive wait for its owner: a change that is to be saved is acknowledged only when
-    /// [`report_save`](Self::report_save) says that the values are stored. Without this call it is acknowledged at once.
+    /// [`report_save`](Self::report_save) reports that the values are stored. Without this call it is acknowledged at
+    /// once.
     pub fn confirm_saves(&mut self) {
         self.saving.confirm();
     }

@@ -1,4 +1,4 @@
-//! One drive: control word in, status word out, an axis that turns, parameters that answer. Knows no PROFINET.
+//! One drive: control word in, status word out, an axis and its parameters. Independent of PROFINET.
 
 mod address;
 mod alias;
@@ -230,7 +230,8 @@ pub struct Drive {
     held_current: f64,
     process: Process,
     free: Vec<FreeTelegram>,
-    /// At a serial line, whose process data have one form: what PNU 922 says then, which is a setting of the network.
+    /// At a serial line, whose process data have one form: the value of PNU 922 then, which is a setting of the
+    /// network.
     aside: Option<u16>,
     link: Link,
     service: Service,
@@ -339,7 +340,7 @@ impl Drive {
         Ok(())
     }
 
-    /// Start-up is over: data goes to and fro. Valid outputs in [`tick`](Self::tick) say the same.
+    /// Ends the start-up: cyclic data is exchanged. Valid outputs in [`tick`](Self::tick) have the same effect.
     pub const fn data_exchange(&mut self) {
         if let Link::Cyclic { exchanging, .. } = &mut self.link {
             *exchanging = true;

@@ -1,7 +1,7 @@
 //! Saves on their way to non-volatile memory, which the owner of the drive writes.
 //!
 //! Each save has a number. The owner stores the newest image and reports the number; a report counts for all saves up to
-//! that number. Whoever waits for a save looks at its state, so nothing here blocks.
+//! that number. A waiting caller polls the state of its save, so nothing here blocks.
 
 use std::collections::VecDeque;
 use std::ops::RangeInclusive;
@@ -10,7 +10,7 @@ use profile::parameter::{SaveId, SaveState};
 
 use super::Event;
 
-/// Most failures that are remembered for those who still wait.
+/// Maximum number of failures stored for callers that still wait.
 const MOST_FAILURES: usize = 8;
 
 /// Images of the saved parameters: in non-volatile memory, on their way there, and not yet given to the owner.
@@ -62,7 +62,7 @@ impl Saving {
         self.started = Some(SaveId(self.issued)).filter(|_| self.confirmed);
     }
 
-    /// The newest image has what is to be saved. Whoever requests that waits for this image, unless it is stored.
+    /// The newest image contains the values to save. A request waits for this image, unless it is stored.
     pub fn join(&mut self) {
         if let Some((_, asked)) = &mut self.due {
             *asked = true;

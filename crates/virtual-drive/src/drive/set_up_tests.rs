@@ -38,7 +38,7 @@ fn each_set_up_has_its_own_motor_ramps_and_references_and_nothing_else() {
         (bench.drive.set_up(), bench.drive.scaling().reference),
         (1, Some(1500.0))
     );
-    // the drive obeys the active one, whichever is edited
+    // the active one is in force, whichever is edited
     bench.write(ACTIVE, 2).unwrap();
     assert_eq!(
         (bench.drive.set_up(), bench.drive.scaling().reference),

@@ -1,10 +1,10 @@
-//! Set-ups: several sets of the ordinary parameters, one of which the drive obeys (VLT 0-10, 0-11, 0-51).
+//! Set-ups: several sets of the ordinary parameters, one of which is active (VLT 0-10, 0-11, 0-51).
 //!
-//! Which one is active, a parameter says, or with one of its values the control word. Another parameter says which one is
-//! read and written; the factory set-up cannot be written. Source: FC 300 programming guide 0-1*, from memory; control
-//! word bits 13 and 14: FC 300 design guide. Which parameters belong to a set-up no source at hand lists: here they are
-//! those of motor, brakes, references, ramps and limits. That a running motor changes between set-ups only when their
-//! motor data are the same is our reading of 0-12.
+//! A parameter selects the active one, or, with one of its values, the control word does. Another parameter says which
+//! one is read and written; the factory set-up cannot be written. Source: FC 300 programming guide 0-1*, from memory;
+//! control word bits 13 and 14: FC 300 design guide. Which parameters belong to a set-up no source at hand lists: here
+//! they are those of motor, brakes, references, ramps and limits. That a running motor changes between set-ups only
+//! when their motor data are the same is our reading of 0-12.
 
 use profile::catalogue::{Access, Part};
 use profile::parameter::ErrorNumber;
@@ -118,7 +118,7 @@ const FACTORY: ErrorNumber = ErrorNumber(PkwErrorNumber::FACTORY_SET_UP.0);
 const PREFIX: &str = "set-up ";
 
 impl Drive {
-    /// Returns the number of the set-up that the drive obeys: 1 to 4, 0 for the factory set-up; 1 where the model has
+    /// Returns the number of the active set-up: 1 to 4, 0 for the factory set-up; 1 where the model has
     /// none.
     #[must_use]
     pub fn set_up(&self) -> u8 {

@@ -1,4 +1,4 @@
-//! What the drive obeys, taken out of its parameters once after each change instead of in every cycle.
+//! Settings of the drive, derived from its parameters once after each change instead of in every cycle.
 
 use profile::catalogue::{Part, Scaling};
 use profile::unit::UnitChoice;
@@ -44,7 +44,7 @@ pub(super) struct Settings {
     pub inverter: Option<Inverter>,
 }
 
-/// Speed below which the axis counts as standing where no parameter says it, rpm.
+/// Speed below which the axis counts as standing where no parameter defines it, rpm.
 const STANDSTILL: f64 = 3.0;
 
 impl Settings {

@@ -271,7 +271,7 @@ fn the_words_before_a_controller_has_sent_one() {
     assert_eq!(after, [Some(0x0406), Some(0x0240)]);
 }
 
-/// The drive is ticked only when it says so, as without a controller on the network.
+/// The drive is only ticked at its own deadlines, as without a controller on the network.
 fn idle(drive: &mut Drive) {
     while let Some(next) = drive.next_tick() {
         drive.tick(next, None, &mut []);

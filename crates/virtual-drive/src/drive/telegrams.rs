@@ -1,7 +1,7 @@
 //! Which telegram is in use (PNU 922), and the mapping of the free ones (PNU 915 and 916).
 //!
 //! Source: AKD manual 5.8, 5.11.1 and 5.11.10; profile reference on the configuration of telegrams. Whether 922 is kept over
-//! power-off the table of parameters says: of an AKD neither it nor the mappings are, of a VLT it is (9-22).
+//! power-off is defined by the table of parameters: an AKD saves neither it nor the mappings, a VLT saves it (9-22).
 
 use profile::catalogue::Part;
 use profile::parameter::ErrorNumber;
@@ -181,7 +181,7 @@ impl Drive {
         }
     }
 
-    /// After power on: the telegram that was kept, where the table says that it is.
+    /// After power on: restores the saved telegram, where the table marks it as saved.
     pub(super) fn restore_telegram(&mut self) {
         let Some(position) = self.live.iter().position(|live| *live == Live::Telegram) else {
             return;

@@ -142,7 +142,7 @@ fn ramps_follow_their_parameters_while_running() {
     let mut bench = Bench::new();
     bench.run(0);
     bench.write("DRV.ACC", 600_000).unwrap(); // 600 rpm/s
-    bench.send(0x047F, 1638, 32); // 600 rpm wanted, 0.512 s
+    bench.send(0x047F, 1638, 32); // setpoint 600 rpm, 0.512 s
     let speed = bench.read("VL.CMD_32");
     assert!((speed - 307_200).abs() < 12_000, "{speed}");
     bench.send(0x045F, 1638, 20); // frozen

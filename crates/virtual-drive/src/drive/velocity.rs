@@ -12,7 +12,7 @@ use crate::axis::{Command, Ramps};
 const TOLERANCE: f64 = 0.005;
 const LEAST_TOLERANCE: f64 = 1.0;
 
-/// Returns true when a measured speed counts as the wanted one, in rpm; the limits belong to it.
+/// Returns true when a measured speed counts as equal to the setpoint, in rpm, limits included.
 fn within(wanted: f64, measured: f64) -> bool {
     (wanted - measured).abs() <= (TOLERANCE * wanted.abs()).max(LEAST_TOLERANCE)
 }

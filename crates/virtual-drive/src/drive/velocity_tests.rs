@@ -1,4 +1,4 @@
-//! Velocity mode word by word: ramp generator, freeze, setpoint enable, jog, and what ZSW1 says of them at every cycle.
+//! Velocity mode word by word: ramp generator, freeze, setpoint enable, jog, and the bits of ZSW1 in every cycle.
 
 use super::tests::Bench;
 use super::*;

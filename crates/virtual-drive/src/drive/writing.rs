@@ -106,7 +106,7 @@ impl Drive {
                 self.map_signal(Direction::Actual, element, number)?;
             }
             Live::Absent if raw == 0 => {}
-            // a command or a procedure that nothing in a virtual drive obeys
+            // a command or a procedure without effect in a virtual drive
             live if live == Live::Absent || parameter.access == Access::WriteOnly => {
                 if live == Live::Absent {
                     self.within_limits(parameter, raw)?;

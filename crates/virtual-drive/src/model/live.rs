@@ -7,7 +7,7 @@ use profile::catalogue::Part;
 pub enum Live {
     /// Nothing but the stored number.
     Stored,
-    /// A measured value; the catalogue says in which steps.
+    /// A measured value; its resolution is in the catalogue.
     Measured(Quantity),
     /// A position, in the unit of the parameter; on the wire it wraps.
     Place(Place),
@@ -286,9 +286,9 @@ pub enum Action {
     Load,
     /// Values as delivered; not while the power stage is on.
     Defaults,
-    /// Forget the energy that was counted.
+    /// Reset the energy counter.
     ResetEnergy,
-    /// Forget the time that was counted.
+    /// Reset the time counter.
     ResetRunningTime,
     /// Show which drive this is.
     Blink,

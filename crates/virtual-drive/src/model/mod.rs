@@ -1,7 +1,7 @@
 //! What makes one drive model differ from another: tables, and nothing that runs.
 //!
 //! A model is a catalogue (the tables from `data/`) and what no table has: motor and load, what it watches, particulars of
-//! its process data and of PROFINET. Which parameters the drive obeys, and which are measured or do something, are the parts
+//! its process data and of PROFINET. Which parameters take effect, are measured or trigger an action, are the parts
 //! of the catalogue ([`Part`]), the same rows that a client reads. The behaviour itself is the same for all models and lives
 //! in [`crate::drive`].
 
@@ -67,7 +67,7 @@ pub struct Model {
     pub converter: Option<Converter>,
     /// Motor and load of the virtual drive.
     pub plant: Plant,
-    /// What its clients know too: dialect of its parameter manager, parameter channel, control words.
+    /// Facts that clients also use: dialect of its parameter manager, parameter channel, control words.
     pub known: &'static profile::model::Model,
     /// What its process data are.
     pub process: ProcessFacts,

@@ -9,7 +9,7 @@ pub struct Terminal {
     pub mode: u16,
     /// 1: low is active.
     pub inverted: u16,
-    /// What its function needs to know.
+    /// Argument of its function.
     pub argument: u16,
 }
 

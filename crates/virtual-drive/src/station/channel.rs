@@ -138,7 +138,7 @@ impl<K> Default for Channels<K> {
 }
 
 impl<K: Copy + PartialEq> Channels<K> {
-    /// Forgets every AR.
+    /// Removes every AR.
     pub fn forget_all(&mut self) {
         *self = Self {
             fault: self.fault,
@@ -146,7 +146,7 @@ impl<K: Copy + PartialEq> Channels<K> {
         };
     }
 
-    /// Sets how requests are answered from the next one on. A request that would never have been answered is forgotten.
+    /// Sets how requests are answered from the next one on. Requests set to stay unanswered are discarded.
     pub fn set_fault(&mut self, fault: AnswerFault) {
         self.waiting.retain(|waiting| waiting.ready.is_some());
         self.fault = fault;

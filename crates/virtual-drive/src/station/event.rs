@@ -10,7 +10,7 @@ use profinet::{IpSuite, MacAddress};
 use crate::drive::Event as DriveEvent;
 use crate::store::ImageError;
 
-/// Something its owner should do or may want to know.
+/// An event that the owner has to handle or may report.
 #[derive(Debug, Clone, PartialEq)]
 pub enum StationEvent {
     /// Store this over a restart: name, address and I&M data that were set permanently.
@@ -33,7 +33,7 @@ pub enum StationEvent {
     ParametersIgnored(ImageError),
     /// A change by DCP was refused.
     SetRefused {
-        /// Who wanted it.
+        /// Origin of the request.
         source: MacAddress,
         /// Why.
         refusal: SetRefusal,
@@ -126,7 +126,7 @@ impl From<DriveEvent> for StationEvent {
 }
 
 impl StationEvent {
-    /// Returns a text of the event; the meaning of fault numbers is from `catalogue`. `None` for what only asks to
+    /// Returns a text of the event; the meaning of fault numbers is from `catalogue`. `None` for what only requests to
     /// be kept.
     #[must_use]
     pub fn words(&self, catalogue: &Catalogue) -> Option<String> {

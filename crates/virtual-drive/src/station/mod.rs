@@ -180,7 +180,7 @@ impl Station {
         }
     }
 
-    /// Restarts: connections are forgotten without a word, name and address are those to be kept, values as saved. How
+    /// Restarts: connections end without a frame; name, address and values are the saved ones. How
     /// long a start takes is in no source: no time.
     fn restart(&mut self) {
         self.drive.restart();
@@ -243,7 +243,7 @@ impl Station {
     }
 
     /// Makes the drive wait for its owner: changes that are to be saved are answered only when
-    /// [`report_save`](Self::report_save) says what became of them, and a name or address by DCP only after
+    /// [`report_save`](Self::report_save) reports the result, and a name or address by DCP only after
     /// [`report_network`](Self::report_network). Without this call they are answered at once.
     pub fn confirm_saves(&mut self) {
         self.drive.confirm_saves();
@@ -446,7 +446,7 @@ impl Station {
         Ok(())
     }
 
-    /// The controller has said what it wants: put the first inputs in and report ready.
+    /// The controller has sent its parameters: provide the first inputs and report ready.
     fn parameter_end(&mut self, now: Instant, ar: ArKey) {
         if let Some(module) = self.telegram() {
             let (telegram, place) = (module.telegram, (module.slot, module.subslot));

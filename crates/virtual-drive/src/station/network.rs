@@ -22,7 +22,7 @@ pub(super) struct Before {
     name: String,
     ip: IpSuite,
     finding: bool,
-    /// The Set overrules the switches: IP.MODE says so once it is stored.
+    /// The Set overrules the switches: IP.MODE shows this once it is stored.
     pub overruled: bool,
 }
 

@@ -1,4 +1,4 @@
-//! The saved state as text that a person can read and a program can trust:
+//! The saved state as readable text with a checksum:
 //!
 //! ```text
 //! profidrive state 2
@@ -9,9 +9,9 @@
 //! checksum 5b1c2d3e
 //! ```
 //!
-//! One parameter a line, in the order of its numbers, in its unit; a number that its unit cannot say exactly stands there
-//! as `raw 123`. The last line is the CRC-32 of everything before it. Text behind `#` and empty lines say nothing. A text
-//! of version 1 is read too: there only values in thousandths are in their unit, all others are raw.
+//! One parameter a line, in the order of its numbers, in its unit; a number without an exact decimal in its unit stands
+//! there as `raw 123`. The last line is the CRC-32 of everything before it. Text behind `#` and empty lines are
+//! ignored. A text of version 1 is read too: there only values in thousandths are in their unit, all others are raw.
 
 use profile::catalogue::{Parameter, Scale, Scaling};
 use profile::notation::setting::{Entry, Form, Problem, shorten};
@@ -192,7 +192,7 @@ fn print(parameter: &Parameter, raw: i64, scaling: &Scaling) -> (String, String)
             let whole = raw.unsigned_abs();
             format!("{sign}{}.{:03}", whole / 1000, whole % 1000)
         }
-        // As few decimals as say which number it is.
+        // The fewest decimals that identify the number.
         _ => {
             let value = parameter.engineering(raw, scaling);
             let says = |text: &String| parse(parameter, text, scaling) == Some(raw);
@@ -207,7 +207,7 @@ fn print(parameter: &Parameter, raw: i64, scaling: &Scaling) -> (String, String)
     }
 }
 
-/// Stands before a number on the wire that its unit cannot say exactly.
+/// Stands before a number on the wire without an exact decimal in its unit.
 const RAW: &str = "raw ";
 
 /// Returns the number for a text; `None` when it is not a number of this parameter or outside its size.

@@ -3,7 +3,7 @@
 //! The steps are those of a careful program on a file system: write everything beside the old text, force it to the
 //! medium, let the new one take the old one's place in one step, force that too.
 
-/// Where one text is kept. Implemented with files by whoever runs the drive; here for tests in memory.
+/// Where one text is kept. Callers implement it with files; this module has an implementation in memory for tests.
 pub trait Storage {
     /// Why the medium refuses.
     type Error;

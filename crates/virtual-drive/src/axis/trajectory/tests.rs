@@ -250,7 +250,7 @@ fn a_target_with_an_end_speed_is_passed_at_that_speed() {
             let passed = (watch.trajectory.position() - 5 * REV) as f64 / REV as f64;
             assert!((0.0..0.011).contains(&passed), "{passed}");
             assert!((watch.trajectory.speed() - f64::min(end, 600.0)).abs() < 4.0);
-            // It goes on until something else is wanted.
+            // The motion continues until the next command.
             (0..1000).for_each(|_| watch.step(DT, 600.0, &manner));
             watch.trajectory.aim(
                 goal,
@@ -455,7 +455,7 @@ proptest! {
         prop_assert_eq!(watch.trajectory.speed(), 0.0);
     }
 
-    /// Any goal at any moment: the bounds hold, and what is asked last comes about.
+    /// Any goal at any moment: the bounds hold, and the last command is carried out.
     #[test]
     fn on_the_fly(
         moments in proptest::collection::vec(

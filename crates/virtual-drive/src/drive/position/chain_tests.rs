@@ -428,7 +428,7 @@ fn a_change_that_could_not_brake_in_front_of_the_limit_is_refused() {
     assert!(bench.warned(169));
     bench.until(READY, 0x0400, 0x0400);
     assert!((bench.turns() - 10.0).abs() < 0.01);
-    // With a ramp that can: it passes the new target, comes back, and says so.
+    // With a ramp that can: it passes the new target, comes back, and reports it.
     bench.mdi(0.0, 1500.0, 60, true);
     bench.send(START, 1);
     while bench.turns() > 5.0 {
@@ -616,7 +616,7 @@ fn the_feedrate_slows_down_what_runs() {
     assert_eq!(bench.pace(), 0.0, "held");
     assert_eq!(bench.status() & 0x4000, 0x4000, "and still active");
     bench.write("MT_FEEDRATE", 100);
-    // Faster than the drive may: slower, and it says so.
+    // Faster than the drive may: slower, and it reports this.
     bench.task(2, -50.0, 5000.0, 50_000.0, 0);
     bench.set(signal::SATZANW, 2);
     bench.send(READY, 2);

@@ -280,7 +280,7 @@ impl Homing {
         let turns = limited || blocked;
         self.pressed = blocked && self.is_gentle();
         let (home, before) = (seen.inputs.home_switch, self.before);
-        // A latch knows the place of an edge better than the position now does.
+        // A latch is more precise than the present position.
         let edge = |now: Latch, before: Latch| {
             if now.count == before.count {
                 seen.position

@@ -2,11 +2,11 @@
 //!
 //! | file | what it holds |
 //! |---|---|
-//! | `task` | one motion task, what its control word says, the table of 128 |
+//! | `task` | one motion task with its control word, the table of 128 |
 //! | `run` | a task on its way: target, permission, what follows it |
 //! | `homing` | the methods of homing |
 //! | `limits`, `units` | software limits; units and modulo axes |
-//! | `setup` | the parameters that positioning obeys |
+//! | `setup` | the parameters of positioning |
 //! | `status` | ZSW1 bits 8 and 10 to 14, DRV.MOTIONSTAT, warnings |
 //! | `tick` | the part of a drive's tick |
 //! | `service` | the parameters and commands that do something: MT.SET, MT.MOVE, HOME.MOVE... |
@@ -339,7 +339,7 @@ impl Positioning {
         self.target = None;
     }
 
-    /// What the machine wants done.
+    /// Commands of the state machine.
     fn obey(&mut self, effect: PositionEffect, leg: Option<Leg>, seen: &Seen, rules: &Settings) {
         match effect {
             PositionEffect::None => {}

@@ -128,7 +128,7 @@ impl Wait {
     pub fn step(&mut self, seconds: f64, event: bool) -> bool {
         self.left -= seconds;
         self.event |= event;
-        // A wait of n milliseconds is over after n of them, whatever the last digit says.
+        // A wait of n milliseconds is over after n of them, whatever the last digit.
         let dwelt = self.left < 1.0e-9;
         match self.follow {
             Follow::AtOnce | Follow::PresentSpeed | Follow::NextSpeed => true,

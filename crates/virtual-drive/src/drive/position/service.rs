@@ -11,7 +11,7 @@ use crate::drive::{Drive, Mode};
 use crate::model::Place;
 
 impl Drive {
-    /// The telegram says where setpoints come from (DRV.CMDSOURCE): motion tasks belong to the service channel, speeds
+    /// The telegram selects the source of setpoints (DRV.CMDSOURCE): motion tasks belong to the service channel, speeds
     /// to the field bus. Source: the vendor's note on the command source with PROFINET.
     pub(in crate::drive) fn take_command_source(&mut self) {
         let setpoints = self.process.setpoints();

@@ -1,4 +1,4 @@
-//! What positioning obeys, taken out of the parameters once after each change.
+//! Settings of positioning, derived from the parameters once after each change.
 
 use profile::catalogue::{Part, Scaling};
 

@@ -58,7 +58,7 @@ impl Warnings {
         self.0 = if on { self.0 | bit } else { self.0 & !bit };
     }
 
-    /// Numbers that one of two sets has, with what the first one says.
+    /// Numbers that exactly one of two sets has, with the value in the first set.
     fn differing(self, other: Self) -> impl Iterator<Item = (u16, bool)> {
         let numbers = WARNINGS.into_iter().chain([NO_TABLE]).enumerate();
         numbers

@@ -1,4 +1,4 @@
-//! Motion tasks: what one says, and the table of them.
+//! Motion tasks: contents of a task and the table of tasks.
 
 use crate::axis::Ramps;
 

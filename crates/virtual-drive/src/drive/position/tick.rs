@@ -1,4 +1,4 @@
-//! Positioning in the tick of the drive: signals in, wishes to the machine, commands to the axis.
+//! Positioning in the tick of the drive: signals in, requests to the state machine, commands to the axis.
 
 use profile::state::{PositionCommand, PositionEffect, PositionInputs, PositionState, Stw1};
 use profile::telegram::signal;

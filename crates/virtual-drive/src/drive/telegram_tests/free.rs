@@ -247,7 +247,7 @@ fn a_signal_mapped_twice_has_the_value_of_its_first_place() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
-    /// Whatever is mapped and whatever a controller sends: what is in the frames is what the parameters say.
+    /// For every mapping and every setpoint, the frames contain the values of the parameters.
     #[test]
     fn any_mapping_and_any_outputs(
         writes in prop::collection::vec((any::<bool>(), 1..14_u16, prop_oneof![0..40_i64, 95..112_i64, Just(52)]), 0..40),
