@@ -172,7 +172,7 @@ fn response_blocks(response: &Response<'_>) -> Vec<(u8, u8)> {
         .collect()
 }
 
-/// Fails the test unless the dissector and we read the same parameter jobs; says how many frames that were.
+/// Fails the test unless the dissector and we read the same parameter jobs; returns the number of frames.
 #[track_caller]
 pub fn same_parameters(capture: &Path, dialect: &Dialect) -> usize {
     let theirs = judge::parameter_frames(capture);
@@ -185,8 +185,8 @@ pub fn same_parameters(capture: &Path, dialect: &Dialect) -> usize {
         capture.display()
     );
     for (theirs, ours) in theirs.iter().zip(&ours) {
-        // behind a block with a pad octet the dissector is out of step (tshark does not know the pad octet), so only what
-        // stands before it is compared
+        // behind a block with a pad octet the dissector is out of step (tshark does not expect the pad octet), so only
+        // what stands before it is compared
         let known = ours
             .blocks
             .iter()

@@ -9,7 +9,7 @@ use crate::programs::built;
 /// How long a command of the client may take.
 const SHORT: Duration = Duration::from_secs(20);
 
-/// Virtual drives at the end for devices, once they are ready; `more` says which.
+/// Virtual drives at the end for devices, once they are ready; `more` selects them.
 pub fn simulate(lab: &Lab, more: &[&str]) -> Running {
     simulate_at(lab, Side::Device, more)
 }

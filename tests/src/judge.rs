@@ -1,4 +1,4 @@
-//! An independent dissector (tshark) reads every frame and is asked what it thinks of them.
+//! An independent dissector (tshark) checks every frame.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -12,7 +12,7 @@ use crate::compare;
 const ERROR: &str = "8388608";
 const WARNING: &str = "6291456";
 
-/// What the dissector thinks of a capture.
+/// Findings of the dissector in a capture.
 #[derive(Debug, Clone, Default)]
 pub struct Verdict {
     /// Frames read.
@@ -23,7 +23,7 @@ pub struct Verdict {
     pub errors: Vec<String>,
     /// Warning-level notes that are not among the known false alarms.
     pub warnings: Vec<String>,
-    /// Frames with an objection that is not held against them: they carry a pad octet, which the dissector does not know.
+    /// Frames with an objection that does not count: they have a pad octet, which the dissector does not expect.
     pub exempted: BTreeSet<usize>,
 }
 
@@ -57,7 +57,7 @@ impl Verdict {
     }
 }
 
-/// Asks the dissector about every frame of a capture.
+/// Checks every frame of a capture.
 #[must_use]
 pub fn judge(capture: &Path) -> Verdict {
     let mut verdict = Verdict::default();

@@ -72,7 +72,7 @@ impl Share {
 }
 
 // Runs as the first process of fresh user, network, mount and process-number namespaces. When its standard input closes,
-// because the test is done or died, it ends, and the kernel ends everything else in there.
+// because the test has ended or crashed, it ends, and the kernel ends everything else in there.
 const FIRST_PROCESS: &str = r#"set -e
 read -r pid rest </proc/self/stat
 mount -t tmpfs lab /run
@@ -108,7 +108,7 @@ impl Lab {
     /// Makes the namespaces; logs and captures go to `target/system/<name>`.
     ///
     /// # Panics
-    /// When this machine allows no namespaces; `make setup` says so too.
+    /// When this machine allows no namespaces; `make setup` reports it too.
     #[must_use]
     pub fn new(name: &str) -> Self {
         Self::with(name, Share::shared())

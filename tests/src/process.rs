@@ -67,8 +67,8 @@ pub fn step<'a>(steps: &'a [serde_json::Value], name: &str) -> &'a serde_json::V
 }
 
 impl Running {
-    /// Starts `command`; its output goes to `<log>.out` and `<log>.err`. `entered` says that the command is a tool that
-    /// forks the program proper.
+    /// Starts `command`; its output goes to `<log>.out` and `<log>.err`. `entered` means that the command is a tool
+    /// that forks the program proper.
     pub(crate) fn start(name: &str, mut command: Command, log: &Path, entered: bool) -> Self {
         let out = log.with_extension("out");
         let err = log.with_extension("err");
@@ -190,14 +190,14 @@ impl Running {
         }
     }
 
-    /// Asks it to end as Ctrl-C does, and waits.
+    /// Sends SIGINT, as Ctrl-C does, and waits for the end.
     #[track_caller]
     pub fn interrupt(self, limit: Duration) -> Finished {
         self.signal("INT");
         self.finish(limit)
     }
 
-    /// Ends it at once, without a chance to say goodbye.
+    /// Kills it at once, without an orderly end.
     pub fn kill(&mut self) {
         if self.status().is_none() {
             self.signal("KILL");

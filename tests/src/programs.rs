@@ -75,7 +75,7 @@ pub fn capture_files() -> Vec<PathBuf> {
     files
 }
 
-/// Polls until `done` or the limit; says whether it was done.
+/// Polls until `done` or the limit; returns whether it was done.
 pub fn wait_until(limit: Duration, mut done: impl FnMut() -> bool) -> bool {
     let until = Instant::now() + limit;
     loop {

@@ -1,4 +1,4 @@
-//! Reads a payload with our decoders and writes what was understood with our builders. Equal octets mean that nothing was
+//! Reads a payload with our decoders and encodes the result with our builders. Equal octets mean that nothing was
 //! misread, lost or invented.
 
 use profinet::wire::alarm::{Alarm, RtaPdu, RtaType};

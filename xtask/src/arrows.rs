@@ -1,5 +1,5 @@
-//! `arrows`: the crates may only know each other as the table below says; cargo's own metadata is the witness. Within a crate
-//! [`circles`] checks the files.
+//! `arrows`: the crates may only depend on each other as in the table below; checked by cargo's metadata. Within a
+//! crate [`circles`] checks the files.
 
 use std::path::Path;
 use std::process::Command;

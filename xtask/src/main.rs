@@ -15,7 +15,7 @@ mod notices;
 mod pages;
 mod table;
 
-/// A house task either works or says why not.
+/// Result of a task; the error is a text for the user.
 type Outcome<T> = Result<T, Box<dyn Error>>;
 
 const USAGE: &str = "usage: cargo run -p xtask -- <task>

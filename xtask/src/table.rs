@@ -1,5 +1,5 @@
 //! The tables in `data/`: comma separated, the first line names the columns. The crate `csv` takes them apart, this gives
-//! cells by column and says where something is wrong.
+//! cells by column and reports the place of an error.
 
 use std::path::Path;
 

@@ -1,5 +1,5 @@
 //! Our controller and our client of the parameter channel, for a device with PPO modules in its slots: asks one thing after
-//! the other in each slot and says in one JSON object a line what came.
+//! the other in each slot and prints one JSON object per line with the results.
 //!
 //! `ppo-controller INTERFACE NAME`; slot 1 has PPO type 1, slot 2 the parameter channel alone, slot 3 PPO type 2.
 #![forbid(unsafe_code)]

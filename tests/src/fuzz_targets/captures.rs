@@ -1,4 +1,4 @@
-//! Recorded traffic: the files, and what `decode` says about them.
+//! Recorded traffic: the files, and the output of `decode` for them.
 
 use std::time::Duration;
 
@@ -55,7 +55,7 @@ fn walked(frames: &[(Duration, &[u8])]) -> Vec<Event> {
     events
 }
 
-/// What `decode --hex` says about octets: for every model, bounded, and the same every time.
+/// Output of `decode --hex`: bounded and reproducible for every model.
 pub fn octets(data: &[u8]) {
     let lines = explained(data);
     let length: usize = lines.iter().map(String::len).sum();

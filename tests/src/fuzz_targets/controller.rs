@@ -64,7 +64,7 @@ fn config(resolve: Resolve) -> ConnectConfig {
     config
 }
 
-/// What the device at the other end knows of the controller.
+/// State of the device at the other end.
 #[derive(Default)]
 struct Peer {
     /// Header of the latest request.
@@ -87,7 +87,8 @@ impl Peer {
         }
     }
 
-    /// Returns a datagram that fits the present call, as far as the fuzzed octets want: the first one says which kind.
+    /// Returns a datagram that fits the present call, as far as the fuzzed octets select it: the first one selects the
+    /// kind.
     fn says(&self, mode: u8, content: &[u8]) -> Vec<u8> {
         let header = match (mode % 4, &self.asked) {
             (1, Some(asked)) => asked.reply(PacketType::Response),
@@ -154,7 +155,7 @@ pub fn controller(data: &[u8]) {
         }
         settle(&mut controller, now, &mut peer, &mut lost);
     }
-    // nothing more comes: within its own time limits the connection has ended, and said so once
+    // nothing more comes: within its own time limits the connection has ended, and reported it once
     let end = now + Duration::from_secs(1000);
     for _ in 0..20_000 {
         if lost > 0 || now > end {

@@ -6,7 +6,7 @@ use virtual_drive::model;
 use virtual_drive::station::{Station, StationConfig};
 
 /// Device descriptions: a check knows everything that reading refuses, and what is read is written and read back as the
-/// same. Whatever it says, a drive is made of it or it is refused.
+/// same. A drive is created from it or it is rejected.
 pub fn gsdml(data: &[u8]) {
     let report = ::gsdml::check(data, Some("GSDML-V2.35-Vendor-Drive-20260101.xml"));
     assert!(report.problems.len() <= 201);

@@ -123,7 +123,7 @@ pub fn converter(data: &[u8]) {
 /// The saved state of a drive.
 pub fn state(data: &[u8]) {
     if let Ok(image) = Image::decode(data) {
-        // comments are not kept, so the text may differ; what it says may not
+        // comments are not kept, so the text may differ; its contents may not
         let again = Image::decode(image.encode().as_bytes()).unwrap();
         assert!(image.entries().eq(again.entries()));
         assert_eq!(image.model(), again.model());

@@ -35,7 +35,7 @@ pub fn dcp(data: &[u8]) {
         let _ = wire_dcp::legal_name(text);
     }
     let payload = Frame::parse(data).map_or(data, |frame| frame.payload);
-    // what was understood must be understood again, and then be the same
+    // a decoded frame must decode again after encoding, to the same value
     if let Ok(once) = rewrite::dcp(payload) {
         assert_eq!(rewrite::dcp(&once).as_ref(), Ok(&once));
     }

@@ -1,4 +1,4 @@
-//! What comes from the neighbour and from whoever asks about it.
+//! Frames of neighbours (LLDP) and requests about them (SNMP).
 
 use std::net::SocketAddrV4;
 
@@ -16,7 +16,7 @@ use super::steps::{Step, Steps};
 
 const NEIGHBOUR: MacAddress = MacAddress([2, 0, 0, 0, 0, 9]);
 
-/// LLDPDUs: what is understood is understood again, and what is remembered is bounded.
+/// LLDPDUs: decoded ones decode again after encoding, and the stored neighbours are bounded.
 pub fn lldp(data: &[u8]) {
     if let Ok(lldpdu) = Lldpdu::decode(Reader::new(data)) {
         let mut again = Vec::new();

@@ -82,7 +82,7 @@ pub fn parameter_request(data: &[u8]) {
         let Ok(request) = Request::parse(data, dialect.code_space) else {
             continue;
         };
-        // a client always asks the axis of its drive's dialect, and what that drive can
+        // a client always addresses the axis of its drive's dialect, and what that drive can
         if request.axis() != dialect.axis || !dialect.knows(request.id()) {
             continue;
         }

@@ -71,7 +71,7 @@ fn again<T: PartialEq + std::fmt::Debug>(
     decode: impl Fn(Reader<'_>) -> Result<T, DecodeError>,
     encode: impl Fn(&T, &mut Vec<u8>),
 ) {
-    // a block cannot say a length beyond this
+    // a block cannot encode a length beyond this
     if data.len() > 60_000 {
         return;
     }

@@ -1,4 +1,4 @@
-//! RPC: its bodies, and a server and a client that live through anything.
+//! RPC: its bodies, and a server and a client that survive all input.
 
 use std::net::SocketAddrV4;
 use std::time::Duration;

@@ -11,7 +11,7 @@ pub(super) enum Step<'a> {
 }
 
 /// Cuts fuzzed octets into steps: kind, length in two octets, content. Kind 0 modulo 3 is a frame, 1 a datagram, 2 a
-/// pause of as many milliseconds as the length says.
+/// pause of as many milliseconds as the length gives.
 pub(super) struct Steps<'a>(pub &'a [u8]);
 
 impl<'a> Iterator for Steps<'a> {

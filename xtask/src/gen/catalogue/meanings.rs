@@ -16,7 +16,7 @@ pub struct Meanings {
     fields: BTreeMap<String, Vec<(u8, u8, String)>>,
     /// Words of which no bit has a text here, and the profile's own.
     words: BTreeMap<String, &'static str>,
-    /// Parameters that say the same as another one.
+    /// Parameters with the meanings of another one.
     same: BTreeMap<String, String>,
     /// What to do when the present state forbids a write.
     not_now: BTreeMap<String, String>,
@@ -183,7 +183,7 @@ impl Meanings {
         }
     }
 
-    /// Returns the parameter whose texts this one has: what the row `same` says, else itself, by its number where the
+    /// Returns the parameter whose texts this one has: the one in the row `same`, else itself, by its number where the
     /// table has that and not the name.
     fn source<'a>(&'a self, parameter: &'a str, key: &'a str) -> &'a str {
         let has = |name: &str| {
