@@ -1,7 +1,8 @@
 //! Two network namespaces joined by a cable, made for one test and gone with it.
 
 use std::ffi::OsStr;
-use std::io::{BufRead, BufReader};
+use std::fs::File;
+use std::io::{BufRead, BufReader, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -9,7 +10,7 @@ use std::sync::{PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
 use std::time::Duration;
 
 use crate::process::{Finished, Running};
-use crate::programs::root;
+use crate::programs::{root, wait_until};
 
 /// An end of the cable.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -150,7 +151,7 @@ impl Lab {
                 ])
                 .stdin(Stdio::piped())
                 .stdout(Stdio::piped())
-                .stderr(std::fs::File::create(folder.join("lab.err")).unwrap())
+                .stderr(File::create(folder.join("lab.err")).unwrap())
                 .spawn()
                 .unwrap_or_else(|e| panic!("cannot run unshare ({e}): run `make setup`"));
             let mut line = String::new();
@@ -261,7 +262,17 @@ impl Lab {
         let arguments = ["-q", "-i", Side::Controller.interface(), "-B", "64", "-w", &path];
         let mut recorder = self.spawn(Side::Controller, "dumpcap", arguments);
         recorder.wait_for("File:", Duration::from_secs(10));
-        Capture { file, recorder }
+        let mut last_frame = self.command(
+            Side::Controller,
+            Path::new("ping"),
+            ["-c", "1", "-W", "1", NOBODY],
+        );
+        last_frame.stdout(Stdio::null()).stderr(Stdio::null());
+        Capture {
+            file,
+            recorder,
+            last_frame,
+        }
     }
 }
 
@@ -272,19 +283,39 @@ impl Drop for Lab {
     }
 }
 
+/// An address that no station has: the controller's end requests its MAC by ARP, in vain.
+const NOBODY: &str = "192.168.77.254";
+/// Target of this request: no MAC yet, and the address.
+const NOBODY_TARGET: [u8; 10] = [0, 0, 0, 0, 0, 0, 192, 168, 77, 254];
+
 /// A running recording.
 #[derive(Debug)]
 pub struct Capture {
     file: PathBuf,
     recorder: Running,
+    /// Sends a frame that nothing else sends.
+    last_frame: Command,
 }
 
 impl Capture {
     /// Ends the recording and gives its file. Fails the test when the recorder missed frames.
     #[track_caller]
-    pub fn stop(self) -> PathBuf {
-        // the recorder hands frames over in blocks; give the last one time
-        std::thread::sleep(Duration::from_millis(400));
+    pub fn stop(mut self) -> PathBuf {
+        // the recorder gets frames in blocks and in their order: with this one in its file it has all before
+        let mut file = File::open(&self.file).unwrap();
+        let end = file.seek(SeekFrom::End(0)).unwrap();
+        let mut sender = self.last_frame.spawn().unwrap();
+        let complete = wait_until(Duration::from_secs(10), || {
+            let mut recorded = Vec::new();
+            file.seek(SeekFrom::Start(end)).unwrap();
+            file.read_to_end(&mut recorded).unwrap();
+            recorded
+                .windows(NOBODY_TARGET.len())
+                .any(|octets| octets == NOBODY_TARGET)
+        });
+        let _ = sender.kill();
+        let _ = sender.wait();
+        assert!(complete, "the recorder did not record its last frame");
         let finished = self.recorder.interrupt(Duration::from_secs(10)).ok();
         let dropped = finished
             .err

@@ -227,7 +227,7 @@ impl<'a> App<'a> {
             match self.connect_all(names) {
                 Ok(ars) => return Ok(ars),
                 Err(error) if self.carrier.now() > until => return Err(error),
-                Err(_) => {}
+                Err(error) => say(json!({"step": "absent", "error": error.to_string()})),
             }
         }
     }
@@ -298,6 +298,7 @@ impl<'a> App<'a> {
             .iter()
             .map(|ar| self.carrier.controller().sent(*ar).unwrap_or_default())
             .collect();
+        say(json!({"step": "exchanging"}));
         let seconds = self.option("seconds", 20);
         let until = start + Duration::from_secs(seconds);
         let speed = self.option("speed", 0) as i16;

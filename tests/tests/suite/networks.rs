@@ -210,9 +210,12 @@ fn simulate_reports_duplicate_names_and_addresses() {
     let lab = Lab::new("networks-taken");
     let capture = lab.capture("traffic");
     let drive = ["--name", "akd-1", "--ip", "192.168.77.50/24"];
-    let _one = simulate(&lab, &drive);
-    // two that begin at once would find each other: this one was there first
-    std::thread::sleep(Duration::from_millis(500));
+    // two that begin at once would find each other: the check of this one is over when it reports an address of its own computer
+    lab.address(Side::Device, "192.168.77.50/24");
+    let mut one = simulate(&lab, &drive);
+    one.wait_for("this computer's own, on dev0", SHORT);
+    let remove = ["addr", "del", "192.168.77.50/24", "dev", "dev0"];
+    lab.run(Side::Device, "ip", remove, SHORT).ok();
     // the same again at either end: the two are indistinguishable
     for side in [Side::Device, Side::Controller] {
         let again = [&["simulate", "-i", side.interface()], &drive[..]].concat();

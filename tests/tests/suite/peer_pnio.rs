@@ -91,11 +91,11 @@ fn a_killed_device_is_noticed_and_found_again() {
         "hold=12",
     ];
     let mut controller = lab.spawn(Side::Controller, built("test-controller"), arguments);
-    controller.wait_for("running", Duration::from_secs(20));
-    std::thread::sleep(Duration::from_secs(1));
+    controller.wait_for("exchanging", Duration::from_secs(20));
     first.kill();
     controller.wait_for("lost", Duration::from_secs(3));
-    std::thread::sleep(Duration::from_secs(1));
+    // it looked for the device in vain
+    controller.wait_for("absent", Duration::from_secs(20));
     let _second = device(&lab);
     let steps = controller.finish(Duration::from_secs(60)).ok().json_lines();
     let file = capture.stop();
