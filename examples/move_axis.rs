@@ -6,8 +6,8 @@ use std::error::Error;
 use std::time::Duration;
 
 use profidrive::client::axis::{Move, Purpose};
-use profidrive::client::{AxisSettings, DriveAddress, Wait};
-use profidrive::profile::notation::Position;
+use profidrive::client::{AxisSettings, DriveAddress, Enabled, Wait};
+use profidrive::profile::notation::{Position, fixed};
 use profidrive::profile::state::Mode;
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -25,10 +25,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     ] {
         // what speaks against a move is reported before anything is sent
         enabled.move_to(&order).wait()?;
-        println!(
-            "at {:.3} rev",
-            enabled.status().and_then(|s| s.position).unwrap_or_default()
-        );
+        print(&enabled);
     }
     let far = enabled.plan(&Move::to(Position::Turns(500.0), 300.0)).wait()?;
     enabled.start(&far).wait()?;
@@ -36,11 +33,13 @@ fn main() -> Result<(), Box<dyn Error>> {
     let home = enabled.plan(&Move::to(Position::Turns(0.0), 300.0)).wait()?;
     enabled.start(&home).wait()?; // on the fly
     enabled.reach_target(Some(Duration::from_secs(30))).wait()?;
-    println!(
-        "at {:.3} rev",
-        enabled.status().and_then(|s| s.position).unwrap_or_default()
-    );
+    print(&enabled);
     enabled.disable().wait()?;
     axis.release().wait()?;
     Ok(())
+}
+
+fn print(axis: &Enabled<'_>) {
+    let position = axis.status().and_then(|status| status.position);
+    println!("at {} rev", fixed(position.unwrap_or_default(), 3));
 }

@@ -8,6 +8,7 @@ mod conformance;
 mod corpus;
 mod decode;
 mod docs;
+mod examples;
 mod fleet;
 mod full_disk;
 mod gsdml;

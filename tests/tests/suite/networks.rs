@@ -3,7 +3,7 @@
 
 use std::time::Duration;
 
-use system_tests::{Finished, Lab, Side, built, client, judge, root, simulate, simulate_at};
+use system_tests::{Finished, Lab, Side, built, client, judge, simulate, simulate_at};
 
 const SHORT: Duration = Duration::from_secs(20);
 /// Shorter than any wait for an answer that cannot come.
@@ -15,48 +15,6 @@ fn refused(finished: &Finished, code: i32, words: &[&str]) {
     for words in words {
         assert!(finished.err.contains(words), "{words}: {finished:?}");
     }
-}
-
-/// The example that a user of the library begins with, and what it says where there is no such interface.
-#[test]
-fn the_first_program_on_a_real_network() {
-    let lab = Lab::new("networks-example");
-    let _drive = simulate(&lab, &["--name", "akd-1", "--ip", "192.168.77.50/24"]);
-    let run = |interface: &str| {
-        let program = built("examples/first_program");
-        lab.run(Side::Controller, program, [interface, "akd-1"], SHORT)
-    };
-    let finished = run(Side::Controller.interface()).ok();
-    for line in ["waits: not commanded", "DRV.ACC = 3000 rpm/s"] {
-        assert!(finished.out.contains(line), "{line}: {finished:?}");
-    }
-    let finished = run("eth99");
-    assert_eq!(finished.code, Some(1), "{finished:?}");
-    assert!(finished.err.contains("eth99"), "{finished:?}");
-}
-
-/// The same program, without a network and in virtual time.
-#[test]
-fn the_first_program_in_a_plant() {
-    let run = |place: &str| {
-        let mut program = std::process::Command::new(built("examples/first_program"));
-        let ended = program
-            .current_dir(root())
-            .args([place, "akd-1"])
-            .output()
-            .unwrap();
-        let [out, err] = [ended.stdout, ended.stderr].map(|text| String::from_utf8(text).unwrap());
-        (ended.status.code(), out, err)
-    };
-    let (code, out, err) = run("examples/plants/one_drive.toml");
-    assert_eq!(code, Some(0), "{err}");
-    for line in ["akd-1", "waits: not commanded", "DRV.ACC = 3000 rpm/s"] {
-        assert!(out.contains(line), "{line}: {out}");
-    }
-    assert_eq!(run("examples/plants/one_drive.toml").1, out);
-    let (code, _, err) = run("examples/plants/none.toml");
-    assert_eq!(code, Some(1), "{err}");
-    assert!(err.contains("examples/plants/none.toml"), "{err}");
 }
 
 /// A second address on the interface, and the drive in its subnet.

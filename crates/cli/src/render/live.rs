@@ -6,6 +6,7 @@ use client::AxisStatus;
 use client::axis::SpeedUnit;
 use profidrive::motion::AxisState;
 use profidrive::report::Quantity;
+use profile::notation::fixed;
 use profile::state::{Mode, bits};
 use profile::value::Beyond;
 
@@ -224,7 +225,7 @@ fn picture(view: &AxisView, output: &Output) -> Vec<String> {
     let speed = |name: &str, rpm: f64| {
         let reference = view.speed_set.unwrap_or(0.0);
         let unit = view.unit.symbol();
-        format!("  {name} {rpm:>9.2} {unit}  {}", scale(rpm, reference))
+        format!("  {name} {:>9} {unit}  {}", fixed(rpm, 2), scale(rpm, reference))
     };
     let (stw1_bits, zsw1_bits) = (bits::stw1(view.mode), bits::zsw1(view.mode));
     let mut lines = vec![
@@ -251,7 +252,7 @@ fn picture(view: &AxisView, output: &Output) -> Vec<String> {
         ("actual", view.turns),
         ("error ", view.following_error),
     ] {
-        lines.extend(turns.map(|turns| format!("  {name} {turns:>9.3} rev")));
+        lines.extend(turns.map(|turns| format!("  {name} {:>9} rev", fixed(turns, 3))));
     }
     if let Some(position) = view.position {
         lines.push(format!("  position {position:>12.0}"));

@@ -3,6 +3,7 @@
 use std::fmt;
 
 use profile::catalogue::Part;
+use profile::notation::fixed;
 
 use crate::Advice;
 use crate::names::read_in_models;
@@ -72,7 +73,7 @@ impl fmt::Display for Evidence {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mut parts = Vec::new();
         if let Some(error) = self.following_error {
-            parts.push(format!("following error {error:.3} rev"));
+            parts.push(format!("following error {} rev", fixed(error, 3)));
         }
         if let Some(current) = self.current {
             let limit = self

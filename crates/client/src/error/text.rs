@@ -1,6 +1,7 @@
 //! The words that messages are made of.
 
 use profile::catalogue::name_distance;
+use profile::notation::fixed;
 use profile::state::Mode;
 use profinet::MacAddress;
 use profinet::controller::{ServiceError, Station};
@@ -82,7 +83,10 @@ pub(super) fn reaction_text(reaction: &Option<Box<LossReaction>>) -> String {
 }
 
 pub(super) fn speed_text(speed: Option<f64>, unit: &str) -> String {
-    speed.map_or_else(|| "not reported".into(), |speed| format!("{speed:.1} {unit}"))
+    speed.map_or_else(
+        || "not reported".into(),
+        |speed| format!("{} {unit}", fixed(speed, 1)),
+    )
 }
 
 /// Returns the speed of an axis that should have moved.

@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use profile::catalogue::{Parameter, Part};
+use profile::notation::fixed;
 
 use super::unread::SILENCE;
 use super::{AxisSettings, AxisStatus, STANDS, Session};
@@ -333,8 +334,8 @@ fn seen_last(last: Option<&StopOutcome>) -> String {
         "whether its stop was sent is not known"
     };
     let speed = match (last.speed, last.percent) {
-        (Some(rpm), _) => format!("{rpm:.1} rpm"),
-        (None, Some(percent)) => format!("{percent:.1} % of its reference"),
+        (Some(rpm), _) => format!("{} rpm", fixed(rpm, 1)),
+        (None, Some(percent)) => format!("{} % of its reference", fixed(percent, 1)),
         (None, None) => "an unknown speed".to_owned(),
     };
     let stage = match last.enabled {

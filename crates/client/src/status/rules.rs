@@ -2,6 +2,7 @@
 //! cause are in `data/profile/causes.csv`.
 
 use profile::catalogue::{Cleared, Part};
+use profile::notation::fixed;
 use profile::state::{
     Mode, PositionMachine, Profile, SetpointChannel, SpeedCommand, Start, State, Stw1, Zsw1,
 };
@@ -680,8 +681,8 @@ pub(super) fn turns(status: &DriveStatus) -> bool {
 /// The speed in the unit in which it is known.
 fn speed(status: &DriveStatus) -> String {
     match (status.speed_actual, status.speed_percent) {
-        (None, Some(percent)) => format!("{percent:.1} % of its reference"),
-        (speed, _) => format!("{:.1} rpm", speed.unwrap_or_default()),
+        (None, Some(percent)) => format!("{} % of its reference", fixed(percent, 1)),
+        (speed, _) => format!("{} rpm", fixed(speed.unwrap_or_default(), 1)),
     }
 }
 

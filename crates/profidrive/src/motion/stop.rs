@@ -9,6 +9,7 @@ use serde::Serialize;
 
 use super::error::MotionError;
 use crate::report::{Controller, Quantity};
+use profile::notation::fixed;
 
 /// What became of a stop.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -140,8 +141,8 @@ impl StopReport {
 impl fmt::Display for StopReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let speed = |speed: &Option<Quantity>| match speed {
-            Some(speed) if speed.unit == "%" => format!("{:.1} % of its reference", speed.value),
-            Some(speed) => format!("{:.1} {}", speed.value, speed.unit),
+            Some(speed) if speed.unit == "%" => format!("{} % of its reference", fixed(speed.value, 1)),
+            Some(speed) => format!("{} {}", fixed(speed.value, 1), speed.unit),
             None => "an unknown speed".into(),
         };
         let drive = &self.drive;

@@ -46,6 +46,22 @@ pub fn figures(value: f64) -> String {
     String::from(if text == "-0" { "0" } else { text })
 }
 
+/// Returns a number with so many digits behind the point. Zero has no sign, also where the number is rounded to it.
+///
+/// ```
+/// use profidrive_profile::notation::fixed;
+/// assert_eq!(fixed(-1.25, 1), "-1.2");
+/// assert_eq!(fixed(-0.0004, 3), "0.000");
+/// ```
+#[must_use]
+pub fn fixed(value: f64, decimals: usize) -> String {
+    let text = format!("{value:.decimals$}");
+    match text.strip_prefix('-') {
+        Some(size) if size.trim_matches(['0', '.']).is_empty() => String::from(size),
+        _ => text,
+    }
+}
+
 /// `-9.223372e18`, `1e300`.
 fn scientific(value: f64) -> String {
     let text = format!("{value:.*e}", DIGITS - 1);
@@ -84,6 +100,20 @@ mod tests {
             (f64::INFINITY, "inf"),
         ] {
             assert_eq!(figures(value), text, "{value:?}");
+        }
+    }
+
+    #[test]
+    fn zero_has_no_sign() {
+        for (value, decimals, text) in [
+            (-0.0, 2, "0.00"),
+            (-0.0004, 3, "0.000"),
+            (-0.0006, 3, "-0.001"),
+            (-0.4, 0, "0"),
+            (-10.0, 0, "-10"),
+            (f64::NEG_INFINITY, 1, "-inf"),
+        ] {
+            assert_eq!(fixed(value, decimals), text, "{value:?}");
         }
     }
 

@@ -10,7 +10,7 @@ mod reference;
 pub mod setting;
 mod units;
 
-pub use figures::figures;
+pub use figures::{figures, fixed};
 pub use position::{NoPosition, Position};
 pub use quantity::{Number, Quantity, QuantityError, UnitMismatch};
 pub use reference::{Elements, Notation, ParameterReference, Prefix, ReferenceError, Shown, Target};
