@@ -3,6 +3,8 @@
 use client::{Action, Advice, Choice};
 use profidrive::report::Wording;
 
+use crate::args::model_option;
+
 /// The words of this program for advice about a drive.
 #[derive(Debug, Clone, Copy)]
 pub struct Commands<'a>(pub &'a str);
@@ -70,10 +72,10 @@ pub fn command(action: &Action, drive: &str) -> Option<String> {
 }
 
 /// The option of a choice.
-const fn option(choice: Choice) -> &'static str {
-    match choice {
+fn option(choice: Choice) -> String {
+    let fixed = match choice {
         Choice::Description => "--gsdml FILE",
-        Choice::Model => "--model akd|vlt|vacon",
+        Choice::Model => return model_option(),
         Choice::Cycle => "--cycle",
         Choice::Time => "--timeout",
         Choice::SpeedLimit => "--limit",
@@ -83,13 +85,14 @@ const fn option(choice: Choice) -> &'static str {
         Choice::ReferenceSpeed => "--reference-speed 1500rpm",
         Choice::RunOn => "--may-run-on",
         _ => "another option",
-    }
+    };
+    fixed.to_owned()
 }
 
 /// Advice with its actions as commands and options of this program.
 pub fn text(advice: &Advice, drive: &str) -> String {
     advice.worded(|action| match (action, command(action, drive)) {
-        (Action::Choose(choice), _) => option(*choice).to_owned(),
+        (Action::Choose(choice), _) => option(*choice),
         (_, Some(command)) => format!("`{command}`"),
         (other, None) => other.to_string(),
     })

@@ -354,6 +354,12 @@ fn model(text: &str) -> Result<profile::model::Model, String> {
     })
 }
 
+/// The option that takes a drive as a model with built-in tables: `--model akd|..`.
+pub(crate) fn model_option() -> String {
+    let names = profile::model::ALL.map(|model| model.key);
+    format!("--model {}", names.join("|"))
+}
+
 /// A time with its unit (`5s`, `16ms`, `2min`); a bare number is in seconds.
 pub(crate) fn duration(text: &str) -> Result<Duration, String> {
     let quantity: Quantity = text.parse().map_err(|error| format!("{error}"))?;

@@ -3,12 +3,14 @@
 use crate::catalogue::{self, Catalogue, Scaling};
 use crate::parameter::Dialect;
 use crate::pkw::PkwDialect;
-use crate::state::ControlWords;
+use crate::state::{ControlWords, Zsw1};
 
 /// Record index of the parameter channel: base mode parameter access, global.
 const GLOBAL_ACCESS: u16 = 0xB02F;
 /// The same, local.
 const LOCAL_ACCESS: u16 = 0xB02E;
+/// A model without such a bit in its status word.
+const NO_BIT: Zsw1 = Zsw1(0);
 /// API of the drive profile.
 pub const PROFIDRIVE_API: u32 = 0x3A00;
 
@@ -31,6 +33,8 @@ pub struct Model {
     pub pkw: Option<&'static PkwDialect>,
     /// Whose bits its control and status words have.
     pub words: ControlWords,
+    /// Bits of ZSW1 that report a running traversing task; none where the model has no such bit.
+    pub task_active: Zsw1,
     /// True when PNU 964 index 1 identifies this model, whatever the device id.
     pub identified_by_unit: bool,
     /// The tables were read from a drive: they hold its parameters and nothing else.
@@ -71,6 +75,7 @@ pub static AKD: Model = Model {
     channel: Channel::of(&catalogue::AKD, GLOBAL_ACCESS),
     pkw: None,
     words: ControlWords::PROFIDRIVE,
+    task_active: Zsw1::TASK_ACTIVE,
     identified_by_unit: false,
     learned: false,
 };
@@ -85,6 +90,7 @@ pub static VLT: Model = Model {
     channel: Channel::of(&catalogue::VLT, LOCAL_ACCESS),
     pkw: Some(&PkwDialect::DANFOSS_PPO),
     words: ControlWords::VLT,
+    task_active: NO_BIT,
     identified_by_unit: true,
     learned: false,
 };
@@ -99,6 +105,7 @@ pub static VACON: Model = Model {
     channel: Channel::of(&catalogue::VACON, LOCAL_ACCESS),
     pkw: None,
     words: ControlWords::VACON,
+    task_active: NO_BIT,
     identified_by_unit: true,
     learned: false,
 };
@@ -118,6 +125,7 @@ pub static STANDARD: Model = Model {
     },
     pkw: None,
     words: ControlWords::PROFIDRIVE,
+    task_active: NO_BIT,
     identified_by_unit: false,
     learned: false,
 };

@@ -60,7 +60,7 @@ fn failure(name: &str, error: &DescriptionError) -> Failure {
             "{name} is of vendor 0x{vendor:04X} ({}), of which no drive is simulated",
             clean(vendor_name)
         ))
-        .hint("--model akd|vlt|vacon says what the drive is inside; to others it is that of the file"),
+        .hint("{choose model} says what the drive is inside; to others it is that of the file"),
         _ => Failure::new(ErrorKind::Local, format!("{name}: {}", clean(&error.to_string()))).hint(format!(
             "`profidrive gsdml show {name}` shows access points and modules"
         )),

@@ -3,7 +3,6 @@
 use std::time::Duration;
 
 use profile::catalogue::Device;
-use profile::state::Zsw1;
 use profile::value::Reading;
 use profinet::controller::{ArId, ConnectConfig, Misuse, Resolve, Target};
 
@@ -120,8 +119,7 @@ impl Session {
             stop: settings.stop,
             standstill: standstill(&scale),
             accept: ACCEPT.max(cycle * 16),
-            // a bit of the AKD, which is the only model whose telegrams are known
-            task_active: Zsw1::TASK_ACTIVE,
+            task_active: drive.model.task_active,
             ..Limits::default()
         };
         let telegram = wiring.telegram();
