@@ -95,7 +95,7 @@ class Script:
 
     def find(self):
         self.device = profinet.ProfinetDevice.discover(self.arguments.name, self.arguments.interface,
-                                                       timeout=self.arguments.patience)
+                                                       timeout=self.arguments.search_time)
         say("find", name=self.device.name, ip=self.device.ip, mac=self.device.mac)
 
     # ---- acyclic ---------------------------------------------------------------------------------------------------
@@ -334,7 +334,7 @@ def main():
     parser.add_argument("--setpoint", type=int, default=164)
     parser.add_argument("--job", action="append", default=[], help="parameter request in hexadecimal, sent to both records")
     parser.add_argument("--job-running", action="append", default=[], help="the same while the axis runs")
-    parser.add_argument("--patience", type=float, default=5.0, help="seconds that a search takes")
+    parser.add_argument("--search-time", type=float, default=5.0, help="seconds that a search takes")
     parser.add_argument("--round", action="append", default=[], help="slots|output frames|parameter request, in hexadecimal")
     parser.add_argument("--hold", type=float, default=0.3, help="seconds that each frame of a round stands")
     parser.add_argument("--subslot", type=int, default=1, help="where in slot 1 the telegram is")

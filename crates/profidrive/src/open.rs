@@ -77,8 +77,8 @@ impl Network {
         self
     }
 
-    fn with_calls(self, hears_calls: bool) -> Self {
-        if hears_calls {
+    fn with_calls(self, receives_calls: bool) -> Self {
+        if receives_calls {
             return self;
         }
         Self {
@@ -301,10 +301,10 @@ impl Opening {
             medium.set_stop(stop.clone());
         }
         let client = Client::new(config(info.usable()?, info.ip()));
-        let hears_calls = medium.hears_calls();
+        let receives_calls = medium.receives_calls();
         let carrier = Carrier::Packet(Box::new(medium));
         let network = Network::start(client, carrier, Transport::Packet(info), self.stop)?;
-        Ok(network.with_calls(hears_calls))
+        Ok(network.with_calls(receives_calls))
     }
 
     fn udp(self) -> Result<Network, OpenError> {
@@ -316,14 +316,14 @@ impl Opening {
         let all = InterfaceInfo::list().unwrap_or_default();
         let mac = all.into_iter().find_map(up);
         let config = config(mac.unwrap_or(MacAddress([2, 0, 0, 0, 0, 1])), IpSuite::NONE);
-        let hears_calls = medium.hears_calls();
+        let receives_calls = medium.receives_calls();
         let carrier = Carrier::Udp(Box::new(medium));
         let network = Network::start(Client::new(config), carrier, Transport::Udp, self.stop)?;
         let network = Network {
             network: network.network.without_discovery(),
             ..network
         };
-        Ok(network.with_calls(hears_calls))
+        Ok(network.with_calls(receives_calls))
     }
 }
 

@@ -262,7 +262,7 @@ fn run(name: &str, jobs: &[String], rounds: &[Round]) -> Vec<Vec<Seen>> {
     let mut line: Vec<String> = Vec::new();
     let mut add = |words: &[&str]| line.extend(words.iter().map(|word| (*word).to_owned()));
     add(&["--name", "drive-one", "--ip", "192.168.77.50"]);
-    add(&["--ratio", "16", "--watchdog", "30", "--patience", "1"]);
+    add(&["--ratio", "16", "--watchdog", "30", "--search-time", "1"]);
     for job in jobs {
         add(&["--job", job]);
     }

@@ -49,7 +49,7 @@ fn run(tables: &'static Catalogue, rounds: &[Round]) -> Vec<Vec<Seen>> {
     let subslot = tables.device.layout.telegram.to_string();
     let mut line: Vec<String> = ["--name", "drive-one", "--ip", "192.168.77.50", "--ratio", "16"]
         .into_iter()
-        .chain(["--watchdog", "30", "--patience", "1", "--hold", "2"])
+        .chain(["--watchdog", "30", "--search-time", "1", "--hold", "2"])
         .chain(["--subslot", &subslot])
         .map(str::to_owned)
         .collect();

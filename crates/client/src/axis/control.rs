@@ -480,7 +480,7 @@ impl AxisControl {
         seen.state(self.command.stw1)
     }
 
-    /// The quick stop after the ramp stop has had its time, and the end of all patience after that.
+    /// Changes to the quick stop when the ramp stop takes longer than its limit, and gives up after the same time again.
     fn stop_in_time(&mut self, now: Instant) {
         if self.took(now) <= self.limits.stop {
             return;

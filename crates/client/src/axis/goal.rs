@@ -165,7 +165,8 @@ pub enum Trouble {
     /// Its stop handle stopped it, or all axes were stopped.
     #[error("it was stopped from elsewhere in this program")]
     Stopped,
-    /// The deadline of a motion passed without an extension.
+    /// No call was made for the axis before its deadline ([`AxisSettings::lease`](crate::AxisSettings::lease)): its owner
+    /// hangs or keeps it without using it. The axis was brought to rest.
     #[error("no call was made for the axis in time, it was brought to rest")]
     Unattended,
     /// The connection lives, but the inputs are marked bad (IOPS).

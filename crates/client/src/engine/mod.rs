@@ -179,7 +179,7 @@ impl Engine {
         self.shared.discovery.store(discovers, Ordering::Relaxed);
     }
 
-    pub(crate) fn hears_calls(&self) -> bool {
+    pub(crate) fn receives_calls(&self) -> bool {
         self.shared.calls.load(Ordering::Relaxed)
     }
 

@@ -109,7 +109,7 @@ const BESIDE: Duration = Duration::from_millis(500);
 pub struct Session {
     engine: Engine,
     /// Requests of the caller meanwhile.
-    wishes: Arc<Mutex<Wishes>>,
+    caller_requests: Arc<Mutex<CallerRequests>>,
     /// How its requests are carried out at present.
     manner: Arc<Mutex<Manner>>,
     /// When and how a caller that waits for an answer is notified of its absence.
@@ -119,7 +119,7 @@ pub struct Session {
 }
 
 /// Requests of a caller while it waits.
-struct Wishes {
+struct CallerRequests {
     /// Records that the caller requests a stop.
     interrupted: Box<dyn FnMut() -> bool + Send>,
     /// Requests a quick stop of an axis, and whether it has done so.
@@ -145,7 +145,7 @@ impl Clone for Session {
     fn clone(&self) -> Self {
         Self {
             engine: self.engine.clone(),
-            wishes: self.wishes.clone(),
+            caller_requests: self.caller_requests.clone(),
             manner: Arc::new(Mutex::new(self.manner().clone())),
             silence: None,
             under_control: self.under_control.clone(),
@@ -163,7 +163,7 @@ impl Session {
     pub(crate) fn new(engine: Engine) -> Self {
         Self {
             engine,
-            wishes: Arc::new(Mutex::new(Wishes {
+            caller_requests: Arc::new(Mutex::new(CallerRequests {
                 interrupted: Box::new(|| false),
                 hurry: Box::new(|| false),
                 hurried: false,
@@ -175,19 +175,21 @@ impl Session {
         }
     }
 
-    fn wishes(&self) -> MutexGuard<'_, Wishes> {
-        self.wishes.lock().unwrap_or_else(PoisonError::into_inner)
+    fn caller_requests(&self) -> MutexGuard<'_, CallerRequests> {
+        self.caller_requests
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Calls `interrupted` now and then to check whether the caller requests a stop; calls then end with
     /// [`Error::Interrupted`]. An axis under control is stopped all the same.
     pub fn interrupt_with(&mut self, interrupted: impl FnMut() -> bool + Send + 'static) {
-        self.wishes().interrupted = Box::new(interrupted);
+        self.caller_requests().interrupted = Box::new(interrupted);
     }
 
     /// Calls `hurry` while an axis stops along its ramp, until it returns true: what remains is a quick stop (OFF3).
     pub fn hurry_with(&mut self, hurry: impl FnMut() -> bool + Send + 'static) {
-        self.wishes().hurry = Box::new(hurry);
+        self.caller_requests().hurry = Box::new(hurry);
     }
 
     /// Makes a ramp stop a quick one once the caller requests it.
@@ -197,9 +199,9 @@ impl Session {
             return;
         }
         let hurried = {
-            let mut wishes = self.wishes();
-            wishes.hurried = wishes.hurried || (wishes.hurry)();
-            wishes.hurried
+            let mut caller_requests = self.caller_requests();
+            caller_requests.hurried = caller_requests.hurried || (caller_requests.hurry)();
+            caller_requests.hurried
         };
         if hurried {
             let now = self.now();
@@ -209,7 +211,7 @@ impl Session {
 
     /// True once the caller requested a quick stop.
     fn has_hurried(&self) -> bool {
-        self.wishes().hurried
+        self.caller_requests().hurried
     }
 
     /// Brings every axis to rest and closes every connection.
@@ -308,7 +310,7 @@ impl Session {
     /// # Errors
     /// When the caller requests a stop ([`interrupt_with`](Self::interrupt_with)).
     pub fn glance(&mut self) -> Result<(), Error> {
-        if !self.manner().stopping && (self.wishes().interrupted)() {
+        if !self.manner().stopping && (self.caller_requests().interrupted)() {
             return Err(Error::Interrupted);
         }
         Ok(())

@@ -44,7 +44,7 @@ impl Session {
         if let Some(Some(controller)) = owner.and_then(|data| controller_of(&data, &[])) {
             return Err(self.owned(drive, Some(controller)));
         }
-        if !self.engine.hears_calls() {
+        if !self.engine.receives_calls() {
             let reason = "UDP port 34964, on which the device calls, is in use by another program".into();
             self.close_route(drive, Route::Controller, reason);
             return Err(self.no_route(drive));

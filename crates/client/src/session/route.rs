@@ -29,7 +29,7 @@ impl Routes {
 impl Session {
     /// Reports each step on the way to the records of a drive to `follow`: the drive's name and what happened.
     pub fn follow_routes(&mut self, follow: impl FnMut(&str, &RouteNotice) + Send + 'static) {
-        self.wishes().route_follower = Box::new(follow);
+        self.caller_requests().route_follower = Box::new(follow);
     }
 
     /// Returns the way on which records of a drive are read, once one was taken.
@@ -91,7 +91,7 @@ impl Session {
     }
 
     pub(super) fn describe_route(&mut self, drive: &Drive, notice: &RouteNotice) {
-        (self.wishes().route_follower)(&drive.label(), notice);
+        (self.caller_requests().route_follower)(&drive.label(), notice);
     }
 
     /// Every way is closed.

@@ -55,7 +55,7 @@ impl PacketMedium {
 
     /// Returns whether devices can call their controller here.
     #[must_use]
-    pub fn hears_calls(&self) -> bool {
+    pub fn receives_calls(&self) -> bool {
         match self.0 {}
     }
 

@@ -86,8 +86,8 @@ impl UdpMedium {
 
     /// Returns true while devices can call their controller here, on UDP port 34964.
     #[must_use]
-    pub fn hears_calls(&self) -> bool {
-        self.udp.as_ref().is_some_and(Ports::hears_calls)
+    pub fn receives_calls(&self) -> bool {
+        self.udp.as_ref().is_some_and(Ports::receives_calls)
     }
 
     fn drain(&mut self, endpoint: &mut dyn Endpoint) -> Result<(), Error> {

@@ -113,7 +113,7 @@ impl Ports {
     }
 
     /// Devices can call here: the server port is open.
-    pub(crate) fn hears_calls(&self) -> bool {
+    pub(crate) fn receives_calls(&self) -> bool {
         self.open.iter().any(|port| port.number == RPC_PORT)
     }
 
@@ -312,7 +312,7 @@ mod tests {
         );
         let mut later = ports(address, ServerPort::IfFree);
         later.listen().unwrap();
-        assert!(!later.hears_calls() && controls.hears_calls());
+        assert!(!later.receives_calls() && controls.receives_calls());
         let second = ports(address, ServerPort::Required).listen();
         assert!(matches!(second, Err(Error::PortOccupied { .. })), "{second:?}");
         drop((reads, controls));
@@ -321,7 +321,7 @@ mod tests {
             let mut refused = ports(address, server);
             let listens = refused.listen();
             assert_eq!(listens.is_ok(), server == ServerPort::Shared, "{listens:?}");
-            assert!(!refused.hears_calls(), "{server:?}");
+            assert!(!refused.receives_calls(), "{server:?}");
         }
         drop(foreign);
     }

@@ -18,7 +18,7 @@ use super::{Control, SPEED_LIMIT, mode};
 use crate::report::Quantity;
 
 /// How much longer than computed a move may take: this many times, and this much more.
-const PATIENCE: (u32, Duration) = (3, Duration::from_secs(10));
+const ALLOWANCE: (u32, Duration) = (3, Duration::from_secs(10));
 /// For a move whose length is not known.
 const LONGEST: Duration = Duration::from_secs(120);
 /// What decides over the homing procedure.
@@ -167,7 +167,7 @@ async fn reach(enabled: &mut Enabled<'_>, wanted: &Move, last: &mut Option<AxisS
     // with the present contents of the telegram
     let plan = enabled.plan(&wanted.order).await?;
     enabled.start(&plan).await?;
-    let limit = wanted.timeout.unwrap_or_else(|| patience(&plan));
+    let limit = wanted.timeout.unwrap_or_else(|| time_limit(&plan));
     arrive(enabled, limit, last).await
 }
 
@@ -182,10 +182,11 @@ async fn arrive(
     reached.map(|_| ())
 }
 
-fn patience(plan: &MovePlan) -> Duration {
+/// How long a move may take.
+fn time_limit(plan: &MovePlan) -> Duration {
     plan.duration
         .and_then(|seconds| Duration::try_from_secs_f64(seconds).ok())
-        .map_or(LONGEST, |time| time * PATIENCE.0 + PATIENCE.1)
+        .map_or(LONGEST, |time| time * ALLOWANCE.0 + ALLOWANCE.1)
 }
 
 /// Carries out a motion task of the drive.

@@ -77,7 +77,6 @@ pub struct MotionResult {
     /// Number of the motion task.
     pub task: Option<u16>,
     /// The motion task that the drive reported last (AKTSATZ).
-    #[serde(rename = "aktsatz")]
     pub active_task: Option<u16>,
     /// The move.
     pub plan: Option<MoveReport>,

@@ -40,7 +40,7 @@ pub struct StopReport {
 enum Failure {
     Moved {
         speed: f64,
-        make: &'static str,
+        model: &'static str,
     },
     Late {
         seconds: f64,
@@ -94,7 +94,7 @@ fn failure(
         _ if outcome.at_rest => None,
         Some(speed) if outcome.enabled == Some(false) => Some(Failure::Moved {
             speed,
-            make: drive.model.name,
+            model: drive.model.name,
         }),
         // of a drive that is stopped by its control word there is nothing stronger
         _ => Some(Failure::Late {
@@ -118,10 +118,10 @@ impl StopReport {
         let drive = self.drive.clone();
         match self.failure {
             None => Ok(()),
-            Some(Failure::Moved { speed, make }) => Err(MotionError::MovedFromOutside {
+            Some(Failure::Moved { speed, model }) => Err(MotionError::MovedFromOutside {
                 drive,
                 speed,
-                advice: moved_advice(make).into(),
+                advice: moved_advice(model).into(),
             }),
             Some(Failure::Late {
                 seconds,

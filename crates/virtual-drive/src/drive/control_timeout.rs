@@ -83,8 +83,8 @@ impl Drive {
         }
     }
 
-    /// `passed` more without a controller.
-    pub(super) fn grow_lonely(&mut self, passed: Duration) {
+    /// Counts `passed` more without a controller, and acts once that is too long.
+    pub(super) fn count_time_without_controller(&mut self, passed: Duration) {
         let (Some(ControllerLoss::Waits(left)), Some(rule)) =
             (self.controller_loss, self.control_word_rule())
         else {

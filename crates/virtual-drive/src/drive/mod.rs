@@ -364,7 +364,7 @@ impl Drive {
     pub fn tick(&mut self, now: Instant, outputs: Option<&[u8]>, inputs: &mut [u8]) {
         let passed = now - self.last;
         self.last = now;
-        self.grow_lonely(passed);
+        self.count_time_without_controller(passed);
         self.take_outputs(outputs);
         self.serve_channel(outputs, inputs);
         let was_enabled = self.is_enabled();

@@ -235,7 +235,7 @@ impl Session {
         if !self.engine.discovers() {
             return Err(Error::NeedsRawFrames { drive: drive.label() });
         }
-        if !self.engine.hears_calls() {
+        if !self.engine.receives_calls() {
             return Err(Error::NeedsCallPort { drive: drive.label() });
         }
         Ok(())
