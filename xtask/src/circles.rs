@@ -19,19 +19,33 @@ const MOST: usize = 3;
 /// Most re-exports that a name is followed through; more are a circle of re-exports.
 const MOST_HOPS: usize = 16;
 
-/// Returns every circle in every library and program of `crates/` that is too large.
-pub fn violations(root: &Path) -> Outcome<Vec<String>> {
-    let mut wrong = Vec::new();
+/// The arrows from each file to others, with the names that make them.
+type Arrows<'n> = BTreeMap<usize, BTreeMap<usize, BTreeSet<&'n str>>>;
+
+/// What there is of circles.
+pub struct Circles {
+    /// Every circle in a library or program of `crates/` that is too large.
+    pub wrong: Vec<String>,
+    /// The sizes of those there would be if names of the module above counted, the largest first.
+    pub strict: Vec<usize>,
+}
+
+/// Reads all libraries and programs of `crates/`.
+pub fn find(root: &Path) -> Outcome<Circles> {
+    let (mut wrong, mut strict) = (Vec::new(), Vec::new());
     for package in fs::read_dir(root.join("crates"))? {
         let source = package?.path().join("src");
         let entries = ["lib.rs", "main.rs"].map(|name| source.join(name));
         for entry in entries.iter().filter(|entry| entry.is_file()) {
             let graph = Crate::read(entry, &|path| fs::read_to_string(path).ok())?;
             wrong.extend(graph.circles(root));
+            let circles = graph.too_large(&graph.arrows(true));
+            strict.extend(circles.iter().map(BTreeSet::len));
         }
     }
     wrong.sort();
-    Ok(wrong)
+    strict.sort_by(|one, other| other.cmp(one));
+    Ok(Circles { wrong, strict })
 }
 
 /// The modules of a crate, and who names what in which file.
@@ -148,15 +162,15 @@ impl Crate {
         file == own || module != 0
     }
 
-    /// Returns the arrows between files, each with the names that make it.
-    fn arrows(&self) -> BTreeMap<usize, BTreeMap<usize, BTreeSet<&str>>> {
-        let mut arrows: BTreeMap<usize, BTreeMap<usize, BTreeSet<&str>>> = BTreeMap::new();
+    /// Returns the arrows between files, each with the names that make it; `strict` also those of the modules above.
+    fn arrows(&self, strict: bool) -> Arrows<'_> {
+        let mut arrows: Arrows<'_> = BTreeMap::new();
         for (module, path) in &self.names {
             let Some(Meaning::Item(target)) = self.resolve(*module, path, MOST_HOPS) else {
                 continue;
             };
             let (from, to) = (self.modules[*module].file, self.modules[target].file);
-            if !self.is_part(*module, to) {
+            if from != to && (strict || !self.is_part(*module, to)) {
                 let name = path
                     .iter()
                     .rev()
@@ -168,27 +182,30 @@ impl Crate {
         arrows
     }
 
+    /// Returns the files of each circle of more than [`MOST`] files.
+    fn too_large(&self, arrows: &Arrows<'_>) -> BTreeSet<BTreeSet<usize>> {
+        let reach: Vec<BTreeSet<usize>> = (0..self.files.len()).map(|file| reached(arrows, file)).collect();
+        let circle = |file: usize| {
+            let others = reach[file].iter().copied();
+            others.filter(|&other| reach[other].contains(&file)).collect()
+        };
+        let circles = (0..self.files.len()).map(circle);
+        circles
+            .filter(|circle: &BTreeSet<usize>| circle.len() > MOST)
+            .collect()
+    }
+
     /// Returns each circle of more than [`MOST`] files with its arrows.
     fn circles(&self, root: &Path) -> Vec<String> {
-        let arrows = self.arrows();
-        let reach: Vec<BTreeSet<usize>> = (0..self.files.len()).map(|file| reached(&arrows, file)).collect();
+        let arrows = self.arrows(false);
         let name = |file: usize| {
             self.files[file]
                 .strip_prefix(root)
                 .unwrap_or(&self.files[file])
                 .display()
         };
-        let mut done = BTreeSet::new();
         let mut circles = Vec::new();
-        for file in 0..self.files.len() {
-            let circle: BTreeSet<usize> = reach[file]
-                .iter()
-                .copied()
-                .filter(|other| reach[*other].contains(&file))
-                .collect();
-            if circle.len() <= MOST || !done.insert(circle.clone()) {
-                continue;
-            }
+        for circle in self.too_large(&arrows) {
             let mut text = format!("{} files import each other, at most {MOST} may:", circle.len());
             for (from, to) in circle
                 .iter()
@@ -206,7 +223,7 @@ impl Crate {
 }
 
 /// Returns the files that a file reaches along arrows.
-fn reached(arrows: &BTreeMap<usize, BTreeMap<usize, BTreeSet<&str>>>, file: usize) -> BTreeSet<usize> {
+fn reached(arrows: &Arrows<'_>, file: usize) -> BTreeSet<usize> {
     let mut reached = BTreeSet::new();
     let mut waiting = vec![file];
     while let Some(file) = waiting.pop() {
@@ -412,7 +429,7 @@ mod tests {
         let graph = crate_of(files);
         let name = |file: usize| graph.files[file].display().to_string();
         let mut found = Vec::new();
-        for (from, to) in graph.arrows() {
+        for (from, to) in graph.arrows(false) {
             for (to, names) in to {
                 let names: Vec<&str> = names.into_iter().collect();
                 found.push(format!("{} -> {}: {}", name(from), name(to), names.join(" ")));
