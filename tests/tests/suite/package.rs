@@ -123,3 +123,32 @@ fn the_package_is_complete_and_installed_it_scans_without_root() {
     dpkg(&lab, &["--purge", "profidrive"]);
     assert!(!installed.exists());
 }
+
+/// Both licences require that their text goes with every copy.
+#[test]
+fn every_published_crate_contains_both_licences() {
+    let cargo = |arguments: &[&str]| {
+        let program = std::env::var("CARGO").unwrap_or_else(|_| "cargo".into());
+        output(Command::new(program).args(arguments).current_dir(root()))
+    };
+    let metadata = cargo(&["metadata", "--format-version", "1", "--no-deps", "--offline"]);
+    let metadata: serde_json::Value = serde_json::from_str(&metadata).unwrap();
+    let packages = metadata["packages"].as_array().unwrap().iter();
+    let published: Vec<_> = packages.filter(|package| package["publish"].is_null()).collect();
+    assert!(published.len() > 10, "{published:?}");
+    for package in published {
+        let name = package["name"].as_str().unwrap();
+        let listed = cargo(&["package", "-p", name, "--list", "--allow-dirty", "--offline"]);
+        let folder = Path::new(package["manifest_path"].as_str().unwrap())
+            .parent()
+            .unwrap();
+        for file in ["LICENSE-APACHE", "LICENSE-MIT"] {
+            assert!(
+                listed.lines().any(|line| line == file),
+                "{name}: {file}: {listed}"
+            );
+            let texts = [folder, &root()].map(|folder| std::fs::read(folder.join(file)).unwrap());
+            assert!(texts[0] == texts[1], "{name}: {file}");
+        }
+    }
+}
