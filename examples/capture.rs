@@ -19,12 +19,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     let Transport::Plant(plant) = network.transport().clone() else {
         return Err("not a plant".into());
     };
-    plant
-        .world()
-        .add_tap(Box::new(Writer::starting_now(file, "plant")?));
+    let tap = Box::new(Writer::starting_now(file, "plant")?);
+    plant.with_world(|world| world.add_tap(tap));
     network.find(&DriveAddress::Name("akd-1".into())).wait()?;
     network.close().wait()?;
-    plant.world().finish_taps()?;
+    plant.with_world(|world| world.finish_taps())?;
     for captured in Reader::new(BufReader::new(File::open(&path)?))? {
         let captured = captured?;
         match Frame::parse(&captured.frame) {

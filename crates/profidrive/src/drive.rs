@@ -4,7 +4,7 @@ use client::{Drive, DriveAddress, DriveAddressError, Error, ErrorKind, Session};
 use network::system::InterfaceInfo;
 use profinet::IpSuite;
 
-use crate::open::{Access, Network, OpenError, Opening, Transport, open_line};
+use crate::open::{Access, Network, OpenError, Opening, Place, Transport, open_line};
 use crate::reach::{OtherSubnet, Reach, far, reach};
 
 /// A step of opening and finding a drive.
@@ -110,7 +110,7 @@ impl Opening {
     /// As [`open`](Self::open) and [`open_line`].
     pub fn open_to(&self, address: &DriveAddress) -> Result<Network, OpenError> {
         #[cfg(feature = "simulate")]
-        if self.plant.is_some() {
+        if matches!(self.place, Place::Plant(_)) {
             return self.clone().open();
         }
         match address {
@@ -151,7 +151,7 @@ impl Opening {
             let (drive, what) = (at.to_string(), "station name, IP address or signal");
             return Err(Error::NotOnLine { drive, what }.into());
         }
-        if matches!(transport, Transport::Udp) && self.interface.is_some() {
+        if matches!(transport, Transport::Udp) && matches!(self.place, Place::Interface(Some(_))) {
             observer(FindEvent::UdpAlone);
         }
         if self.access == Access::Stop {

@@ -201,14 +201,22 @@ pub fn interface() -> Result<Option<String>, OpenError> {
 #[derive(Debug, Clone)]
 pub struct Opening {
     pub(crate) access: Access,
-    pub(crate) interface: Option<String>,
+    pub(crate) place: Place,
     by_ip: bool,
     pub(crate) stop: Option<Stop>,
     pub(crate) model: Option<Model>,
     #[cfg(feature = "gsdml")]
     pub(crate) description: Option<std::sync::Arc<gsdml::Gsdml>>,
+}
+
+/// Where a network is.
+#[derive(Debug, Clone)]
+pub(crate) enum Place {
+    /// This network interface, or the only one that is up.
+    Interface(Option<String>),
+    /// A plant in memory.
     #[cfg(feature = "simulate")]
-    pub(crate) plant: Option<std::sync::Arc<plant::Scenario>>,
+    Plant(std::sync::Arc<plant::Scenario>),
 }
 
 impl Opening {
@@ -217,21 +225,19 @@ impl Opening {
     pub const fn new(access: Access) -> Self {
         Self {
             access,
-            interface: None,
+            place: Place::Interface(None),
             by_ip: false,
             stop: None,
             model: None,
             #[cfg(feature = "gsdml")]
             description: None,
-            #[cfg(feature = "simulate")]
-            plant: None,
         }
     }
 
     /// On this interface.
     #[must_use]
     pub fn on(mut self, interface: impl Into<String>) -> Self {
-        self.interface = Some(interface.into());
+        self.place = Place::Interface(Some(interface.into()));
         self
     }
 
@@ -271,13 +277,11 @@ impl Opening {
     /// # Errors
     /// When there is no such interface, it is down, has no address, or the right is missing.
     pub fn open(self) -> Result<Network, OpenError> {
-        #[cfg(feature = "simulate")]
-        if let Some(scenario) = &self.plant {
-            return crate::simulate::join(scenario, self.stop);
-        }
-        let name = match &self.interface {
-            Some(name) => Some(name.clone()),
-            None => interface()?,
+        let name = match &self.place {
+            #[cfg(feature = "simulate")]
+            Place::Plant(scenario) => return crate::simulate::join(scenario, self.stop),
+            Place::Interface(Some(name)) => Some(name.clone()),
+            Place::Interface(None) => interface()?,
         };
         let Some(name) = name else {
             return if self.by_ip {

@@ -1,7 +1,7 @@
 //! A plant in memory, opened like a network.
 
 use std::path::Path;
-use std::sync::{Arc, MutexGuard};
+use std::sync::Arc;
 
 use client::World;
 use network::system::Stop;
@@ -9,7 +9,7 @@ use plant::Scenario;
 use profinet::controller::ControllerConfig;
 use profinet::{IpSuite, MacAddress};
 
-use crate::open::{Access, Network, OpenError, Opening, Transport};
+use crate::open::{Access, Network, OpenError, Opening, Place, Transport};
 
 /// The address of this program in a plant. The drives have others: those of a file are locally administered ones made of
 /// their names.
@@ -46,10 +46,11 @@ pub fn open_scenario(scenario: Scenario) -> Result<Network, OpenError> {
 }
 
 impl Opening {
-    /// In a plant in memory, in place of an interface; see [`open_plant`].
+    /// In a plant in memory, in place of an interface; see [`open_plant`]. Of this and [`on`](Self::on) the last one applies. A
+    /// plant carries everything, whatever the access and [`by_ip`](Self::by_ip).
     #[must_use]
     pub fn in_plant(mut self, scenario: Scenario) -> Self {
-        self.plant = Some(Arc::new(scenario));
+        self.place = Place::Plant(Arc::new(scenario));
         self
     }
 }
@@ -64,7 +65,8 @@ impl Opening {
 /// let mut network = profidrive::open_scenario(plant.parse()?)?;
 /// if let Transport::Plant(plant) = network.transport() {
 ///     let lasts = Some(Duration::from_millis(300));
-///     plant.world().inject("akd-1", "cable=pulled".parse()?, lasts)?;
+///     let pulled = "cable=pulled".parse()?;
+///     plant.with_world(|world| world.inject("akd-1", pulled, lasts))?;
 /// }
 /// # assert!(network.find(&"akd-1".parse()?).wait().is_ok(), "repeated after 300 ms");
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -76,10 +78,10 @@ pub struct Joined {
 }
 
 impl Joined {
-    /// Returns the plant, to look at its drives, to let something happen to them and to record the traffic. Nothing happens
-    /// while the guard lives; a call that waits in the same thread would wait for ever.
-    pub fn world(&self) -> MutexGuard<'_, plant::World> {
-        self.world.wire()
+    /// Calls `work` with the plant, to look at its drives, to let something happen to them and to record the traffic. Nothing
+    /// happens meanwhile: a call for the network inside of `work` would wait for ever.
+    pub fn with_world<T>(&self, work: impl FnOnce(&mut plant::World) -> T) -> T {
+        work(&mut self.world.wire())
     }
 }
 
@@ -133,8 +135,10 @@ mod tests {
         let mut network = open_scenario(scenario).unwrap();
         let plant = joined(&network);
         let (sender, entries) = std::sync::mpsc::channel();
-        plant.world().observe(move |entry| {
-            let _ = sender.send(entry.to_string());
+        plant.with_world(|world| {
+            world.observe(move |entry| {
+                let _ = sender.send(entry.to_string());
+            });
         });
         let mut drive = network.find(&"akd-1".parse().unwrap()).wait().unwrap();
         let mut axis = network
@@ -150,8 +154,9 @@ mod tests {
         drop(enabled);
         // the fault leaves the motor to its friction, so it may turn yet
         let _ = axis.release().wait();
-        assert_eq!(plant.world().drive(0).unwrap().drive().fault_number(0), 439);
-        let hash = plant.world().trace_hash();
+        let fault = plant.with_world(|world| world.drive(0).unwrap().drive().fault_number(0));
+        assert_eq!(fault, 439);
+        let hash = plant.with_world(|world| world.trace_hash());
         drop(network);
         (entries.try_iter().collect(), hash)
     }
@@ -175,7 +180,9 @@ mod tests {
         let mut network = open_scenario(TWO.parse().unwrap()).unwrap();
         let plant = joined(&network);
         let mut drive = network.find(&"akd-1".parse().unwrap()).wait().unwrap();
-        let inject = |drive: &str, what: &str| plant.world().inject(drive, what.parse().unwrap(), None);
+        let inject = |drive: &str, what: &str| {
+            plant.with_world(|world| world.inject(drive, what.parse().unwrap(), None))
+        };
         inject("akd-1", "fault=439").unwrap();
         let faults = network.faults(&mut drive).wait().unwrap();
         assert_eq!(faults.first().map(|fault| fault.number), Some(439));
@@ -194,6 +201,10 @@ mod tests {
         let opening = Opening::new(Access::Records).in_plant(TWO.parse().unwrap());
         let (_network, drive) = opening.drive("akd-1", &mut |_| {}).wait().unwrap();
         assert_eq!(drive.label(), "akd-1");
+        // the place that was given last
+        let interface = opening.clone().on("no-such-interface");
+        let error = interface.drive("akd-1", &mut |_| {}).wait().unwrap_err();
+        assert!(error.to_string().contains("no-such-interface"), "{error}");
         let far = opening.drive("far-1", &mut |_| {}).wait().unwrap_err();
         assert!(matches!(far, DriveError::Subnet(_)), "{far}");
         let line = opening.drive("fc:ttyS7/1", &mut |_| {}).wait().unwrap_err();

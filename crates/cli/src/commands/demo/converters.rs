@@ -155,7 +155,7 @@ impl<'s> Line<'s> {
         // each is a program of its own: no identifier of one connection is that of another
         let seed = u64::from(act.telegram);
         let mut controller = Controller::new(ControllerConfig::new(MAC, ip, "demo-plc", seed));
-        let now = plant.world().now();
+        let now = session.now();
         let target = Target::of(&drive.station);
         let ar = controller
             .connect(now, target, ConnectConfig::new(modules, timing))
@@ -236,14 +236,15 @@ impl<'s> Line<'s> {
         limit: Duration,
         mut done: impl FnMut(&mut Self, Option<Event>) -> bool,
     ) -> Result<(), Error> {
-        let end = self.plant.world().now() + limit;
+        let end = self.session.now() + limit;
         loop {
             if !self.ending {
                 self.session.glance()?;
             }
-            let now = self.plant.world().now();
+            let now = self.session.now();
             let next = end.min(now + CYCLE);
-            let stepped = self.plant.world().step(&mut self.controller, next);
+            let controller = &mut self.controller;
+            let stepped = self.plant.with_world(|world| world.step(controller, next));
             stepped.map_err(|error| malformed(self.name, error.to_string()))?;
             while let Some(event) = self.controller.poll_event() {
                 if let Event::Lost { cause, .. } = &event {
@@ -259,21 +260,21 @@ impl<'s> Line<'s> {
             if done(self, None) {
                 return Ok(());
             }
-            if self.plant.world().now() >= end {
+            if self.session.now() >= end {
                 return Err(malformed(self.name, format!("not within {limit:?}: {what}")));
             }
         }
     }
 
     fn pass(&mut self, time: Duration) -> Result<(), Error> {
-        let end = self.plant.world().now() + time;
-        self.until("", time + CYCLE, |line, _| line.plant.world().now() >= end)
+        let end = self.session.now() + time;
+        self.until("", time + CYCLE, |line, _| line.session.now() >= end)
     }
 
     /// One job through the eight octets in front of the control word.
     fn exchange(&mut self, job: Job<'_>) -> Result<Outcome, Error> {
         let origin = profinet::Instant::ZERO;
-        let now = self.plant.world().now() - origin;
+        let now = self.session.now() - origin;
         self.pkw
             .start(now, job)
             .map_err(|error| malformed(self.name, error.to_string()))?;
@@ -282,7 +283,7 @@ impl<'s> Line<'s> {
             "reply in the parameter channel",
             Duration::from_secs(5),
             |line, _| {
-                let now = line.plant.world().now() - origin;
+                let now = line.session.now() - origin;
                 let reply = line.input().and_then(|data| data.first_chunk::<8>().copied());
                 outcome = reply.and_then(|reply| line.pkw.handle(now, &reply));
                 outcome = outcome.or_else(|| line.pkw.handle_timeout(now));
@@ -424,7 +425,7 @@ impl<'s> Line<'s> {
     }
 
     fn release(mut self) -> Result<(), Error> {
-        let now = self.plant.world().now();
+        let now = self.session.now();
         let released = self.controller.release(now, self.ar);
         released.map_err(|error| malformed(self.name, error.to_string()))?;
         self.until("released", Duration::from_secs(5), |_, event| {

@@ -123,7 +123,7 @@ fn show(args: &Demo, (session, plant): (&mut Session, &Joined), output: &Output)
     let settled = session.uninterrupted(async |session: &mut Session| session.settled().await);
     let closed = settled.wait().and(session.close().wait());
     let interrupted = matches!(result, Err(Error::Interrupted));
-    let taps = plant.world().finish_taps();
+    let taps = plant.with_world(|world| world.finish_taps());
     if let Err(error) = result.or(closed) {
         let what = PROMISES.get(show.steps.len()).copied().unwrap_or("close");
         show.steps.push(Step {
@@ -174,10 +174,11 @@ fn stage(args: &Demo) -> Result<(Network, Joined), Failure> {
         return Err(failed(&"not a plant"));
     };
     if let Some(path) = &args.pcap {
-        plant.world().add_tap(Box::new(capture(path)?));
+        let capture = Box::new(capture(path)?);
+        plant.with_world(|world| world.add_tap(capture));
     }
     if !args.fast {
-        plant.world().set_pace(Pace::Wall);
+        plant.with_world(|world| world.set_pace(Pace::Wall));
     }
     Ok((network, plant))
 }
@@ -231,10 +232,10 @@ fn play(session: &mut Session, plant: &Joined, show: &mut Show) -> Result<(), Er
     stop(&mut axis, show)?;
     show.next();
     axis.release().wait()?;
-    let free = plant
-        .world()
-        .drive(0)
-        .is_some_and(|station| !station.device().is_exchanging() && !station.drive().is_enabled());
+    let free = plant.with_world(|world| {
+        let station = world.drive(0);
+        station.is_some_and(|station| !station.device().is_exchanging() && !station.drive().is_enabled())
+    });
     show.check(
         free,
         "connection closed, the drive is without a controller".into(),
@@ -453,7 +454,7 @@ fn inject(plant: &Joined, drive: &str, number: u16) -> Result<(), Error> {
         number,
         lasting: false,
     };
-    let injected = plant.world().inject(drive, ScenarioEvent::Drive(fault), None);
+    let injected = plant.with_world(|world| world.inject(drive, ScenarioEvent::Drive(fault), None));
     injected.map_err(|error| Error::Malformed {
         drive: drive.into(),
         reason: error.to_string(),
@@ -564,16 +565,17 @@ mod tests {
                 "{looks}: {failure:?}"
             );
             for number in 0..3 {
-                let world = plant.world();
-                let station = world.drive(number).unwrap();
-                let speed = station.drive().axis().measured_speed();
-                // a fault leaves the motor to its friction, and so does its reset
-                let coasts = (0..64).any(|index| station.drive().fault_number(index) != 0);
-                assert!(coasts || speed.abs() < 1.0, "{looks}: it turns at {speed} rpm");
-                assert!(
-                    !station.drive().is_enabled() && !station.device().is_exchanging(),
-                    "{looks}"
-                );
+                plant.with_world(|world| {
+                    let station = world.drive(number).unwrap();
+                    let speed = station.drive().axis().measured_speed();
+                    // a fault leaves the motor to its friction, and so does its reset
+                    let coasts = (0..64).any(|index| station.drive().fault_number(index) != 0);
+                    assert!(coasts || speed.abs() < 1.0, "{looks}: it turns at {speed} rpm");
+                    assert!(
+                        !station.drive().is_enabled() && !station.device().is_exchanging(),
+                        "{looks}"
+                    );
+                });
             }
         }
         panic!("the demo does not end");
