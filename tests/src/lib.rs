@@ -21,4 +21,4 @@ pub mod traffic;
 pub use ends::{client, simulate, simulate_at};
 pub use lab::{Capture, Lab, Side};
 pub use process::{Finished, Running, step};
-pub use programs::{Disturbed, built, capture_files, peer, python, root, stolen, undisturbed, wait_until};
+pub use programs::{built, capture_files, peer, python, root, undisturbed, wait_until};
