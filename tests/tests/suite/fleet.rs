@@ -63,7 +63,7 @@ fn many_drives_are_shown_as_a_summary_and_to_prometheus() {
     let cycles = 40.0 * passed("uptime_seconds") / 0.016;
     for name in ["frames_sent_total", "frames_received_total"] {
         assert!(
-            (0.7..1.1).contains(&(passed(name) / cycles)),
+            (0.3..1.1).contains(&(passed(name) / cycles)),
             "{name}: {first} {second}"
         );
     }
