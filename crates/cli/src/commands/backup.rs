@@ -1,11 +1,9 @@
 //! `profidrive backup DRIVE -o FILE`; exit code 1 when settings or motion tasks are missing.
 
-use std::path::Path;
-
 use client::backup::{Backup, Cause, TaskCoverage};
 use client::{Drive, ErrorKind, Refusal, Wait};
-use network::files::StateFile;
 use profidrive::report::BackupReport;
+use profidrive::settings::{self, BackupFile, FileError};
 
 use crate::advice::Commands;
 use crate::args::{self, Target};
@@ -15,21 +13,18 @@ use crate::output::Output;
 
 pub fn run(args: &args::Backup, target: &Target, output: &Output) -> Result<(), Failure> {
     // what cannot be written is reported before anything is read
-    let old = match &args.output {
-        Some(path) => replaceable(path, args.force)?,
-        None => None,
-    };
+    let file = args.output.as_ref();
+    let file = file.map(|path| BackupFile::at(path, args.force)).transpose()?;
     let (backup, drive) = whole(target, output)?;
     let label = drive.label();
-    check_content(&backup, &label)?;
-    let text = backup.to_string();
-    if let Some(path) = &args.output {
-        let same = old.as_deref() == Some(text.as_bytes());
-        if !same {
-            replace(path, &text)?;
-        }
+    let problem = settings::problem(&backup);
+    if problem == Some(ErrorKind::Difference) {
+        return Err(without_content(&backup, &label));
+    }
+    if let Some(file) = &file {
+        let written = file.write(&backup)?;
         let count = backup.readings().len();
-        let unchanged = if same { ", unchanged" } else { "" };
+        let unchanged = if written { "" } else { ", unchanged" };
         let tasks = match (&backup.header.tasks, backup.task_count()) {
             (_, 0) => String::new(),
             (TaskCoverage::All, 1) => " and 1 motion task".to_owned(),
@@ -42,30 +37,34 @@ pub fn run(args: &args::Backup, target: &Target, output: &Output) -> Result<(), 
         };
         output.say(&format!(
             "{count} settings{missing}{tasks} of {label} in {}{unchanged}",
-            path.display()
+            file.path().display()
         ));
     }
-    let incomplete = incomplete(&backup, &label);
     if output.json() {
-        let file = args.output.as_ref().map(|path| path.display().to_string());
-        let complete = incomplete.is_none();
+        let path = file.as_ref().map(|file| file.path().display().to_string());
         let wording = Commands::any();
-        output.json_report(&BackupReport::new(&drive, &backup, file, complete, &wording));
-    } else if args.output.is_none() {
-        output.raw(&text);
+        output.json_report(&BackupReport::new(
+            &drive,
+            &backup,
+            path,
+            problem.is_none(),
+            &wording,
+        ));
+    } else if file.is_none() {
+        output.raw(&backup.to_string());
     }
-    incomplete.map_or(Ok(()), Err)
+    problem.map_or(Ok(()), |kind| Err(incomplete(kind, &backup, &label)))
 }
 
-/// Returns the missing settings of a backup, with reasons; `None` when it is complete.
-fn incomplete(backup: &Backup, drive: &str) -> Option<Failure> {
+/// The missing settings of a backup, with reasons.
+fn incomplete(kind: ErrorKind, backup: &Backup, drive: &str) -> Failure {
     let refused = backup.refused();
     let mut missing = Vec::new();
     let mut hints = Vec::new();
     if !refused.is_empty() {
         missing.push(format!(
             "{} missing: {}",
-            settings(refused.len()),
+            counted(refused.len()),
             reasons(refused)
         ));
         hints.push(
@@ -76,30 +75,25 @@ fn incomplete(backup: &Backup, drive: &str) -> Option<Failure> {
         missing.push(format!("the motion tasks are left out: {why}"));
         hints.push("motion tasks are read while the power stage is off and no controller is connected");
     }
-    (!missing.is_empty()).then(|| {
-        let message = format!("the backup of {drive} is incomplete: {}", missing.join("; "));
-        Failure::new(ErrorKind::Partial, message).hint(hints.join("; "))
-    })
+    let message = format!("the backup of {drive} is incomplete: {}", missing.join("; "));
+    Failure::new(kind, message).hint(hints.join("; "))
 }
 
 /// A backup without a value is none.
-fn check_content(backup: &Backup, drive: &str) -> Result<(), Failure> {
-    if !backup.readings().is_empty() || backup.task_count() > 0 {
-        return Ok(());
-    }
+fn without_content(backup: &Backup, drive: &str) -> Failure {
     let refused = backup.refused();
     let why = if refused.is_empty() {
         "it has no settings that can be listed".to_owned()
     } else {
-        format!("{} missing: {}", settings(refused.len()), reasons(refused))
+        format!("{} missing: {}", counted(refused.len()), reasons(refused))
     };
     let message = format!("{drive} reports none of its settings, nothing is written: {why}");
-    Err(Failure::new(ErrorKind::Difference, message).hint(
-        "is it the selected model? {info} shows it, --model selects another; another tool may hold the parameter channel",
-    ))
+    Failure::new(ErrorKind::Difference, message).hint(
+        "is it the selected model? {info} shows it, {choose model} selects another; another tool may hold the parameter channel",
+    )
 }
 
-fn settings(count: usize) -> String {
+fn counted(count: usize) -> String {
     match count {
         1 => "1 setting".to_owned(),
         _ => format!("{count} settings"),
@@ -146,27 +140,26 @@ pub fn whole(target: &Target, output: &Output) -> Result<(Backup, Drive), Failur
     Ok((backup, drive))
 }
 
-/// Reads a backup file.
-pub fn read(path: &Path) -> Result<Backup, Failure> {
-    let wrong = |what: String| Failure::new(ErrorKind::Local, format!("{}: {what}", path.display()));
-    let content = StateFile::document(path)
-        .read()
-        .map_err(|error| Failure::new(ErrorKind::Local, error.to_string()))?
-        .ok_or_else(|| wrong("there is no such file".to_owned()))?;
-    Backup::read(content).map_err(|error| match error.problems.as_slice() {
-        [one] => {
-            let failure = wrong(one.to_string());
-            match hint(&one.cause) {
-                Some(hint) => failure.hint(hint),
-                None => failure,
-            }
+impl From<FileError> for Failure {
+    fn from(error: FileError) -> Self {
+        let failure = Self::new(error.kind(), error.to_string());
+        match error {
+            FileError::Wrong { path, error } => match error.problems.as_slice() {
+                [one] => match hint(&one.cause) {
+                    Some(hint) => failure.hint(hint),
+                    None => failure,
+                },
+                many => Self {
+                    message: format!("{}: {} lines are wrong", path.display(), many.len()),
+                    details: many.iter().map(ToString::to_string).collect(),
+                    ..failure
+                },
+            },
+            FileError::NotReplaceable(_) => failure.hint("without -o the settings go to stdout"),
+            FileError::OtherContent(_) => failure.hint("choose another name; --force writes over it"),
+            _ => failure,
         }
-        many => {
-            let mut failure = wrong(format!("{} lines are wrong", many.len()));
-            failure.details = many.iter().map(ToString::to_string).collect();
-            failure
-        }
-    })
+    }
 }
 
 /// What to do about a file that is not read.
@@ -184,41 +177,6 @@ const fn hint(cause: &Cause) -> Option<&'static str> {
     }
 }
 
-/// Returns the old content if the file may be replaced: a backup may, any other file only with `force`.
-fn replaceable(path: &Path, force: bool) -> Result<Option<Vec<u8>>, Failure> {
-    if path.is_dir() {
-        return Err(Failure::usage(format!("{} is a folder", path.display())));
-    }
-    if path.exists() && !path.is_file() {
-        let message = format!("{} is not a file that can be replaced", path.display());
-        return Err(Failure::usage(message).hint("without -o the settings go to stdout"));
-    }
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
-    if let Some(folder) = folder.filter(|folder| !folder.is_dir()) {
-        return Err(Failure::usage(format!("there is no folder {}", folder.display())));
-    }
-    let old = match StateFile::document(path).read() {
-        Ok(old) => old,
-        Err(_) if force => return Ok(None),
-        Err(error) => return Err(Failure::new(ErrorKind::Local, error.to_string())),
-    };
-    let is_backup = old
-        .as_ref()
-        .is_none_or(|old| old.is_empty() || old.starts_with(b"profidrive backup "));
-    if is_backup || force {
-        Ok(old)
-    } else {
-        let message = format!("{} is not a backup and is not replaced", path.display());
-        Err(Failure::new(ErrorKind::Local, message).hint("choose another name; --force writes over it"))
-    }
-}
-
-fn replace(path: &Path, text: &str) -> Result<(), Failure> {
-    StateFile::document(path)
-        .replace(text.as_bytes())
-        .map_err(|error| Failure::new(ErrorKind::Local, error.to_string()))
-}
-
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
@@ -230,7 +188,8 @@ mod tests {
             let text = format!(
                 "profidrive backup 1\nmodel: AKD\nvendor: 0x0105\ndevice: 0x0001\n{tasks}p2108 = 1\n"
             );
-            incomplete(&Backup::read(&text).unwrap(), "akd-1")
+            let backup = Backup::read(&text).unwrap();
+            settings::problem(&backup).map(|kind| incomplete(kind, &backup, "akd-1"))
         };
         assert_eq!(backup(""), None);
         assert_eq!(backup("tasks: all\n"), None);
@@ -240,24 +199,5 @@ mod tests {
             failure.message,
             "the backup of akd-1 is incomplete: the motion tasks are left out: the power stage is on"
         );
-    }
-
-    #[test]
-    fn an_invalid_target_is_refused_before_reading() {
-        for (path, words) in [
-            ("/dev/full", "not a file that can be replaced"),
-            (
-                "/no-such-folder/sub/a.b",
-                "there is no folder /no-such-folder/sub",
-            ),
-            ("/tmp", "is a folder"),
-        ] {
-            for force in [false, true] {
-                let failure = replaceable(Path::new(path), force).unwrap_err();
-                assert_eq!(failure.kind, ErrorKind::Usage);
-                assert!(failure.message.contains(words), "{}", failure.message);
-            }
-        }
-        assert_eq!(replaceable(Path::new("no-such.backup"), false), Ok(None));
     }
 }

@@ -2,10 +2,9 @@
 
 use std::path::Path;
 
-use client::backup::{Backup, Difference, Side, TaskCoverage, compare, compare_tasks};
-use client::{Drive, DriveAddress, ErrorKind, Wait};
-use profidrive::report::{self, DiffReport, MotionTask, TaskDifference};
-use profile::catalogue::Role;
+use client::backup::{Backup, Difference, Side, TaskCoverage};
+use client::{DriveAddress, Wait};
+use profidrive::settings::{self, Comparison, RestoreError};
 use profile::value::Reading;
 
 use super::backup;
@@ -33,13 +32,12 @@ pub fn run(args: &Diff, options: &DriveOptions, output: &Output) -> Result<(), F
             (left, right)
         }
     };
-    if left.header.model != right.header.model {
-        let message = format!(
+    let comparison = Comparison::new(&left, &right).map_err(|error| {
+        Failure::usage(format!(
             "{} is of model {}, {} of model {}: parameters of two models cannot be compared",
-            args.left, left.header.model, args.right, right.header.model
-        );
-        return Err(Failure::usage(message));
-    }
+            args.left, error.left, args.right, error.right
+        ))
+    })?;
     for remark in left.header.remarks(&right.header) {
         output.say(
             &remark
@@ -54,64 +52,44 @@ pub fn run(args: &Diff, options: &DriveOptions, output: &Output) -> Result<(), F
             ));
         }
     }
-    let differences = compare(&left, &right);
-    let tasks = compare_tasks(&left, &right);
-    let wording = Commands::any();
-    output.json_report(&DiffReport {
-        left: args.left.clone(),
-        right: args.right.clone(),
-        differences: differences
-            .iter()
-            .map(|one| report::Difference::new(one, of_connection(one, &left), &wording))
-            .collect(),
-        tasks: tasks
-            .iter()
-            .map(|one| TaskDifference {
-                number: one.number,
-                left: MotionTask::from(&one.left),
-                right: MotionTask::from(&one.right),
-            })
-            .collect(),
-    });
+    output.json_report(&comparison.report(&args.left, &args.right, &Commands::any()));
     if !output.json() {
-        output.table(&rows(&differences, &left, &right));
-        for one in &tasks {
+        output.table(&rows(&comparison));
+        for one in &comparison.tasks {
             output.line(&format!("MT[{}]", one.number));
             output.line(&format!("  left   {}", one.left.text(left.parameters())));
             output.line(&format!("  right  {}", one.right.text(right.parameters())));
         }
     }
-    match differences.len() + tasks.len() {
-        0 => {
-            output.say("no difference");
-            Ok(())
-        }
-        count => {
-            let plural = if count == 1 { "" } else { "s" };
-            let connection = differences.iter().filter(|one| of_connection(one, &left)).count();
-            let of_it = match connection {
-                0 => String::new(),
-                _ if connection == count => ", of the connection only".to_owned(),
-                _ => format!(", {connection} of them of the connection"),
-            };
-            output.say(&format!("{count} difference{plural}{of_it}"));
-            Err(Failure::silent(ErrorKind::Difference))
-        }
-    }
+    let Some(kind) = comparison.problem() else {
+        output.say("no difference");
+        return Ok(());
+    };
+    let count = comparison.count();
+    let plural = if count == 1 { "" } else { "s" };
+    let of_it = match comparison.of_connection() {
+        0 => String::new(),
+        connection if connection == count => ", of the connection only".to_owned(),
+        connection => format!(", {connection} of them of the connection"),
+    };
+    output.say(&format!("{count} difference{plural}{of_it}"));
+    Err(Failure::silent(kind))
 }
 
 /// One line for each difference; those of the connection last, an array of them in one line.
-fn rows(differences: &[Difference], left: &Backup, right: &Backup) -> Table {
+fn rows(comparison: &Comparison<'_>) -> Table {
     let mut table = Table::new(&["name", "number", ">left", ">right", "unit", "meaning"]);
-    let (connection, settings): (Vec<&Difference>, Vec<&Difference>) =
-        differences.iter().partition(|one| of_connection(one, left));
+    let (connection, settings): (Vec<&Difference>, Vec<&Difference>) = comparison
+        .settings
+        .iter()
+        .partition(|one| comparison.is_of_connection(one));
     for one in settings {
         table.row(row(one));
     }
     let pnu = |one: &&Difference| one.reading().map(|reading| reading.pnu);
     for group in connection.chunk_by(|a, b| pnu(a) == pnu(b)) {
         match group {
-            [first, .., last] => table.row(folded(first, last, left, right)),
+            [first, .., last] => table.row(folded(first, last, comparison.left, comparison.right)),
             [one] => table.row(row(one)),
             [] => {}
         }
@@ -166,20 +144,13 @@ fn folded(first: &Difference, last: &Difference, left: &Backup, right: &Backup) 
     ]
 }
 
-/// Returns whether what the controller decides by connecting: telegram, mapping, command source, address.
-fn of_connection(one: &Difference, backup: &Backup) -> bool {
-    one.reading().is_some_and(|reading| {
-        client::backup::rule(backup.parameters(), reading.pnu, reading.index).role == Role::Network
-    })
-}
-
 /// Returns the file, where there is one of this name or the text is a path; `None` for a drive.
 fn source(text: &str) -> Result<Option<Backup>, Failure> {
     let path = Path::new(text);
     let drive = text.parse::<DriveAddress>();
     let at_line = matches!(drive, Ok(DriveAddress::Line(_)));
     if path.is_file() || (text.contains('/') && !at_line) {
-        backup::read(path).map(Some)
+        Ok(Some(settings::read(path)?))
     } else if drive.is_err() {
         Err(Failure::usage(format!(
             "there is no file {text}, and no drive can have this name"
@@ -192,11 +163,13 @@ fn source(text: &str) -> Result<Option<Backup>, Failure> {
 /// Returns the parameters of a file, as the drive has them.
 fn like(file: &Backup, target: &Target, output: &Output) -> Result<Backup, Failure> {
     let (mut session, mut drive) = connect::drive(target, Need::Records, output)?;
-    fits(file, &drive)?;
     let spinner = connect::spinner(output, format!("reading {}", drive.label()));
-    let backup = session.backup_like(&mut drive, file).wait();
+    let backup = settings::as_in(&mut session, &mut drive, file).wait();
     spinner.finish_and_clear();
-    let backup = backup?;
+    let backup = backup.map_err(|error| match error {
+        RestoreError::Misfit(misfit) => Failure::usage(misfit),
+        other => other.into(),
+    })?;
     session.close().wait()?;
     let more = file.lacks(&drive.model);
     if more > 0 {
@@ -206,13 +179,6 @@ fn like(file: &Backup, target: &Target, output: &Output) -> Result<Backup, Failu
         ));
     }
     Ok(backup)
-}
-
-fn fits(file: &Backup, drive: &Drive) -> Result<(), Failure> {
-    match file.header.misfit(drive) {
-        Some(misfit) => Err(Failure::usage(misfit)),
-        None => Ok(()),
-    }
 }
 
 const fn given(side: &Side) -> Option<&Reading> {
@@ -253,7 +219,7 @@ mod tests {
         let left = backup("p915[0] = 1\np915[1] = 5\np915[2] = 0\np922 = 1\np2108 = 3000 rpm/s");
         let right =
             backup("p915[0] = 1\np915[1] = 104\np915[2] = 28\np922 = 9\np2108 = 4000 rpm/s\np2115 = 1 rps/s");
-        let found = rows(&compare(&left, &right), &left, &right).lines();
+        let found = rows(&Comparison::new(&left, &right).unwrap()).lines();
         let text = found.join("\n");
         assert_eq!(found.len(), 5, "{text}");
         let words: Vec<Vec<&str>> = found

@@ -3,15 +3,14 @@
 use std::path::{Path, PathBuf};
 
 use client::change::{Change, ChangeSet, Choice, Plan, Saved, Skip, Skipped, Step};
-use client::{Drive, Error, ErrorKind, Wait};
+use client::{Drive, Error, Wait};
 use profidrive::report::RestoreReport;
-use profidrive::settings::{self, RestoreError};
+use profidrive::settings::{self, RestoreError, Shortfall};
 use profile::catalogue::Role;
 use profile::model::Model;
 use profile::parameter::Saving;
 use profile::value::Reading;
 
-use super::backup;
 use crate::advice::Commands;
 use crate::args::{Restore, Target};
 use crate::connect::{self, Live, Need};
@@ -21,33 +20,26 @@ use crate::render::table::Table;
 use crate::render::{number, value};
 
 pub fn run(args: &Restore, target: &Target, output: &Output) -> Result<(), Failure> {
-    let wanted = backup::read(&args.file)?;
+    let wanted = settings::read(&args.file)?;
     let way_back = way_back(args)?;
     let (mut session, mut drive) = connect::drive(target, Need::Records, output)?;
-    if !args.force {
-        settings::check_fit(&wanted, &drive)?;
-        if !args.dry_run {
-            settings::check_no_controller(&mut session, &drive).wait()?;
-        }
-    }
-    let choice = Choice {
-        only: args.only.clone(),
-        network: args.network,
-        saved_only: args.saved_only,
-        beyond_limits: args.beyond_limits,
+    let request = settings::Restore {
+        choice: Choice {
+            only: args.only.clone(),
+            network: args.network,
+            saved_only: args.saved_only,
+            beyond_limits: args.beyond_limits,
+        },
+        save: args.save,
+        force: args.force,
+        dry_run: args.dry_run,
     };
     let spinner = connect::spinner(output, format!("reading {}", drive.label()));
-    let plan = session.plan(&mut drive, &wanted, &choice).wait();
+    let plan = settings::plan(&mut session, &mut drive, &wanted, &request).wait();
     spinner.finish_and_clear();
     let mut plan = plan?;
-    if args.save {
-        plan.set.save(&drive)?;
-    }
     for remark in plan.remarks(&wanted) {
         output.say(&remark);
-    }
-    if plan.is_nothing() {
-        return Err(Failure::usage("--only: nothing in the file fits"));
     }
     if !output.json() {
         show(&plan, output);
@@ -56,7 +48,7 @@ pub fn run(args: &Restore, target: &Target, output: &Output) -> Result<(), Failu
         session.close().wait()?;
         output.json_report(&document(&drive, args, &plan, None));
         output.say("dry run: nothing was written");
-        return refused(&plan, &drive);
+        return ended(&plan, &drive, &request);
     }
     let result = carry_out(&mut session, &mut drive, &mut plan.set, &way_back, output);
     // the connection of a drive that is lost ends by itself
@@ -69,7 +61,7 @@ pub fn run(args: &Restore, target: &Target, output: &Output) -> Result<(), Failu
     report(&plan.set, file, &drive, args, output);
     result.map_err(|error| failed(error, &plan.set, file, &drive))?;
     closed?;
-    ended(&plan, &drive, args)
+    ended(&plan, &drive, &request)
 }
 
 /// Where the way back goes: never over anything.
@@ -95,6 +87,7 @@ impl From<RestoreError> for Failure {
             RestoreError::Misfit(_) => {
                 failure.hint("--force goes on all the same: names and numbers can mean something else there")
             }
+            RestoreError::Nothing => Self::usage("--only: nothing in the file fits"),
             _ => failure.hint(
                 "it can switch the axis on while values change; stop it first, or --force goes on while the axis is off",
             ),
@@ -327,24 +320,27 @@ fn failed(error: Error, set: &ChangeSet, file: Option<&Path>, drive: &Drive) -> 
     failure
 }
 
-fn ended(plan: &Plan, drive: &Drive, args: &Restore) -> Result<(), Failure> {
-    let set = &plan.set;
-    let refused = set.count(Step::is_refused);
-    let label = drive.label();
-    if refused > 0 || matches!(set.saved(), Saved::Refused(_)) {
-        let message = format!("{label} refused {refused} of {} values", set.total());
-        return Err(Failure::new(ErrorKind::Refused, message));
-    }
-    if !set.is_done() || (args.save && set.saved() != Saved::Yes) {
-        let message = format!("{label} is not as the file says: {}", set.summary());
-        return Err(Failure::new(ErrorKind::Difference, message)
-            .hint("the drive may round, limit or change values by itself"));
-    }
-    self::refused(plan, drive)
+fn ended(plan: &Plan, drive: &Drive, request: &settings::Restore) -> Result<(), Failure> {
+    let (set, label) = (&plan.set, drive.label());
+    let Some(shortfall) = settings::shortfall(plan, request) else {
+        return Ok(());
+    };
+    let failure = |message| Failure::new(shortfall.kind(), message);
+    Err(match shortfall {
+        Shortfall::Refused => {
+            let refused = set.count(Step::is_refused);
+            failure(format!("{label} refused {refused} of {} values", set.total()))
+        }
+        Shortfall::Differs => failure(format!("{label} is not as the file says: {}", set.summary()))
+            .hint("the drive may round, limit or change values by itself"),
+        Shortfall::Unwritable => failure(unwritable(plan, &label)).hint(
+            "the lines `left out` say why; take them out of the file, or choose with --only, where that is meant",
+        ),
+    })
 }
 
 /// A file of which the drive cannot have everything is not restored, whatever else was.
-fn refused(plan: &Plan, drive: &Drive) -> Result<(), Failure> {
+fn unwritable(plan: &Plan, drive: &str) -> String {
     let mut missing = Vec::new();
     match plan.refused() {
         0 => {}
@@ -353,9 +349,6 @@ fn refused(plan: &Plan, drive: &Drive) -> Result<(), Failure> {
     }
     if let Some(why) = &plan.tasks_left_out {
         missing.push(format!("the motion tasks are left out ({why})"));
-    }
-    if missing.is_empty() {
-        return Ok(());
     }
     let names: Vec<&str> = plan
         .skipped
@@ -369,14 +362,7 @@ fn refused(plan: &Plan, drive: &Drive) -> Result<(), Failure> {
         count if count < plan.refused() => format!(" ({}, ..)", names.join(", ")),
         _ => format!(" ({})", names.join(", ")),
     };
-    let message = format!(
-        "{} is not as the file says: {}{named}",
-        drive.label(),
-        missing.join("; ")
-    );
-    Err(Failure::new(ErrorKind::Difference, message).hint(
-        "the lines `left out` say why; take them out of the file, or choose with --only, where that is meant",
-    ))
+    format!("{drive} is not as the file says: {}{named}", missing.join("; "))
 }
 
 fn document(drive: &Drive, args: &Restore, plan: &Plan, file: Option<&Path>) -> RestoreReport {

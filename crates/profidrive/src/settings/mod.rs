@@ -1,0 +1,246 @@
+//! Settings of a drive: saved in a file, compared, and restored with a way back.
+//!
+//! ```
+//! # #[cfg(feature = "simulate")] {
+//! use profidrive::Wait;
+//! use profidrive::settings::{self, Restore};
+//!
+//! let plant = r#"
+//!     [[drive]]
+//!     name = "akd-1"
+//! "#;
+//! let mut network = profidrive::open_scenario(plant.parse()?)?;
+//! let mut drive = network.find(&"akd-1".parse()?).wait()?;
+//! let saved = network.backup(&mut drive, &mut |_, _| {}).wait()?;
+//! assert_eq!(settings::problem(&saved), None);
+//!
+//! // nothing has changed since, so there is nothing to write
+//! let wanted = Restore::default();
+//! let plan = settings::plan(&mut network, &mut drive, &saved, &wanted).wait()?;
+//! assert_eq!((plan.set.total(), settings::shortfall(&plan, &wanted)), (0, None));
+//! # }
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod comparison;
+mod file;
+
+use std::path::{Path, PathBuf};
+
+use client::backup::{Backup, TaskCoverage};
+use client::change::{ChangeSet, Choice, Plan, Saved, Step};
+use client::{Drive, Error, ErrorKind, Session, describe};
+use network::files::StateFile;
+
+pub use comparison::{Comparison, OtherModel};
+pub use file::{BackupFile, FileError, read};
+
+/// Most ways back beside one file.
+const MOST_WAYS_BACK: u32 = 9_999;
+
+/// What a backup lacks: [`ErrorKind::Difference`] where it has no value at all, [`ErrorKind::Partial`] where settings or the
+/// motion tasks are missing.
+#[must_use]
+pub fn problem(backup: &Backup) -> Option<ErrorKind> {
+    if backup.readings().is_empty() && backup.task_count() == 0 {
+        return Some(ErrorKind::Difference);
+    }
+    let tasks_left_out = matches!(backup.header.tasks, TaskCoverage::LeftOut(_));
+    (tasks_left_out || !backup.refused().is_empty()).then_some(ErrorKind::Partial)
+}
+
+/// The settings of a drive that a file has, to compare them.
+///
+/// # Errors
+/// [`RestoreError::Misfit`] where the file is of another kind of drive, and when the drive cannot be reached.
+pub async fn as_in(session: &mut Session, drive: &mut Drive, file: &Backup) -> Result<Backup, RestoreError> {
+    check_fit(file, drive)?;
+    Ok(session.backup_like(drive, file).await?)
+}
+
+/// How settings are restored.
+#[derive(Debug, Clone, Default)]
+pub struct Restore {
+    /// Which settings of the file.
+    pub choice: Choice,
+    /// The drive saves them over power-off; only where every value is as planned.
+    pub save: bool,
+    /// Also to another kind of drive, and while a controller is connected.
+    pub force: bool,
+    /// Nothing is to be written: a connected controller is no obstacle.
+    pub dry_run: bool,
+}
+
+/// What speaks against restoring settings.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum RestoreError {
+    /// The settings are of another kind of drive: names and numbers can mean something else there.
+    #[error("{0}")]
+    Misfit(String),
+    /// A controller is connected. It can switch the axis on while values change.
+    #[error("nothing is written to {drive}: controller \"{controller}\" is running it")]
+    Controlled {
+        /// The drive.
+        drive: String,
+        /// Name of the controller.
+        controller: String,
+    },
+    /// Nothing of the file fits the choice.
+    #[error("nothing in the file fits what was chosen")]
+    Nothing,
+    /// The drive cannot be reached, or refuses.
+    #[error(transparent)]
+    Client(#[from] Error),
+}
+
+impl RestoreError {
+    /// The kind of the error.
+    #[must_use]
+    pub fn kind(&self) -> ErrorKind {
+        match self {
+            Self::Misfit(_) | Self::Controlled { .. } => ErrorKind::Safety,
+            Self::Nothing => ErrorKind::Usage,
+            Self::Client(error) => error.kind(),
+        }
+    }
+}
+
+/// Checks that settings are of this kind of drive.
+fn check_fit(wanted: &Backup, drive: &Drive) -> Result<(), RestoreError> {
+    wanted
+        .header
+        .misfit(drive)
+        .map_or(Ok(()), |misfit| Err(RestoreError::Misfit(misfit)))
+}
+
+/// Checks that no controller is connected, which could switch the axis on while values change.
+async fn check_no_controller(session: &mut Session, drive: &Drive) -> Result<(), RestoreError> {
+    match session.owner(drive).await? {
+        Some(Some(controller)) => Err(RestoreError::Controlled {
+            drive: describe(&drive.station),
+            controller,
+        }),
+        _ => Ok(()),
+    }
+}
+
+/// What restoring settings would write and leave out. Reads only.
+///
+/// # Errors
+/// When the settings are of another kind of drive or a controller is connected, unless forced; when nothing fits the choice;
+/// when the drive cannot be reached.
+pub async fn plan(
+    session: &mut Session,
+    drive: &mut Drive,
+    settings: &Backup,
+    wanted: &Restore,
+) -> Result<Plan, RestoreError> {
+    if !wanted.force {
+        check_fit(settings, drive)?;
+        if !wanted.dry_run {
+            check_no_controller(session, drive).await?;
+        }
+    }
+    let mut plan = session.plan(drive, settings, &wanted.choice).await?;
+    if wanted.save {
+        plan.set.save(drive)?;
+    }
+    if plan.is_nothing() {
+        return Err(RestoreError::Nothing);
+    }
+    Ok(plan)
+}
+
+/// What keeps a drive from being as a file says.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Shortfall {
+    /// The drive refused a value, or to save.
+    Refused,
+    /// A value reads back differently, or is not saved though that was requested.
+    Differs,
+    /// The file has values or motion tasks that cannot be written; all others are written.
+    Unwritable,
+}
+
+impl Shortfall {
+    /// The kind of error that it is.
+    #[must_use]
+    pub const fn kind(self) -> ErrorKind {
+        match self {
+            Self::Refused => ErrorKind::Refused,
+            Self::Differs | Self::Unwritable => ErrorKind::Difference,
+        }
+    }
+}
+
+/// What a plan, carried out or not, leaves different from its file; `None` where the drive is as the file says.
+#[must_use]
+pub fn shortfall(plan: &Plan, wanted: &Restore) -> Option<Shortfall> {
+    let set = &plan.set;
+    if !wanted.dry_run {
+        if set.count(Step::is_refused) > 0 || matches!(set.saved(), Saved::Refused(_)) {
+            return Some(Shortfall::Refused);
+        }
+        if !set.is_done() || (wanted.save && set.saved() != Saved::Yes) {
+            return Some(Shortfall::Differs);
+        }
+    }
+    (plan.refused() > 0 || plan.tasks_left_out.is_some()).then_some(Shortfall::Unwritable)
+}
+
+/// Returns a path beside the file of a backup for the values before: `FILE.before-1`, `-2`, .., the first that does not
+/// exist; `None` when there are 9999.
+#[must_use]
+pub fn way_back(file: &Path) -> Option<PathBuf> {
+    let beside = |number: u32| {
+        let mut name = file.file_name().unwrap_or_default().to_owned();
+        name.push(format!(".before-{number}"));
+        file.with_file_name(name)
+    };
+    let mut paths = (1..=MOST_WAYS_BACK).map(beside);
+    paths.find(|path| !path.exists())
+}
+
+/// Writes what a set plans and keeps the values before in the file `way_back`, a backup that is complete before and after each
+/// step. `progress` receives the number of changes that are written.
+///
+/// # Errors
+/// As [`Session::apply_kept`].
+pub async fn apply_with_way_back(
+    session: &mut Session,
+    drive: &mut Drive,
+    set: &mut ChangeSet,
+    way_back: &Path,
+    mut progress: impl FnMut(usize) + Send,
+) -> Result<(), Error> {
+    let file = StateFile::document(way_back);
+    let mut keep = |set: &ChangeSet| {
+        progress(set.count(|step| !matches!(step, Step::NotWritten | Step::InDoubt)));
+        if set.total() == 0 {
+            // nothing changes, so there is no way back
+            return Ok(());
+        }
+        file.replace(set.to_string().as_bytes()).map_err(Into::into)
+    };
+    session.apply_kept(drive, set, &mut keep).await
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_way_back_is_never_over_a_file() {
+        let file = Path::new("/nowhere/akd-1.txt");
+        assert_eq!(way_back(file), Some(PathBuf::from("/nowhere/akd-1.txt.before-1")));
+        let folder = std::env::temp_dir().join(format!("way-back-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let file = folder.join("akd-1.txt");
+        for number in [1, 2, 4] {
+            std::fs::write(folder.join(format!("akd-1.txt.before-{number}")), "").unwrap();
+        }
+        assert_eq!(way_back(&file), Some(folder.join("akd-1.txt.before-3")));
+        std::fs::remove_dir_all(folder).unwrap();
+    }
+}
