@@ -9,6 +9,8 @@ use crate::plan::{Cue, Trigger};
 
 /// Most happenings that one call lets happen; what is left follows with the next one.
 const MOST_AT_ONCE: usize = 1000;
+/// Most events of one drive that may wait, the ends of those that last among them. Twice what a plant file may have.
+pub(crate) const MOST_PENDING: usize = 20_000;
 
 /// What is still to happen to one drive.
 ///
@@ -61,7 +63,13 @@ impl Timeline {
         }
     }
 
-    /// Adds something that is to happen now.
+    /// Returns true if so many more events may wait.
+    #[must_use]
+    pub const fn has_room(&self, more: usize) -> bool {
+        more <= MOST_PENDING.saturating_sub(self.pending.len())
+    }
+
+    /// Adds something that is to happen now. The caller checks [`has_room`](Self::has_room) before.
     pub fn add(&mut self, now: Instant, what: ScenarioEvent, lasts: Option<Duration>) {
         self.pending.push(Pending {
             when: When::At(now),
@@ -194,6 +202,19 @@ mod tests {
         assert_eq!(texts(line.play(at(1055), &mut unit)), ["cable=plugged"]);
         assert!(!unit.is_pulled());
         assert_eq!(line.next(), None);
+    }
+
+    #[test]
+    fn events_that_wait_for_their_end_fill_the_room() {
+        let mut line = Timeline::new(&[], at(0));
+        let mut unit = unit();
+        assert!(line.has_room(MOST_PENDING) && !line.has_room(MOST_PENDING + 1));
+        let what = "cable=pulled".parse().unwrap();
+        line.add(at(0), what, Some(Duration::from_secs(3600)));
+        assert_eq!(line.play(at(0), &mut unit).len(), 1);
+        assert!(line.has_room(MOST_PENDING - 1) && !line.has_room(MOST_PENDING));
+        assert_eq!(line.play(at(3_600_000), &mut unit).len(), 1);
+        assert!(line.has_room(MOST_PENDING));
     }
 
     #[test]

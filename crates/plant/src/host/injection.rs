@@ -13,6 +13,10 @@ use crate::control_socket::{InjectRequest, Response, namespace, segment};
 use crate::event::{ScenarioEvent, ScenarioEventError, Unit};
 use crate::text::station_text;
 
+/// Why an event is refused when many wait.
+pub(super) const TOO_MANY: &str =
+    "too many events wait for their end; repeat it when some of them have ended";
+
 impl Host {
     /// Returns the drives, where they are on this segment.
     pub(super) fn drives_on(&self, place: &str) -> Response {
@@ -70,6 +74,7 @@ impl Host {
         };
         match events(request, running.drive.model) {
             Err(error) => Response::Refused(error.to_string()),
+            Ok(events) if !running.timeline.has_room(events.len()) => Response::Refused(TOO_MANY.to_owned()),
             Ok(events) => {
                 let lasts = request.lasts.map(Duration::from_nanos);
                 for event in events {

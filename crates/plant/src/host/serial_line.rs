@@ -11,9 +11,10 @@ use virtual_drive::station::AnswerFault;
 
 use super::HostedDrive;
 use super::event::DriveEvent;
-use super::injection::events;
+use super::injection::{TOO_MANY, events};
 use crate::control_socket::{InjectRequest, Response};
 use crate::event::ScenarioEvent;
+use crate::timeline::MOST_PENDING;
 
 /// The drives of a line and what is still to happen to them.
 pub struct SerialLine {
@@ -74,6 +75,9 @@ impl SerialLine {
             )));
         }
         let lasts = request.lasts.map(Duration::from_nanos);
+        if lasts.is_some() && events.len() > MOST_PENDING.saturating_sub(self.ends.len()) {
+            return Err(Response::Refused(TOO_MANY.to_owned()));
+        }
         for event in events {
             apply(event, station);
             if let (Some(lasts), Some(end)) = (lasts, event.undo()) {
