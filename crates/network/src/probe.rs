@@ -12,6 +12,8 @@ use crate::host::{MINIMUM_FRAME, Station, ethertype};
 const ROUNDS: u8 = 2;
 /// Pause between two rounds.
 const PAUSE: Duration = Duration::from_millis(100);
+/// Most pairs of an address and a station that are kept; further ones are left out.
+const MAX_FOUND: usize = 4096;
 const ETHERNET: usize = 14;
 
 /// Finds the holder of an address, and other stations that probe for it, by ARP probes. A probe has no sender address,
@@ -76,7 +78,7 @@ impl<S: Station> Probe<S> {
         &mut self.inner
     }
 
-    /// Returns each station that has one of the addresses, or is about to take it, once.
+    /// Returns each station that has one of the addresses, or is about to take it, once; at most 4096.
     #[must_use]
     pub fn found(&self) -> &[(Ipv4Addr, MacAddress)] {
         &self.found
@@ -100,7 +102,8 @@ impl<S: Station> Probe<S> {
         let owner = MacAddress(source_hardware_addr.0);
         // a probing station names itself as the target
         let address = if sender.is_unspecified() { target } else { sender };
-        let new = owner != self.inner.mac()
+        let new = self.found.len() < MAX_FOUND
+            && owner != self.inner.mac()
             && self.wanted.contains(&address)
             && !self.found.contains(&(address, owner));
         if new {
@@ -222,6 +225,21 @@ mod tests {
         };
         assert_eq!(found(one), [(11, 1), (12, 3)]);
         assert_eq!(found(other), [(12, 2)]);
+    }
+
+    #[test]
+    fn claims_of_ever_new_stations_are_bounded() {
+        let wanted: Vec<Ipv4Addr> = vec![[10, 0, 0, 11].into()];
+        let mut probe = Probe::new(Host::new(engine(2, None)), wanted.clone());
+        let mut frame = [0; profinet::MAX_FRAME];
+        let mut other = Probe::new(Host::new(engine(3, None)), wanted);
+        let length = other.poll_transmit(Instant::ZERO, &mut frame).unwrap();
+        for number in 0..MAX_FOUND as u32 + 100 {
+            // the last octets of the sender's Ethernet address
+            frame[24..28].copy_from_slice(&(number + 100).to_be_bytes());
+            probe.handle_frame(Instant::ZERO, &frame[..length]);
+        }
+        assert_eq!(probe.found().len(), MAX_FOUND);
     }
 
     #[test]
