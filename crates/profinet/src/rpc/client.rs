@@ -98,6 +98,9 @@ impl Pending {
     }
 }
 
+/// Acknowledgements that may wait to be sent.
+const QUEUE: usize = 32;
+
 /// Makes calls without sockets. Several calls may be open at once, each in an activity of its own.
 ///
 /// ```
@@ -245,6 +248,8 @@ impl Client {
             }
             _ => {}
         }
+        // the server repeats what is not acknowledged
+        self.shorts.truncate(QUEUE);
         if let Some(result) = result {
             let call = self.calls.swap_remove(index);
             self.events.push_back((call.id, result));

@@ -380,6 +380,27 @@ fn a_server_that_works_for_long_is_waited_for_but_not_for_ever() {
 }
 
 #[test]
+fn acknowledgements_that_are_not_sent_are_bounded() {
+    let mut client = Client::new(ClientConfig::default());
+    let id = client.call(Instant::ZERO, SERVER, header(1, 0), vec![]);
+    let mut buffer = [0; 1518];
+    assert!(client.poll_transmit(Instant::ZERO, &mut buffer).is_some());
+    let first = Header {
+        flags: Flags(0x04),
+        ..header(1, 0).reply(PacketType::Response)
+    };
+    for _ in 0..1000 {
+        assert!(client.handle(Instant::ZERO, SERVER, &pdu(&first, b"a")));
+    }
+    let mut sent = 0;
+    while client.poll_transmit(Instant::ZERO, &mut buffer).is_some() {
+        sent += 1;
+    }
+    assert_eq!(sent, 32);
+    assert!(client.is_open(id));
+}
+
+#[test]
 fn answers_from_elsewhere_are_no_answers() {
     let mut client = Client::new(ClientConfig::default());
     let id = client.call(Instant::ZERO, SERVER, header(1, 0), vec![]);
