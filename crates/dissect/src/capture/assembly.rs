@@ -6,12 +6,15 @@ use profinet::wire::rpc::Header;
 
 /// Largest request or answer put together: a record has 65,535 octets at most.
 const MAX_BODY: usize = 1 << 17;
+/// What the place of a piece counts beside its octets, so that empty pieces are not free.
+const PLACE: usize = 64;
 
 /// A body in pieces.
 #[derive(Debug, Default)]
 pub struct Assembly {
     fragments: BTreeMap<u16, Vec<u8>>,
     last: Option<u16>,
+    /// Octets of all pieces and [`PLACE`] for each of them; at most [`MAX_BODY`].
     octets: usize,
     done: bool,
 }
@@ -37,15 +40,15 @@ impl Assembly {
             self.done = true;
             return Some(body.to_vec());
         }
-        if self.octets + body.len() > MAX_BODY {
+        let octets = self.octets + PLACE + body.len();
+        if octets > MAX_BODY || self.fragments.contains_key(&header.fragment) {
             return None;
         }
         if header.flags.is_last() {
             self.last = Some(header.fragment);
         }
-        if self.fragments.insert(header.fragment, body.to_vec()).is_none() {
-            self.octets += body.len();
-        }
+        self.fragments.insert(header.fragment, body.to_vec());
+        self.octets = octets;
         let last = self.last?;
         if self.fragments.len() != usize::from(last) + 1 || self.fragments.keys().next_back() != Some(&last) {
             return None;
@@ -85,5 +88,17 @@ mod tests {
             None,
             "a repetition is not a second body"
         );
+    }
+
+    #[test]
+    fn pieces_are_bounded_in_number_and_octets() {
+        let mut assembly = Assembly::default();
+        for body in [&b""[..], &[0; 1384]] {
+            for number in 0..u16::MAX {
+                assert_eq!(assembly.add(&fragment(number, false), body), None);
+            }
+        }
+        let octets: usize = assembly.fragments.values().map(Vec::len).sum();
+        assert_eq!((assembly.fragments.len(), octets), (MAX_BODY / PLACE, 0));
     }
 }
