@@ -12,6 +12,8 @@ use super::Event;
 
 /// Maximum number of failures stored for callers that still wait.
 const MOST_FAILURES: usize = 8;
+/// Maximum number of images that the owner is storing; until it reports one, only the newest further one is kept.
+const MOST_UNDER_WAY: usize = 8;
 
 /// Images of the saved parameters: in non-volatile memory, on their way there, and not yet given to the owner.
 #[derive(Debug, Default)]
@@ -71,8 +73,11 @@ impl Saving {
         self.started = Some(SaveId(self.issued)).filter(|_| self.confirmed && is_pending);
     }
 
-    /// Returns the image that the owner is to store.
+    /// Returns the image that the owner is to store; `None` while [`MOST_UNDER_WAY`] are not reported.
     pub fn poll(&mut self) -> Option<Event> {
+        if self.under_way.len() >= MOST_UNDER_WAY {
+            return None;
+        }
         let (text, asked) = self.due.take()?;
         if self.confirmed {
             self.under_way.push_back((self.issued, text.clone()));
@@ -121,5 +126,29 @@ impl Saving {
     /// Returns the newest save since the last call, if a client waits for it.
     pub fn take_started(&mut self) -> Option<SaveId> {
         self.started.take()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_owner_that_stores_nothing_gets_a_few_images_and_later_the_newest() {
+        let mut saving = Saving::default();
+        saving.confirm();
+        let mut given = 0;
+        for number in 1..=1000 {
+            saving.save(number.to_string(), true);
+            given += usize::from(saving.poll().is_some());
+        }
+        assert_eq!(given, MOST_UNDER_WAY);
+        assert_eq!(saving.under_way.len(), MOST_UNDER_WAY);
+        assert_eq!(saving.newest(), Some("1000"));
+        assert!(saving.state(SaveId(1000)) == SaveState::Pending);
+        saving.report(SaveId(8), true);
+        assert!(matches!(saving.poll(), Some(Event::Save { text, .. }) if text == "1000"));
+        saving.report(SaveId(1000), true);
+        assert!(saving.state(SaveId(1000)) == SaveState::Stored);
     }
 }

@@ -270,6 +270,8 @@ impl Station {
             };
             self.device.answer_write(now, token, written);
         }
+        // an image may have waited for this report
+        self.settle(now);
     }
 
     /// Returns the PROFINET device.
