@@ -674,3 +674,19 @@ impl Endpoint for Client {
             .min()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn results_that_no_caller_fetches_are_bounded() {
+        let mut results = HashMap::new();
+        for number in 0..10_000 {
+            bound(&mut results);
+            results.insert(number, ());
+            assert!(results.len() <= MAX_RESULTS);
+        }
+        assert!(results.contains_key(&9999));
+    }
+}

@@ -466,4 +466,20 @@ mod tests {
         }
         assert_eq!(folder.names().len(), 3);
     }
+
+    #[test]
+    fn a_file_that_is_too_long_is_not_read() {
+        let folder = Folder::new("long");
+        let path = folder.0.join("state");
+        let file = StateFile::new(path.clone());
+        file.replace(b"x").unwrap();
+        let stretch = |length| {
+            let opened = OpenOptions::new().write(true).open(&path).unwrap();
+            opened.set_len(length).unwrap();
+        };
+        stretch(MAX_STATE + 1);
+        assert!(file.read().is_err());
+        stretch(MAX_STATE);
+        assert_eq!(file.read().unwrap().unwrap().len() as u64, MAX_STATE);
+    }
 }

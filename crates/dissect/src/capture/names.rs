@@ -208,3 +208,27 @@ pub fn seconds(time: Duration) -> String {
         _ => format!("{} s", scaled(1e6)),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_and_addresses_are_bounded() {
+        let mut names = Names::default();
+        for number in 0..10_000_u32 {
+            let [a, b, c, d] = number.to_be_bytes();
+            let mac = MacAddress([2, 0, a, b, c, d]);
+            names.renamed(mac, format!("n{number}").as_bytes(), Duration::ZERO);
+            names.readdressed(mac, Ipv4Addr::from(number + 1), Duration::ZERO);
+        }
+        assert_eq!(
+            (names.by_mac.len(), names.holders.len()),
+            (MAX_STATIONS, MAX_STATIONS)
+        );
+        assert_eq!(
+            (names.by_ip.len(), names.owners.len()),
+            (MAX_STATIONS, MAX_STATIONS)
+        );
+    }
+}

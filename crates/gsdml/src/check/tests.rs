@@ -519,3 +519,11 @@ fn large_files_take_time_in_proportion() {
     );
     assert!(report.left_out > many);
 }
+
+#[test]
+fn elements_are_bounded() {
+    let many = "<b/>".repeat(1_000_001);
+    let report = check(alloc::format!("<a>{many}</a>").as_bytes(), None);
+    assert!(report.description.is_none());
+    assert!(report.problems.iter().any(|problem| problem.rule == Rule::Limit));
+}

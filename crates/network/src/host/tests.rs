@@ -594,3 +594,12 @@ fn tcp_connections_are_refused_with_a_reset() {
         assert!(drain(&mut host, at(3001)).is_empty());
     }
 }
+
+#[test]
+fn answers_that_nobody_fetches_are_bounded() {
+    let mut host = settled();
+    for _ in 0..1000 {
+        host.handle_frame(at(3000), &hex(ECHO_REQUEST));
+    }
+    assert_eq!(drain(&mut host, at(3000)).len(), 128);
+}

@@ -228,3 +228,18 @@ fn a_block_shorter_than_its_frame_is_damage() {
         }
     }
 }
+
+#[test]
+fn the_interfaces_of_a_section_are_bounded() {
+    let mut file = written(&[]);
+    // the block of the only interface
+    let interface = file[48..92].to_vec();
+    for _ in 0..5000 {
+        file.extend_from_slice(&interface);
+    }
+    let error = read(file).unwrap_err();
+    assert!(
+        matches!(error, ReadError::Damaged { what, .. } if what == "too many interfaces"),
+        "{error}"
+    );
+}

@@ -396,3 +396,16 @@ fn a_switch_keeps_what_is_for_the_next_bridge() {
     assert_eq!((heard(group(0x0E)), heard(group(0x00))), (0, 0));
     assert_eq!((heard(group(0x10)), heard(mac(2))), (6, 6));
 }
+
+#[test]
+fn frames_under_way_are_bounded() {
+    let mut segment = Segment::new(1);
+    for number in 1..=64 {
+        segment.attach(Box::new(Host::new(Talker::new(number))));
+    }
+    let group = MacAddress([0x01, 0x0E, 0xCF, 0, 0, 0]);
+    for sequence in 0..1100 {
+        segment.inject(&frame_to(group, sequence));
+    }
+    assert_eq!(segment.statistics().discarded, 64 * 1100 - (1 << 16));
+}

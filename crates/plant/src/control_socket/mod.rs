@@ -359,4 +359,14 @@ mod tests {
             assert_eq!(Request::read(text.as_bytes()), None, "{text}");
         }
     }
+
+    #[test]
+    fn an_endless_request_is_read_up_to_its_bound() {
+        for head in ["", "profidrive inject 2\ndrive a\nfrom 1\ndo "] {
+            let mut endless = head.as_bytes().chain(std::io::repeat(b'x').take(4 * MAX_LENGTH));
+            assert_eq!(Request::read(&mut endless), None);
+            let rest = std::io::copy(&mut endless, &mut std::io::sink()).unwrap();
+            assert_eq!(rest, 3 * MAX_LENGTH + head.len() as u64);
+        }
+    }
 }

@@ -252,3 +252,13 @@ fn a_text_is_given_to_a_drive() {
     let Err(error) = mistake else { panic!("too long") };
     assert!(error.message.contains("holds 25 characters"), "{}", error.message);
 }
+
+#[test]
+fn the_length_and_the_events_of_a_file_are_bounded() {
+    let message = |text: String| text.parse::<Scenario>().err().map(|error| error.message);
+    let long = message(" ".repeat(LONGEST_FILE + 1)).unwrap_or_default();
+    assert!(long.contains("longer than"), "{long}");
+    let events = r#"{ at = "2s", do = "fault=439" },"#.repeat(MOST_CUES + 1);
+    let many = message(format!("[[drive]]\nname = \"a\"\nevent = [{events}]\n")).unwrap_or_default();
+    assert!(many.contains("more than 10000 events"), "{many}");
+}

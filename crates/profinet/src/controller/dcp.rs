@@ -495,3 +495,29 @@ fn get_result(mac: MacAddress, pdu: &Pdu<'_>, options: &[DcpOption]) -> Result<S
     }
     Ok(station(mac, pdu)?)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn answers_of_ever_new_stations_are_bounded() {
+        let mut client = DcpClient::new(Timeouts::default(), 1);
+        let id = client.identify(Instant::ZERO, Filter::all(), IdentifyOptions::ONE);
+        let mut payload = Vec::new();
+        let (identify, success) = (ServiceId::Identify, ServiceType::Success);
+        PduWriter::new(&mut payload, identify, success, client.xid, 0).finish();
+        let own = MacAddress([2, 0, 0, 0, 0, 1]);
+        let mut buffer = [0; 1518];
+        for number in 0..5000_u32 {
+            let [a, b, c, d] = number.to_be_bytes();
+            let source = MacAddress([2, 1, a, b, c, d]);
+            let frame_id = FrameId::DCP_IDENTIFY_RESPONSE;
+            let length = ethernet::emit(&mut buffer, own, source, None, frame_id, &payload).unwrap();
+            client.handle_frame(&Frame::parse(&buffer[..length]).unwrap());
+        }
+        let events: Vec<DcpEvent> = core::iter::from_fn(|| client.poll_event()).collect();
+        let identified = |event: &&DcpEvent| matches!(event, DcpEvent::Identified(of, _) if Some(*of) == id);
+        assert_eq!(events.iter().filter(identified).count(), MAX_STATIONS);
+    }
+}

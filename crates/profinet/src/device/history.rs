@@ -114,3 +114,43 @@ impl Diagnoses {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_log_book_keeps_the_newest_ends() {
+        let mut log = LogBook::default();
+        for number in 0..100 {
+            log.note(Instant::from_millis(number), Uuid::NIL, PnioStatus::OK);
+        }
+        let entries = log.record(Instant::ZERO).entries;
+        assert_eq!(entries.len(), LOG_ENTRIES);
+        let newest = entries.last().map(|entry| entry.time);
+        assert_eq!(newest, Some(Instant::from_millis(99).as_nanos()));
+    }
+
+    #[test]
+    fn diagnoses_are_bounded() {
+        let mut diagnoses = Diagnoses::default();
+        let pending = |channel| Pending {
+            api: 0,
+            slot: 1,
+            subslot: 1,
+            item: ChannelDiagnosis {
+                channel,
+                properties: 0,
+                error_type: 1,
+                extended: None,
+                qualifier: None,
+            },
+        };
+        let kept = (0..1000)
+            .filter(|channel| diagnoses.add(pending(*channel)))
+            .count();
+        assert_eq!((kept, diagnoses.pending.len()), (DIAGNOSES, DIAGNOSES));
+        // one that is there already needs no room
+        assert!(diagnoses.add(pending(0)));
+    }
+}

@@ -553,3 +553,20 @@ fn an_acknowledgement_counts_for_all_fragments_before_it() {
     fragments.push(Header::decode(&buffer[..length]).unwrap().0.fragment);
     assert_eq!(fragments, [0, 1, 0, 2, 3]);
 }
+
+#[test]
+fn an_answer_that_never_ends_ends_the_call() {
+    let mut client = Client::new(ClientConfig::default());
+    let id = client.call(Instant::ZERO, SERVER, header(1, 0), vec![]);
+    for fragment in 0..60 {
+        let part = Header {
+            fragment,
+            // a fragment that is not to be acknowledged
+            flags: Flags(0x0C),
+            ..header(1, 0).reply(PacketType::Response)
+        };
+        client.handle(Instant::ZERO, SERVER, &pdu(&part, &[0; 1384]));
+    }
+    assert_eq!(client.poll_event(), Some((id, Err(CallError::BadAnswer))));
+    assert!(!client.is_open(id));
+}

@@ -134,6 +134,19 @@ mod tests {
     use super::*;
 
     #[test]
+    fn failures_are_bounded_and_the_newest_are_known() {
+        let mut saving = Saving::default();
+        saving.confirm();
+        for number in 1..=100 {
+            saving.save(number.to_string(), true);
+            assert!(saving.poll().is_some());
+            saving.report(SaveId(number), false);
+        }
+        assert_eq!(saving.failed.len(), MOST_FAILURES);
+        assert!(saving.state(SaveId(100)) == SaveState::Failed);
+    }
+
+    #[test]
     fn an_owner_that_stores_nothing_gets_a_few_images_and_later_the_newest() {
         let mut saving = Saving::default();
         saving.confirm();

@@ -594,3 +594,22 @@ fn the_answer_to_a_set_waits_until_it_is_stored() {
     rig.device.answer_set(rig.now, false);
     assert_eq!(rig.device.name(), "other");
 }
+
+#[test]
+fn a_flood_of_identify_requests_leaves_few_answers_waiting() {
+    let mut rig = Rig::new(config());
+    for _ in 0..100 {
+        // the end of the MAC address makes the answer wait
+        assert_eq!(identify(&mut rig, 6400, &[Value::Name(b"drive-1")]), None);
+    }
+    assert_eq!(rig.device.delayed.len(), 8);
+}
+
+#[test]
+fn a_set_of_very_many_blocks_is_ignored() {
+    let mut rig = Rig::new(config());
+    let values = vec![Value::Signal(0x0100); 65];
+    let set = |rig: &mut Rig, values: &[Value<'_>]| set_from(rig, TOOL, Qualifier::PERMANENT, values).len();
+    assert_eq!(set(&mut rig, &values), 0);
+    assert_eq!(set(&mut rig, &values[..64]), 64);
+}

@@ -130,3 +130,15 @@ fn a_flood_of_record_accesses_is_bounded() {
     rig.pass(100_000);
     assert!(rig.device.jobs.is_empty());
 }
+
+#[test]
+fn frames_and_events_that_nobody_fetches_are_bounded() {
+    let mut rig = Rig::new(config());
+    let _ = rig.events();
+    for _ in 0..1000 {
+        rig.device.send_frame(vec![0; 60]);
+        rig.device.event(Event::Signal);
+    }
+    assert_eq!(rig.device.frames.len(), 16);
+    assert_eq!(rig.events().len(), 256);
+}
