@@ -5,6 +5,7 @@ use std::net::Ipv4Addr;
 use std::time::Duration;
 
 use profinet::MacAddress;
+use profinet::wire::dcp::MAX_NAME;
 
 use super::drives::Drives;
 use super::event::{Detail, Party, Sink, Trouble};
@@ -85,7 +86,7 @@ impl Names {
         if let Some(ip) = ip.filter(|ip| !ip.is_unspecified()) {
             self.seen_at(mac, ip, sink);
         }
-        let Some(name) = name.map(|name| String::from_utf8_lossy(name).into_owned()) else {
+        let Some(name) = name.map(text) else {
             return;
         };
         if let Some(ip) = ip.filter(|ip| !ip.is_unspecified()) {
@@ -136,7 +137,7 @@ impl Names {
 
     /// A station was given a name, and confirmed it.
     pub fn renamed(&mut self, mac: MacAddress, name: &[u8], at: Duration) {
-        let name = String::from_utf8_lossy(name).into_owned();
+        let name = text(name);
         if let Some(ip) = self.ip_of(mac) {
             put(&mut self.by_ip, ip, &name);
         }
@@ -162,6 +163,11 @@ impl Names {
         let key = (what.to_owned(), mac.min(other), mac.max(other));
         self.reported.len() < MAX_STATIONS && self.reported.insert(key)
     }
+}
+
+/// Returns a name as text. A block of a capture may hold far more octets than a name of station has; the rest is left out.
+fn text(name: &[u8]) -> String {
+    String::from_utf8_lossy(name.get(..MAX_NAME).unwrap_or(name)).into_owned()
 }
 
 /// Records the user of a name or address. Returns another station that used it, and how long ago.
@@ -212,6 +218,14 @@ pub fn seconds(time: Duration) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_name_is_kept_no_longer_than_a_name_can_be() {
+        let mut names = Names::default();
+        let mac = MacAddress([2, 0, 0, 0, 0, 1]);
+        names.renamed(mac, &[b'a'; 65_000], Duration::ZERO);
+        assert_eq!(names.by_mac.get(&mac).map(String::len), Some(MAX_NAME));
+    }
 
     #[test]
     fn names_and_addresses_are_bounded() {
