@@ -158,6 +158,12 @@ impl Drive {
 
     /// Switches off in an orderly way: counters are saved, other unsaved values are lost.
     pub fn switch_off(&mut self) {
+        self.end_counting();
+        self.saving.end();
+    }
+
+    /// Makes the counters due: power goes in order.
+    pub(super) fn end_counting(&mut self) {
         self.meter.at_once = self.keeps_counters();
     }
 

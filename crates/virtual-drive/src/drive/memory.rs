@@ -51,7 +51,7 @@ impl Drive {
     /// Restarts the drive where it is: what is outside it stays, its values are as saved, everything else is as after
     /// power-on. What it counted is saved first, as when power goes in order.
     pub(crate) fn restart(&mut self) {
-        self.switch_off();
+        self.end_counting();
         self.count_due();
         let mut fresh = Self::new(self.model);
         if self.aside.is_some() {

@@ -34,6 +34,8 @@ pub(super) struct Saving {
     due: Option<(String, bool)>,
     /// Newest save that a channel has not looked at.
     started: Option<SaveId>,
+    /// The drive is switched off: the owner gets the newest image although it reported none of those before.
+    ending: bool,
 }
 
 impl Saving {
@@ -73,12 +75,18 @@ impl Saving {
         self.started = Some(SaveId(self.issued)).filter(|_| self.confirmed && is_pending);
     }
 
+    /// The drive is switched off: no report comes that the newest image could wait for.
+    pub fn end(&mut self) {
+        self.ending = true;
+    }
+
     /// Returns the image that the owner is to store; `None` while [`MOST_UNDER_WAY`] are not reported.
     pub fn poll(&mut self) -> Option<Event> {
-        if self.under_way.len() >= MOST_UNDER_WAY {
+        if self.under_way.len() >= MOST_UNDER_WAY && !self.ending {
             return None;
         }
         let (text, asked) = self.due.take()?;
+        self.ending = false;
         if self.confirmed {
             self.under_way.push_back((self.issued, text.clone()));
         } else {
@@ -163,5 +171,20 @@ mod tests {
         assert!(matches!(saving.poll(), Some(Event::Save { text, .. }) if text == "1000"));
         saving.report(SaveId(1000), true);
         assert!(saving.state(SaveId(1000)) == SaveState::Stored);
+    }
+
+    #[test]
+    fn a_drive_that_is_switched_off_gives_its_newest_image_to_an_owner_that_stores_nothing() {
+        let mut saving = Saving::default();
+        saving.confirm();
+        for number in 1..=100 {
+            saving.save(number.to_string(), true);
+            saving.poll();
+        }
+        assert!(saving.poll().is_none());
+        saving.end();
+        assert!(matches!(saving.poll(), Some(Event::Save { text, .. }) if text == "100"));
+        saving.save("101".to_owned(), true);
+        assert!(saving.poll().is_none(), "one image for each end");
     }
 }

@@ -279,3 +279,25 @@ fn a_name_by_dcp_counts_when_it_is_stored() {
         plant.seconds(4.0);
     }
 }
+
+/// A disk takes nothing until the simulation ends: what was saved last is with the owner then.
+#[test]
+fn a_station_that_is_switched_off_gives_its_newest_image_although_none_was_reported() {
+    for model in [&AKD, &VLT] {
+        let mut plant = Plant::of(model);
+        plant.station.confirm_saves();
+        for _ in 0..100 {
+            plant.station.drive_mut().reset_to_delivery();
+            plant.run(Duration::from_millis(20));
+        }
+        let before = plant.saves();
+        assert!((1..100).contains(&before.len()), "{before:?}");
+        plant.station.switch_off();
+        plant.run(Duration::ZERO);
+        let last = plant.saves().pop();
+        assert!(
+            last > before.last().copied() && last >= Some(SaveId(100)),
+            "{last:?}"
+        );
+    }
+}
