@@ -1,6 +1,7 @@
 //! House tasks: `cargo run -p xtask -- gen [--check]` writes (or compares) the generated tables,
 //! `cargo run -p xtask -- arrows` proves that the crates only depend on each other as ARCHITECTURE.md says,
-//! `cargo run -p xtask -- notices TARGET` prints the licences of what is linked into the program, and
+//! `cargo run -p xtask -- notices TARGET` prints the licences of what is linked into the program,
+//! `cargo run -p xtask -- sbom TARGET` prints its software bill of materials, and
 //! `cargo run -p xtask -- pages PROGRAM [--check]` writes (or compares) what `docs/` has from the program.
 #![forbid(unsafe_code)]
 
@@ -11,8 +12,10 @@ use std::process::ExitCode;
 mod arrows;
 mod circles;
 mod r#gen;
+mod linked;
 mod notices;
 mod pages;
+mod sbom;
 mod table;
 
 /// Result of a task; the error is a text for the user.
@@ -23,6 +26,7 @@ const USAGE: &str = "usage: cargo run -p xtask -- <task>
   gen --check    fail when a generated table is not up to date
   arrows         fail when a crate depends on one it must not know, or files import each other in a large circle
   notices TARGET print the licences of what is linked into the program
+  sbom TARGET    print the software bill of materials of the program (CycloneDX)
   pages PROGRAM  write the pages of docs/ that come from the program
   pages PROGRAM --check  fail when one of these is not up to date";
 
@@ -34,6 +38,7 @@ fn main() -> ExitCode {
         ["gen", "--check"] => r#gen::run(&root(), r#gen::Mode::Check),
         ["arrows"] => arrows::run(&root()),
         ["notices", target] => notices::run(&root(), target),
+        ["sbom", target] => sbom::run(&root(), target),
         ["pages", program] => pages::run(&root(), program, r#gen::Mode::Write),
         ["pages", program, "--check"] => pages::run(&root(), program, r#gen::Mode::Check),
         _ => {

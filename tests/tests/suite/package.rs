@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Duration;
 
+use serde_json::Value;
 use system_tests::{Lab, Side, built, root, simulate};
 
 const SHORT: Duration = Duration::from_secs(60);
@@ -38,12 +39,74 @@ fn pack(folder: &Path) -> PathBuf {
     for name in [
         "profidrive\n",
         "THIRD-PARTY\n",
+        "profidrive.cdx.json\n",
         "man/profidrive-read.1\n",
         "completions/_profidrive\n",
     ] {
         assert!(listed.contains(name), "{name}: {listed}");
     }
+    check_bill(archive, &target);
     package.clone()
+}
+
+fn from_archive(archive: &Path, target: &str, name: &str) -> String {
+    let version = env!("CARGO_PKG_VERSION");
+    let path = format!("profidrive-{version}-{target}/{name}");
+    output(Command::new("tar").arg("-xOf").arg(archive).arg(path))
+}
+
+/// The bill of materials names what is linked: the packages whose licences are handed out, with the checksums that were
+/// built, and every dependency of them.
+fn check_bill(archive: &Path, target: &str) {
+    let bill: Value = serde_json::from_str(&from_archive(archive, target, "profidrive.cdx.json")).unwrap();
+    assert_eq!(
+        (&bill["bomFormat"], &bill["specVersion"]),
+        (&"CycloneDX".into(), &"1.5".into())
+    );
+    assert_eq!(bill["metadata"]["component"]["name"], "profidrive-cli");
+    let list = |value: &Value| value.as_array().unwrap().clone();
+    let components = list(&bill["components"]);
+    let third_party = |component: &&Value| component.get("hashes").is_some();
+    let mut billed: Vec<String> = components
+        .iter()
+        .filter(third_party)
+        .map(|component| {
+            let text = |name: &str| component[name].as_str().unwrap().to_owned();
+            format!("{} {}", text("name"), text("version"))
+        })
+        .collect();
+    let notices = from_archive(archive, target, "THIRD-PARTY");
+    let listed = notices.lines().take_while(|line| !line.is_empty());
+    let mut noticed: Vec<String> = listed
+        .map(|line| line.split(':').next().unwrap().to_owned())
+        .collect();
+    billed.sort();
+    noticed.sort();
+    assert_eq!(billed, noticed);
+    assert!(billed.len() > 20, "{billed:?}");
+
+    let lock = std::fs::read_to_string(root().join("Cargo.lock")).unwrap();
+    for component in components.iter().filter(third_party) {
+        let checksum = component["hashes"][0]["content"].as_str().unwrap();
+        assert!(
+            lock.contains(&format!("checksum = \"{checksum}\"")),
+            "{component}"
+        );
+        let licence = component["licenses"][0]["expression"].as_str().unwrap();
+        assert!(!licence.is_empty() && !licence.contains('/'), "{component}");
+    }
+    let mut references: Vec<Value> = components
+        .iter()
+        .map(|component| component["bom-ref"].clone())
+        .collect();
+    references.push(bill["metadata"]["component"]["bom-ref"].clone());
+    let dependencies = list(&bill["dependencies"]);
+    assert_eq!(dependencies.len(), references.len());
+    for dependency in dependencies {
+        let needs = list(&dependency["dependsOn"]);
+        let known = needs.iter().all(|reference| references.contains(reference));
+        assert!(known && references.contains(&dependency["ref"]), "{dependency}");
+    }
 }
 
 /// The package database is one of the test; nothing on this machine changes.
@@ -87,6 +150,7 @@ fn the_package_is_complete_and_installed_it_scans_without_root() {
         "./usr/share/bash-completion/completions/profidrive",
         "./usr/share/doc/profidrive/changelog.gz",
         "./usr/share/doc/profidrive/copyright",
+        "./usr/share/doc/profidrive/profidrive.cdx.json",
     ] {
         assert!(
             contents.lines().any(|line| line.ends_with(path)),
@@ -132,7 +196,7 @@ fn every_published_crate_contains_both_licences() {
         output(Command::new(program).args(arguments).current_dir(root()))
     };
     let metadata = cargo(&["metadata", "--format-version", "1", "--no-deps", "--offline"]);
-    let metadata: serde_json::Value = serde_json::from_str(&metadata).unwrap();
+    let metadata: Value = serde_json::from_str(&metadata).unwrap();
     let packages = metadata["packages"].as_array().unwrap().iter();
     let published: Vec<_> = packages.filter(|package| package["publish"].is_null()).collect();
     assert!(published.len() > 10, "{published:?}");

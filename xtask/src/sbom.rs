@@ -1,0 +1,90 @@
+//! `sbom`: the software bill of materials of the program, for the packages that are handed out: CycloneDX 1.5 in JSON.
+//!
+//! It has the same packages as `notices`. It has neither a time nor a serial number: the same commit gives the same bytes.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use serde::Deserialize;
+use serde_json::{Value, json};
+
+use crate::Outcome;
+use crate::linked::{Linked, PROGRAM, text};
+
+/// The part of `Cargo.lock` that has the checksums.
+#[derive(Debug, Deserialize)]
+struct Lock {
+    package: Vec<Locked>,
+}
+
+#[derive(Debug, Deserialize)]
+struct Locked {
+    name: String,
+    version: String,
+    checksum: Option<String>,
+}
+
+/// Prints what is linked for a target, with versions, licences and checksums of the packages, and which needs which.
+pub fn run(root: &Path, target: &str) -> Outcome<()> {
+    let lock: Lock = toml::from_str(&std::fs::read_to_string(root.join("Cargo.lock"))?)?;
+    let bill = bill(&Linked::read(root, target)?, &lock, target);
+    println!("{}", serde_json::to_string_pretty(&bill)?);
+    Ok(())
+}
+
+fn bill(linked: &Linked, lock: &Lock, target: &str) -> Value {
+    let references: BTreeMap<&str, String> = linked
+        .packages()
+        .map(|package| (text(&package["id"]), reference(package)))
+        .collect();
+    let (mut program, mut components, mut dependencies) = (Value::Null, Vec::new(), Vec::new());
+    for package in linked.packages() {
+        let needs = linked.needs(text(&package["id"])).iter();
+        let needs: Vec<&String> = needs.filter_map(|id| references.get(id.as_str())).collect();
+        dependencies.push(json!({ "ref": reference(package), "dependsOn": needs }));
+        if package["name"] == PROGRAM {
+            program = component(package, "application", lock);
+        } else {
+            components.push(component(package, "library", lock));
+        }
+    }
+    json!({
+        "bomFormat": "CycloneDX",
+        "specVersion": "1.5",
+        "version": 1,
+        "metadata": {
+            "component": program,
+            "properties": [{ "name": "cargo:target", "value": target }],
+        },
+        "components": components,
+        "dependencies": dependencies,
+    })
+}
+
+/// Returns the name of a package in the bill, which is its package URL.
+fn reference(package: &Value) -> String {
+    let (name, version) = (text(&package["name"]), text(&package["version"]));
+    format!("pkg:cargo/{name}@{version}")
+}
+
+fn component(package: &Value, kind: &str, lock: &Lock) -> Value {
+    let (name, version) = (text(&package["name"]), text(&package["version"]));
+    let reference = reference(package);
+    // older packages separate two licences by a slash, which is no licence expression
+    let licence = text(&package["license"]).replace('/', " OR ");
+    let mut component = json!({
+        "type": kind,
+        "bom-ref": reference,
+        "name": name,
+        "version": version,
+        "licenses": [{ "expression": licence }],
+        "purl": reference,
+    });
+    let mut locked = lock.package.iter();
+    let locked = locked.find(|locked| locked.name == name && locked.version == version);
+    // packages of this workspace have none
+    if let Some(checksum) = locked.and_then(|locked| locked.checksum.as_deref()) {
+        component["hashes"] = json!([{ "alg": "SHA-256", "content": checksum }]);
+    }
+    component
+}
