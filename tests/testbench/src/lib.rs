@@ -6,11 +6,13 @@
 //! | drives at a serial line that loses and spoils octets | [`mod@line`] |
 //! | a controller with raw requests and frames | [`plc`] |
 //! | a client that is killed or frozen, a cable that is pulled | [`world`] |
+//! | a station that sends changed, repeated and foreign frames | [`attack`] |
 //! | to look at the drive after each step of a session | [`watched`] |
 //!
 //! For integration tests: a unit test would have a second copy of the types that it tests.
 #![allow(clippy::missing_panics_doc)]
 
+pub mod attack;
 pub mod line;
 pub mod plc;
 pub mod shared;

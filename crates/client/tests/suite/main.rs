@@ -8,6 +8,7 @@ mod before;
 mod calm;
 mod campaign;
 mod change;
+mod conversation;
 mod line;
 mod lost;
 mod many;
