@@ -138,11 +138,17 @@ struct Tally {
 }
 
 /// Begins an attack; on the way to these stations frames are lost, repeated and out of order too.
-fn attack(network: &Bench, seed: u64, frames: Vec<Vec<u8>>, spoiled: [StationId; 2]) -> StationId {
+fn attack(
+    network: &Bench,
+    seed: u64,
+    frames: Vec<Vec<u8>>,
+    roles: Vec<Role>,
+    spoiled: [StationId; 2],
+) -> StationId {
     let plan = Plan {
         seed,
         frames,
-        roles: roles(),
+        roles,
         spared: GOOD,
         start: network.now(),
         count: FRAMES,
@@ -198,7 +204,7 @@ fn conversation(seed: u64, tally: &mut Tally) {
     assert_eq!(raw(&session, &good, &good_names).wait(), expected);
 
     let seen = recorder.lock().unwrap_or_else(PoisonError::into_inner).stop();
-    let attacker = attack(&network, seed, seen, [bad_id, plc_id]);
+    let attacker = attack(&network, seed, seen.clone(), roles(), [bad_id, plc_id]);
     let ((), kept) = kept_by(|| {
         let undisturbed = Box::pin(async {
             let kept = enabled.keep_speed(SPEED, ATTACK).await;
@@ -243,12 +249,31 @@ fn conversation(seed: u64, tally: &mut Tally) {
     axis.release().wait().expect("in order");
     assert_eq!(raw(&session, &good, &good_names).wait(), expected);
 
+    // a connection begins while others attack the client; the drive itself is free for every station
+    let aside = roles().into_iter().filter(|role| role.to != GOOD);
+    let aside = aside.map(|role| Role {
+        to_all: false,
+        ..role
+    });
+    let again = attack(&network, !seed, seen, aside.collect(), [bad_id, plc_id]);
+    let mut axis = session
+        .take_axis(&mut good, running_on(Purpose::Speed))
+        .wait()
+        .expect("connected under attack");
+    let mut enabled = axis.enable().wait().expect("enabled under attack");
+    enabled.reach_speed(SPEED, None).wait().expect("turns");
+    assert_eq!(raw(&session, &good, &good_names).wait(), expected);
+    drop(enabled);
+    axis.release().wait().expect("in order");
+
     // nothing keeps a connection alive whose controller is gone: three cycles of 16 ms
     {
         let mut medium = network.medium();
         let segment = medium.segment_mut();
-        tally.sent += segment.station::<Attacker>(attacker).map_or(0, Attacker::sent);
-        segment.detach(attacker);
+        for attacker in [attacker, again] {
+            tally.sent += segment.station::<Attacker>(attacker).map_or(0, Attacker::sent);
+            segment.detach(attacker);
+        }
         segment.detach(plc_id);
     }
     tally.answered += recorder.lock().unwrap_or_else(PoisonError::into_inner).answers();
