@@ -1,10 +1,11 @@
 //! What pages list is what the program has.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
 
 use plant::Scenario;
 use pulldown_cmark::Event;
-use system_tests::built;
+use system_tests::{built, root};
 
 use super::pages::{self, Page};
 
@@ -147,4 +148,50 @@ fn the_exit_codes_are_those_of_the_help() {
         .lines()
         .filter_map(|line| line.strip_prefix("| ")?.get(..1));
     assert_eq!(digits(list), digits(&rows.collect::<String>()));
+}
+
+/// Adds the text of the Rust files of a folder and those below it.
+fn sources(folder: &Path, all: &mut String) {
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            sources(&path, all);
+        } else if path.extension().is_some_and(|ending| ending == "rs") {
+            all.push_str(&std::fs::read_to_string(&path).unwrap());
+        }
+    }
+}
+
+#[test]
+fn the_page_about_bounds_names_files_constants_and_tests_that_exist() {
+    let page = Page::read("docs/src/bounds.md");
+    let crates = root().join("crates");
+    let mut all = String::new();
+    sources(&crates, &mut all);
+    let (mut files, mut constants, mut tests) = (0, 0, 0);
+    for text in code(&page) {
+        let parts: Vec<&str> = text.split("::").collect();
+        let last = parts[parts.len() - 1];
+        let constant = last.len() > 2
+            && last
+                .chars()
+                .all(|letter| letter.is_ascii_uppercase() || letter == '_');
+        // `{a,b}.rs` are several files
+        if text.ends_with(".rs") && !text.contains('{') {
+            assert!(crates.join(&text).is_file(), "{text}");
+            files += 1;
+        } else if constant {
+            assert!(all.contains(&format!("const {last}:")), "{text}");
+            constants += 1;
+        } else if parts.len() > 2 && last.starts_with(|letter: char| letter.is_ascii_lowercase()) {
+            let mut of_crate = String::new();
+            sources(&crates.join(parts[0].replace('_', "-")), &mut of_crate);
+            assert!(of_crate.contains(&format!("fn {last}(")), "{text}");
+            tests += 1;
+        }
+    }
+    assert!(
+        files > 50 && constants > 50 && tests > 40,
+        "{files} {constants} {tests}"
+    );
 }
