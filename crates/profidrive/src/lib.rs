@@ -44,6 +44,7 @@
 //! | end waiting calls and stop axes by Ctrl-C | [`Stop`] with [`Opening::stopped_by`] |
 //! | check whether both sides can reach each other | [`reach`](reach()) |
 //! | find, read, write | [`Network`], which is a [`client::Session`] |
+//! | scan, and see status, identity and faults of a drive | [`inspection`] |
 //! | move an axis, with every safety rule | [`motion`] |
 //! | restore settings, with a way back | [`settings`] |
 //! | name, address and reset stations, with every check | [`addressing`] |
@@ -55,8 +56,10 @@ mod carrier;
 mod description;
 mod drive;
 mod driver;
+pub mod inspection;
 pub mod motion;
 mod open;
+mod outcome;
 mod reach;
 pub mod report;
 pub mod settings;
@@ -72,6 +75,7 @@ pub use description::{DescriptionError, describe};
 pub use drive::{DriveError, FindEvent, FindObserver};
 pub use network::system::{ForcedExit, Stop};
 pub use open::{Access, Network, OpenError, Opening, Transport, interface, open, open_line};
+pub use outcome::{Outcome, Reported};
 /// The drive profile: parameters, values, telegrams, models.
 pub use profile;
 pub use reach::{OtherSubnet, Reach, far, reach};

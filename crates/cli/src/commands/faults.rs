@@ -1,8 +1,10 @@
 //! `profidrive faults DRIVE`
 
 use client::Wait;
+use profidrive::inspection;
 use profidrive::report::{Fault, FaultsReport, LogEntry};
 
+use crate::advice;
 use crate::args::{Faults, Target};
 use crate::connect::{self, Need};
 use crate::failure::Failure;
@@ -11,9 +13,9 @@ use crate::render::Page;
 
 pub fn run(args: &Faults, target: &Target, output: &Output) -> Result<(), Failure> {
     let (mut session, mut drive) = connect::drive(target, Need::Records, output)?;
-    let report = session.fault_report(&mut drive).wait()?;
+    let report = inspection::faults(&mut session, &mut drive, args.history).wait()?;
     session.close().wait()?;
-    output.report(&FaultsReport::new(drive.label(), &report, args.history));
+    output.report(&report);
     Ok(())
 }
 
@@ -33,26 +35,11 @@ impl Page for FaultsReport {
                 self.acknowledged
             ));
         }
-        if let Some(advice) = advice(self) {
-            output.say(&advice);
+        let advice = self.advice();
+        if !advice.is_empty() {
+            output.say(&advice::text(&advice, &self.drive));
         }
     }
-}
-
-/// What ends the faults that are present: what only a restart clears is not to be acknowledged.
-fn advice(report: &FaultsReport) -> Option<String> {
-    let drive = &report.drive;
-    let mut restart = report.present().map(|fault| fault.needs_restart == Some(true));
-    let first = restart.next()?;
-    Some(match (first, restart.all(|one| one == first)) {
-        (true, true) => {
-            format!("{drive} has to be switched off and on once the cause is gone: no command clears it")
-        }
-        (false, true) => format!("`profidrive ack {drive}` acknowledges once the cause is gone"),
-        (_, false) => format!(
-            "`profidrive ack {drive}` acknowledges once the cause is gone; what only a restart clears takes a power cycle"
-        ),
-    })
 }
 
 #[derive(Debug, PartialEq, Eq)]
@@ -155,7 +142,6 @@ mod tests {
     use dissect::explain::Kind;
 
     use super::*;
-    use crate::advice;
     use client::status::{DriveStatus, diagnose};
     use client::{FaultEntry, FaultReport};
     use profile::catalogue::{AKD, Catalogue, Cleared, VACON, VLT};
@@ -180,36 +166,6 @@ mod tests {
             zsw1: Some(zsw1),
             log: Vec::new(),
         }
-    }
-
-    #[test]
-    fn what_only_a_restart_clears_is_not_to_be_acknowledged() {
-        let report = |cleared: &[Cleared]| FaultReport {
-            counting: Counting::Changes,
-            counter: 1,
-            shape: Shape::EIGHT_BY_EIGHT,
-            faults: cleared
-                .iter()
-                .map(|&cleared| FaultEntry {
-                    number: 8,
-                    cleared: Some(cleared),
-                    ..FaultEntry::default()
-                })
-                .collect(),
-            warnings: None,
-            zsw1: None,
-            log: Vec::new(),
-        };
-        let advice_for = |cleared: &[Cleared]| {
-            advice(&FaultsReport::new("d", &report(cleared), false)).unwrap_or_default()
-        };
-        assert_eq!(advice_for(&[]), "");
-        assert!(
-            advice_for(&[Cleared::Restart]).contains("off and on")
-                && !advice_for(&[Cleared::Restart]).contains(" ack ")
-        );
-        assert!(advice_for(&[Cleared::Acknowledge]).starts_with("`profidrive ack d`"));
-        assert!(advice_for(&[Cleared::Restart, Cleared::Acknowledge]).contains("power cycle"));
     }
 
     /// Everything in a text that looks like a parameter of any vendor: `DRV.CLRFAULTS`, `14-20`, `ID 607`.
@@ -256,7 +212,7 @@ mod tests {
                 let next = advice::text(&next, "d");
                 let report = FaultsReport::new("d", &report(vec![entry], 8), false);
                 let listed = format!("{:?}", lines(&report));
-                let ends = advice(&report).unwrap_or_default();
+                let ends = advice::text(&report.advice(), "d");
                 let number = row.number.to_string();
                 let known = profile::model::Model::by_name(tables.model);
                 let explained = dissect::explain::explain(&number, Kind::Fault, None, known).unwrap();

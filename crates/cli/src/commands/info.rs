@@ -1,6 +1,7 @@
 //! `profidrive info DRIVE`
 
 use client::{Wait, describe};
+use profidrive::inspection;
 use profidrive::report::{Controller, Identity, InfoReport, Module, Parameter, Word};
 use profile::model::PROFIDRIVE_API;
 
@@ -15,20 +16,10 @@ use crate::render::words;
 pub fn run(target: &Target, output: &Output) -> Result<(), Failure> {
     let (mut session, mut drive) = connect::drive(target, Need::Identity, output)?;
     let spinner = connect::spinner(output, format!("reading {}", drive.label()));
-    let info = session.info(&mut drive).wait();
-    let readable = info.as_ref().is_ok_and(|info| !info.readings.is_empty());
-    let (snapshot, faults) = if readable {
-        (
-            session.snapshot(&mut drive, &[]).wait().ok(),
-            session.faults(&mut drive).wait().unwrap_or_default(),
-        )
-    } else {
-        (None, Vec::new())
-    };
+    let info = inspection::info(&mut session, &mut drive).wait();
     spinner.finish_and_clear();
-    let info = info?;
+    let report = info?;
     session.close().wait()?;
-    let report = InfoReport::new(&drive, &info, snapshot.as_ref(), &faults);
     if !output.json() {
         let kind = if report.is_drive {
             report.model

@@ -1,10 +1,8 @@
 //! `profidrive scan`
 
-use std::collections::BTreeMap;
-
-use client::ErrorKind;
 use client::Wait;
-use profidrive::report::{ScanReport, Station};
+use profidrive::report::ScanReport;
+use profidrive::{Reported, inspection};
 
 use crate::args::{Interface, Scan};
 use crate::connect::{self, Need};
@@ -16,22 +14,18 @@ use crate::render::table::Table;
 pub fn run(args: &Scan, interface: &Interface, output: &Output) -> Result<(), Failure> {
     let mut session = connect::session(interface, Need::Discovery, output)?;
     let spinner = connect::spinner(output, format!("listening for {} ms", args.time.as_millis()));
-    let stations = session.scan(args.time).wait();
+    let found = inspection::scan(&mut session, args.time).wait();
     spinner.finish_and_clear();
-    let report = ScanReport {
-        stations: stations?.iter().map(Station::from).collect(),
-    };
+    let Reported { report, outcome } = found?;
     output.report(&report);
-    if report.stations.is_empty() {
-        return Err(Failure::new(ErrorKind::Unreachable, "no station answered")
-            .hint("check cable, interface and power"));
-    }
     if !output.json() {
-        for warning in warnings(&report.stations) {
-            output.warn(&warning);
+        for duplicate in report.duplicates() {
+            output.warn(&duplicate.to_string());
         }
     }
-    Ok(())
+    outcome.kind().map_or(Ok(()), |kind| {
+        Err(Failure::new(kind, "no station answered").hint("check cable, interface and power"))
+    })
 }
 
 impl Page for ScanReport {
@@ -52,51 +46,5 @@ impl Page for ScanReport {
             ]);
         }
         output.table(&table);
-    }
-}
-
-/// Names and addresses that more than one station has.
-fn warnings(stations: &[Station]) -> Vec<String> {
-    let mut owners: BTreeMap<String, Vec<&str>> = BTreeMap::new();
-    for station in stations {
-        let name = station.name.as_ref().map(|name| format!("the name {name}"));
-        let ip = station.ip.as_ref().map(|ip| format!("the address {ip}"));
-        for what in [name, ip].into_iter().flatten() {
-            owners.entry(what).or_default().push(&station.mac);
-        }
-    }
-    owners
-        .into_iter()
-        .filter(|(_, macs)| macs.len() > 1)
-        .map(|(what, macs)| format!("{} stations have {what}: {}", macs.len(), macs.join(" and ")))
-        .collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use profinet::MacAddress;
-
-    #[test]
-    fn duplicate_names_are_reported() {
-        let station = |last| {
-            Station::from(&profinet::controller::Station {
-                mac: MacAddress([2, 0, 0, 0, 0, last]),
-                name: "akd-1".into(),
-                vendor_id: 0x0105,
-                device_id: 1,
-                role: 1,
-                ..Default::default()
-            })
-        };
-        let stations = [station(1), station(2)];
-        assert_eq!(
-            warnings(&stations),
-            ["2 stations have the name akd-1: 02:00:00:00:00:01 and 02:00:00:00:00:02"]
-        );
-        assert_eq!(
-            (stations[0].model, stations[0].role),
-            (Some("AKD"), Some("device"))
-        );
     }
 }

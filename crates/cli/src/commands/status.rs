@@ -1,10 +1,8 @@
 //! `profidrive status`
 
-use client::ErrorKind;
 use client::Wait;
-use client::status::{Verdict, diagnose};
-use profidrive::motion::leftovers;
 use profidrive::report::{Controller, LossReaction, Quantity, StatusReport, Word};
+use profidrive::{Reported, inspection};
 use profile::state::Profile;
 
 use crate::advice::Commands;
@@ -17,40 +15,25 @@ use crate::render::{Page, hex16};
 
 pub fn run(args: &Status, target: &Target, output: &Output) -> Result<(), Failure> {
     let (mut session, mut drive) = connect::drive(target, Need::Records, output)?;
-    let status = session.status(&mut drive).wait().map_err(unread)?;
-    // a controller may be the very program that will put its setting back
-    let left = match status.controller {
-        Some(None) => leftovers(&mut session, &mut drive).wait()?,
-        _ => Vec::new(),
-    };
-    session.close().wait()?;
-    let mut diagnosis = diagnose(&status);
     let label = drive.label();
-    let left = left.iter().map(|left| match left {
-        Ok(left) => left.note(),
-        Err(note) => note.note(),
-    });
-    diagnosis.notes.extend(left);
-    let tables = drive.model.catalogue;
-    let report = StatusReport::new(&status, &diagnosis, tables, &Commands(&label));
+    let wording = Commands(&label);
+    let status = inspection::status(&mut session, &mut drive, &wording).wait();
+    let Reported { report, outcome } = status.map_err(|error| {
+        let more = inspection::without_status(&error);
+        Failure::from(error).and_hint(more)
+    })?;
+    session.close().wait()?;
     output.report(&report);
     if !args.short && !output.json() {
         for line in lines(&report) {
             output.line(&line);
         }
     }
-    match diagnosis.verdict {
-        Verdict::Runs | Verdict::Waits => Ok(()),
-        // the sentence stands on stdout already
-        Verdict::Held => Err(Failure::new(
-            ErrorKind::Difference,
-            format!(
-                "{} is kept from running ({})",
-                drive.label(),
-                diagnosis.cause.id()
-            ),
-        )),
-    }
+    // the sentence stands on stdout already
+    outcome.kind().map_or(Ok(()), |kind| {
+        let message = format!("{} is kept from running ({})", report.drive, report.cause);
+        Err(Failure::new(kind, message))
+    })
 }
 
 impl Page for StatusReport {
@@ -72,18 +55,6 @@ impl Page for StatusReport {
             }
         }
     }
-}
-
-/// A drive whose parameters cannot be read may turn all the same.
-fn unread(error: client::Error) -> Failure {
-    let silent = error.is_of_parameters();
-    let failure = Failure::from(error);
-    if !silent {
-        return failure;
-    }
-    failure.and_hint(
-        "if it turns: {stop} brings it to rest by its control word, without parameters, where no controller has it",
-    )
 }
 
 /// The facts, one a line.
@@ -197,22 +168,9 @@ fn limits(report: &StatusReport) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use client::status::DriveStatus;
+    use client::status::{DriveStatus, diagnose};
     use profile::catalogue::AKD;
     use profile::state::{Mode, Stw1, Zsw1};
-
-    #[test]
-    fn a_drive_with_a_silent_channel_can_be_stopped() {
-        let silent = client::Error::Timeout {
-            drive: "vlt-1".into(),
-            what: "record access",
-            limit: std::time::Duration::from_secs(10),
-        };
-        let hint = unread(silent).hint.to_string();
-        assert!(hint.contains("[stop]"), "{hint}");
-        let gone = unread(client::Error::Interrupted);
-        assert!(gone.hint.is_empty());
-    }
 
     #[test]
     fn facts_of_a_position_drive() {

@@ -1,6 +1,9 @@
 //! What the verbs report that look at drives.
 
-use client::{Drive, FaultEntry, FaultReport, Info, LoggedFault, Snapshot};
+use std::collections::BTreeMap;
+use std::fmt;
+
+use client::{Action, Advice, Drive, FaultEntry, FaultReport, Info, LoggedFault, Snapshot};
 use profile::fault::Counting;
 use profile::state::Zsw1;
 use profile::value::Reading;
@@ -14,6 +17,47 @@ use super::{Controller, DriveWords, Fault, Parameter, Quantity, Station, Warning
 pub struct ScanReport {
     /// The stations that answered.
     pub stations: Vec<Station>,
+}
+
+impl ScanReport {
+    /// Returns the names and addresses that more than one station has.
+    #[must_use]
+    pub fn duplicates(&self) -> Vec<Duplicate> {
+        let mut owners: BTreeMap<String, Vec<String>> = BTreeMap::new();
+        for station in &self.stations {
+            let name = station.name.as_ref().map(|name| format!("the name {name}"));
+            let ip = station.ip.as_ref().map(|ip| format!("the address {ip}"));
+            for what in [name, ip].into_iter().flatten() {
+                owners.entry(what).or_default().push(station.mac.clone());
+            }
+        }
+        owners
+            .into_iter()
+            .filter(|(_, stations)| stations.len() > 1)
+            .map(|(what, stations)| Duplicate { what, stations })
+            .collect()
+    }
+}
+
+/// A name or an address that more than one station has.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Duplicate {
+    /// `the name akd-1` or `the address 10.0.0.1`.
+    pub what: String,
+    /// The Ethernet addresses of the stations that have it.
+    pub stations: Vec<String>,
+}
+
+impl fmt::Display for Duplicate {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { what, stations } = self;
+        write!(
+            f,
+            "{} stations have {what}: {}",
+            stations.len(),
+            stations.join(" and ")
+        )
+    }
 }
 
 /// Who a drive is and in which state.
@@ -261,6 +305,26 @@ impl FaultsReport {
     pub fn present(&self) -> impl Iterator<Item = &Fault> {
         self.faults.iter().filter(|fault| !fault.acknowledged)
     }
+
+    /// Returns what ends the faults that are present: what only a restart clears is not to be acknowledged. Empty without a
+    /// fault.
+    #[must_use]
+    pub fn advice(&self) -> Advice {
+        let is_restart = |fault: &Fault| fault.needs_restart == Some(true);
+        let acknowledge = || Advice::from(Action::Acknowledge).and(" acknowledges once the cause is gone");
+        match (
+            self.present().any(is_restart),
+            self.present().any(|fault| !is_restart(fault)),
+        ) {
+            (false, false) => Advice::default(),
+            (true, false) => Advice::from(format!(
+                "{} has to be switched off and on once the cause is gone: no command clears it",
+                self.drive
+            )),
+            (false, true) => acknowledge(),
+            (true, true) => acknowledge().and("; what only a restart clears takes a power cycle"),
+        }
+    }
 }
 
 /// A drive at one moment, read beside its controller.
@@ -313,4 +377,71 @@ pub struct ParametersReport {
     pub drive: String,
     /// The values, in the order of the request.
     pub parameters: Vec<Parameter>,
+}
+
+#[cfg(test)]
+mod tests {
+    use profile::catalogue::Cleared;
+    use profile::fault::Shape;
+    use profinet::MacAddress;
+
+    use super::*;
+
+    #[test]
+    fn duplicate_names_are_reported() {
+        let station = |last| {
+            Station::from(&profinet::controller::Station {
+                mac: MacAddress([2, 0, 0, 0, 0, last]),
+                name: "akd-1".into(),
+                vendor_id: 0x0105,
+                device_id: 1,
+                role: 1,
+                ..Default::default()
+            })
+        };
+        let report = ScanReport {
+            stations: vec![station(1), station(2)],
+        };
+        let texts: Vec<String> = report.duplicates().iter().map(ToString::to_string).collect();
+        assert_eq!(
+            texts,
+            ["2 stations have the name akd-1: 02:00:00:00:00:01 and 02:00:00:00:00:02"]
+        );
+        let first = &report.stations[0];
+        assert_eq!((first.model, first.role), (Some("AKD"), Some("device")));
+    }
+
+    #[test]
+    fn what_only_a_restart_clears_is_not_to_be_acknowledged() {
+        let advice = |cleared: &[Cleared]| {
+            let entry = |&cleared: &Cleared| FaultEntry {
+                number: 8,
+                cleared: Some(cleared),
+                ..FaultEntry::default()
+            };
+            let report = FaultReport {
+                counting: Counting::Changes,
+                counter: 1,
+                shape: Shape::EIGHT_BY_EIGHT,
+                faults: cleared.iter().map(entry).collect(),
+                warnings: None,
+                zsw1: None,
+                log: Vec::new(),
+            };
+            FaultsReport::new("d", &report, false).advice()
+        };
+        let acknowledges = |advice: &Advice| advice.actions().any(|one| *one == Action::Acknowledge);
+        assert!(advice(&[]).is_empty());
+        let restart = advice(&[Cleared::Restart]);
+        assert!(
+            restart.to_string().contains("off and on") && !acknowledges(&restart),
+            "{restart}"
+        );
+        assert!(acknowledges(&advice(&[Cleared::Acknowledge])));
+        let both = advice(&[Cleared::Restart, Cleared::Acknowledge]);
+        assert!(
+            acknowledges(&both) && both.to_string().contains("power cycle"),
+            "{both}"
+        );
+    }
 }

@@ -29,16 +29,16 @@ pub use dissect::report::{DriveState, Parameter, ParameterContent, ParameterErro
 pub use backup::{BackupReport, DiffReport, Difference, MotionTask, NumberedTask, TaskDifference};
 pub use change::{MotionTaskChange, RestoreReport, SettingChange, SkippedSetting, WriteReport};
 pub use drive::{
-    FaultsReport, Identity, InfoReport, LogEntry, Module, MonitorReading, Neighbour, ParametersReport,
-    ScanReport, Submodule,
+    Duplicate, FaultsReport, Identity, InfoReport, LogEntry, Module, MonitorReading, Neighbour,
+    ParametersReport, ScanReport, Submodule,
 };
 pub use gsdml::{
     GsdmlAccessPoint, GsdmlCheckReport, GsdmlExportReport, GsdmlItem, GsdmlModule, GsdmlProblem,
     GsdmlShowReport, GsdmlSubmodule,
 };
 pub use shapes::{
-    Action, Controller, DriveWords, Error, Fault, LossReaction, Quantity, Station, Warning, Wording,
-    parameter, parameter_error,
+    Action, Controller, DriveWords, Error, Fault, LossReaction, PlainWording, Quantity, Station, Warning,
+    Wording, parameter, parameter_error,
 };
 pub use simulation::{
     DemoEvent, DemoStep, InjectKey, InjectReport, SimulationEvent, SimulationLoad, SimulationReport,

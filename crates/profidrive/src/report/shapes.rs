@@ -22,6 +22,20 @@ pub trait Wording {
     fn advice(&self, advice: &Advice) -> String;
 }
 
+/// The wording of a program without commands: each action by its name.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct PlainWording;
+
+impl Wording for PlainWording {
+    fn command(&self, _: &client::Action) -> Option<String> {
+        None
+    }
+
+    fn advice(&self, advice: &Advice) -> String {
+        advice.to_string()
+    }
+}
+
 /// A number with its unit.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]

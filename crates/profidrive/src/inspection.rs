@@ -1,0 +1,143 @@
+//! What stations and drives are like: the stations on a network, the status, the identity and the faults of a drive. Nothing
+//! is changed.
+//!
+//! ```
+//! # #[cfg(feature = "simulate")] {
+//! use profidrive::inspection::{faults, info, scan, status};
+//! use profidrive::report::PlainWording;
+//! use profidrive::{Outcome, Wait};
+//!
+//! let plant = r#"
+//!     [[drive]]
+//!     name = "akd-1"
+//!     ip = "192.168.0.11/24"
+//!     event = [{ at = "5s", do = "fault=439" }]
+//! "#;
+//! let mut network = profidrive::open_scenario(plant.parse()?)?;
+//! let found = scan(&mut network, std::time::Duration::from_secs(1)).wait()?;
+//! assert_eq!(found.report.stations[0].name.as_deref(), Some("akd-1"));
+//!
+//! let mut drive = network.find(&"akd-1".parse()?).wait()?;
+//! assert!(info(&mut network, &mut drive).wait()?.is_drive);
+//! assert_eq!(status(&mut network, &mut drive, &PlainWording).wait()?.outcome, Outcome::Complete);
+//!
+//! network.pass(std::time::Duration::from_secs(5)).wait()?;
+//! let held = status(&mut network, &mut drive, &PlainWording).wait()?;
+//! assert_eq!((held.outcome, held.report.cause), (Outcome::Difference, "fault"));
+//! assert_eq!(faults(&mut network, &mut drive, false).wait()?.faults[0].number, 439);
+//! # }
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+use std::time::Duration;
+
+use client::status::{Verdict, diagnose};
+use client::{Advice, Drive, Error, Session};
+
+use crate::motion::leftovers;
+use crate::report::{FaultsReport, InfoReport, ScanReport, Station, StatusReport, Wording};
+use crate::{Outcome, Reported};
+
+/// Finds all stations that answer within `time`, by name and address. Where none does, the outcome is
+/// [`Outcome::NoAnswer`]; [`ScanReport::duplicates`] has the names and addresses of more than one station.
+///
+/// # Errors
+/// When the medium fails or the caller requests a stop.
+pub async fn scan(session: &mut Session, time: Duration) -> Result<Reported<ScanReport>, Error> {
+    let stations = session.scan(time).await?;
+    let report = ScanReport {
+        stations: stations.iter().map(Station::from).collect(),
+    };
+    let outcome = if report.stations.is_empty() {
+        Outcome::NoAnswer
+    } else {
+        Outcome::Complete
+    };
+    Ok(Reported { report, outcome })
+}
+
+/// Reads how a drive is and why it does not run, with what killed programs left changed at it. For a drive that is kept from
+/// running the outcome is [`Outcome::Difference`].
+///
+/// # Errors
+/// When the drive cannot be reached; [`without_status`] has more to do then.
+pub async fn status(
+    session: &mut Session,
+    drive: &mut Drive,
+    wording: &(dyn Wording + Sync),
+) -> Result<Reported<StatusReport>, Error> {
+    let status = session.status(drive).await?;
+    // a controller may be the very program that will put its setting back
+    let left = match status.controller {
+        Some(None) => leftovers(session, drive).await?,
+        _ => Vec::new(),
+    };
+    let mut diagnosis = diagnose(&status);
+    diagnosis.notes.extend(left.iter().map(|left| match left {
+        Ok(left) => left.note(),
+        Err(unreadable) => unreadable.note(),
+    }));
+    let outcome = match diagnosis.verdict {
+        Verdict::Runs | Verdict::Waits => Outcome::Complete,
+        Verdict::Held => Outcome::Difference,
+    };
+    let report = StatusReport::new(&status, &diagnosis, drive.model.catalogue, wording);
+    Ok(Reported { report, outcome })
+}
+
+/// Returns what to do, beside [`Error::advice`], when [`status`] failed: a drive whose parameters cannot be read may turn all
+/// the same. Empty for other errors.
+#[must_use]
+pub fn without_status(error: &Error) -> Advice {
+    if !error.is_of_parameters() {
+        return Advice::default();
+    }
+    Advice::from(
+        "if it turns: {stop} brings it to rest by its control word, without parameters, where no controller has it",
+    )
+}
+
+/// Reads who a drive is: identification, modules, neighbours, and where its parameters can be read its state and the
+/// faults that are present. A station that is not a drive is described as far as it answers.
+///
+/// # Errors
+/// When the drive cannot be reached. What it refuses is in [`InfoReport::refused`].
+pub async fn info(session: &mut Session, drive: &mut Drive) -> Result<InfoReport, Error> {
+    let info = session.info(drive).await?;
+    let (snapshot, faults) = if info.readings.is_empty() {
+        (None, Vec::new())
+    } else {
+        (
+            session.snapshot(drive, &[]).await.ok(),
+            session.faults(drive).await.unwrap_or_default(),
+        )
+    };
+    Ok(InfoReport::new(drive, &info, snapshot.as_ref(), &faults))
+}
+
+/// Reads the faults and warnings of a drive, acknowledged faults and its log only with `history`.
+/// [`FaultsReport::advice`] has what ends the faults.
+///
+/// # Errors
+/// When the drive cannot be reached, has no fault buffer, or the buffer keeps changing.
+pub async fn faults(session: &mut Session, drive: &mut Drive, history: bool) -> Result<FaultsReport, Error> {
+    let report = session.fault_report(drive).await?;
+    Ok(FaultsReport::new(drive.label(), &report, history))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_drive_with_a_silent_channel_can_be_stopped() {
+        let silent = Error::Timeout {
+            drive: "vlt-1".into(),
+            what: "record access",
+            limit: Duration::from_secs(10),
+        };
+        let actions: Vec<client::Action> = without_status(&silent).actions().cloned().collect();
+        assert_eq!(actions, [client::Action::Stop]);
+        assert!(without_status(&Error::Interrupted).is_empty());
+    }
+}
