@@ -45,6 +45,7 @@
 //! | check whether both sides can reach each other | [`reach`](reach()) |
 //! | find, read, write | [`Network`], which is a [`client::Session`] |
 //! | scan, and see status, identity and faults of a drive | [`inspection`] |
+//! | read, list, describe and write parameters as people name them | [`parameters`] |
 //! | move an axis, with every safety rule | [`motion`] |
 //! | restore settings, with a way back | [`settings`] |
 //! | name, address and reset stations, with every check | [`addressing`] |
@@ -60,6 +61,7 @@ pub mod inspection;
 pub mod motion;
 mod open;
 mod outcome;
+pub mod parameters;
 mod reach;
 pub mod report;
 pub mod settings;

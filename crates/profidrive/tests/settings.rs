@@ -7,7 +7,7 @@ use profidrive::client::{Drive, ErrorKind, WriteMode};
 use profidrive::settings::{
     self, BackupFile, Comparison, FileError, Restore, RestoreError, Shortfall, apply_with_way_back,
 };
-use profidrive::{Network, Wait};
+use profidrive::{Network, Outcome, Wait};
 
 const PLANT: &str = r#"
 [[drive]]
@@ -61,7 +61,7 @@ fn a_changed_setting_is_found_restored_and_brought_back() {
     let path = folder.join("akd-1.backup");
     let file = BackupFile::at(&path, false).expect("free");
     let before = saved(&mut network, &mut drive);
-    assert_eq!(settings::problem(&before), None);
+    assert_eq!(settings::outcome(&before), Outcome::Complete);
     assert!(file.write(&before).expect("written"));
     // the same content once more changes nothing
     assert!(!BackupFile::at(&path, false).unwrap().write(&before).unwrap());
@@ -70,7 +70,7 @@ fn a_changed_setting_is_found_restored_and_brought_back() {
     let read = settings::read(&path).expect("readable");
     let comparison = Comparison::new(&read, &now).expect("one model");
     assert_eq!((comparison.count(), comparison.of_connection()), (1, 0));
-    assert_eq!(comparison.problem(), Some(ErrorKind::Difference));
+    assert_eq!(comparison.outcome(), Outcome::Difference);
 
     let wanted = Restore::default();
     let mut plan = settings::plan(&mut network, &mut drive, &read, &wanted)
@@ -84,7 +84,10 @@ fn a_changed_setting_is_found_restored_and_brought_back() {
         .expect("written");
     assert_eq!(settings::shortfall(&plan, &wanted), None);
     let restored = saved(&mut network, &mut drive);
-    assert_eq!(Comparison::new(&read, &restored).unwrap().problem(), None);
+    assert_eq!(
+        Comparison::new(&read, &restored).unwrap().outcome(),
+        Outcome::Complete
+    );
     // the value before is in the way back
     let back = settings::read(&way_back).expect("a backup too");
     let value = |backup: &Backup| backup.reading(2108, None).and_then(|reading| reading.number());

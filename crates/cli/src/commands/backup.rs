@@ -17,7 +17,7 @@ pub fn run(args: &args::Backup, target: &Target, output: &Output) -> Result<(), 
     let file = file.map(|path| BackupFile::at(path, args.force)).transpose()?;
     let (backup, drive) = whole(target, output)?;
     let label = drive.label();
-    let problem = settings::problem(&backup);
+    let problem = settings::outcome(&backup).kind();
     if problem == Some(ErrorKind::Difference) {
         return Err(without_content(&backup, &label));
     }
@@ -189,7 +189,9 @@ mod tests {
                 "profidrive backup 1\nmodel: AKD\nvendor: 0x0105\ndevice: 0x0001\n{tasks}p2108 = 1\n"
             );
             let backup = Backup::read(&text).unwrap();
-            settings::problem(&backup).map(|kind| incomplete(kind, &backup, "akd-1"))
+            settings::outcome(&backup)
+                .kind()
+                .map(|kind| incomplete(kind, &backup, "akd-1"))
         };
         assert_eq!(backup(""), None);
         assert_eq!(backup("tasks: all\n"), None);

@@ -61,7 +61,7 @@ pub fn run(args: &Diff, options: &DriveOptions, output: &Output) -> Result<(), F
             output.line(&format!("  right  {}", one.right.text(right.parameters())));
         }
     }
-    let Some(kind) = comparison.problem() else {
+    let Some(kind) = comparison.outcome().kind() else {
         output.say("no difference");
         return Ok(());
     };

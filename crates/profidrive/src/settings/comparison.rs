@@ -1,9 +1,9 @@
 //! Comparing settings.
 
-use client::ErrorKind;
 use client::backup::{self, Backup, Difference, TaskDifference};
 use profile::catalogue::Role;
 
+use crate::Outcome;
 use crate::report::{self, DiffReport, MotionTask, Wording};
 
 /// The settings are of two models: names and numbers mean different things.
@@ -82,10 +82,14 @@ impl<'b> Comparison<'b> {
         settings.filter(|one| self.is_of_connection(one)).count()
     }
 
-    /// What is not as it should be: [`ErrorKind::Difference`] where anything differs.
+    /// [`Outcome::Difference`] where anything differs.
     #[must_use]
-    pub fn problem(&self) -> Option<ErrorKind> {
-        (self.count() > 0).then_some(ErrorKind::Difference)
+    pub fn outcome(&self) -> Outcome {
+        if self.count() > 0 {
+            Outcome::Difference
+        } else {
+            Outcome::Complete
+        }
     }
 
     /// The same as data; `left` and `right` name the sides.

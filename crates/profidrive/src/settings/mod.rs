@@ -8,11 +8,12 @@
 //! let plant = r#"
 //!     [[drive]]
 //!     name = "akd-1"
+//!     ip = "192.168.0.11/24"
 //! "#;
 //! let mut network = profidrive::open_scenario(plant.parse()?)?;
 //! let mut drive = network.find(&"akd-1".parse()?).wait()?;
 //! let saved = network.backup(&mut drive, &mut |_, _| {}).wait()?;
-//! assert_eq!(settings::problem(&saved), None);
+//! assert_eq!(settings::outcome(&saved), profidrive::Outcome::Complete);
 //!
 //! // nothing has changed since, so there is nothing to write
 //! let wanted = Restore::default();
@@ -32,21 +33,26 @@ use client::change::{ChangeSet, Choice, Plan, Saved, Step};
 use client::{Drive, Error, ErrorKind, Session, describe};
 use network::files::StateFile;
 
+use crate::Outcome;
+
 pub use comparison::{Comparison, OtherModel};
 pub use file::{BackupFile, FileError, read};
 
 /// Most ways back beside one file.
 const MOST_WAYS_BACK: u32 = 9_999;
 
-/// What a backup lacks: [`ErrorKind::Difference`] where it has no value at all, [`ErrorKind::Partial`] where settings or the
+/// How complete a backup is: [`Outcome::Difference`] where it has no value at all, [`Outcome::Partial`] where settings or the
 /// motion tasks are missing.
 #[must_use]
-pub fn problem(backup: &Backup) -> Option<ErrorKind> {
-    if backup.readings().is_empty() && backup.task_count() == 0 {
-        return Some(ErrorKind::Difference);
-    }
+pub fn outcome(backup: &Backup) -> Outcome {
     let tasks_left_out = matches!(backup.header.tasks, TaskCoverage::LeftOut(_));
-    (tasks_left_out || !backup.refused().is_empty()).then_some(ErrorKind::Partial)
+    if backup.readings().is_empty() && backup.task_count() == 0 {
+        Outcome::Difference
+    } else if tasks_left_out || !backup.refused().is_empty() {
+        Outcome::Partial
+    } else {
+        Outcome::Complete
+    }
 }
 
 /// The settings of a drive that a file has, to compare them.

@@ -1,16 +1,15 @@
 //! `profidrive describe`
 
-use client::{Action, Described, Drive, ErrorKind, Refusal, Wait};
-use profidrive::report::{
-    self, DescribeReport, ParameterDescription, ReportedDescription, access, number as number_as_written,
-};
+use client::{Described, Drive, Refusal, Wait};
+use profidrive::parameters;
+use profidrive::report::{access, number as number_as_written};
 use profile::catalogue::{Access, Parameter, Role, Scaling, Word};
 use profile::notation::{Notation, Shown};
 use profile::parameter::Saving;
 use profile::value::{Reading, Selection};
 
 use super::limits::Limits;
-use super::{name_bits, parse_all};
+use super::parse_all;
 use crate::advice::Commands;
 use crate::args::{Describe, Target};
 use crate::connect::{self, Need};
@@ -21,40 +20,18 @@ use crate::render::{number, value};
 pub fn describe(args: &Describe, target: &Target, output: &Output) -> Result<(), Failure> {
     let reference = parse_all(std::slice::from_ref(&args.parameter))?.remove(0);
     let (mut session, mut drive) = connect::drive(target, Need::Records, output)?;
-    let selection = drive.parameters.select(&reference)?;
-    let (Some(parameter), Some(tables)) = (selection.parameter, drive.model.catalogue) else {
-        if let Some(whole) = drive
-            .model
-            .catalogue
-            .and_then(|tables| tables.by_high(selection.pnu))
-        {
-            let message = format!("{} is the high half of {}", selection.label(), whole.name);
-            let parameter = whole.name.to_owned();
-            let hint = Action::Describe { parameter };
-            return Err(Failure::new(ErrorKind::Unsupported, message).hint(hint));
-        }
-        return in_no_table(&mut session, &mut drive, &selection, output);
-    };
-    let description = session.described(&mut drive, &selection).wait()?;
-    let mut readings = session.read(&mut drive, &[selection]).wait()?;
-    name_bits(&mut session, &mut drive, &mut readings)?;
+    let known = parameters::describe(&mut session, &mut drive, &reference).wait()?;
     session.close().wait()?;
-    let wording = Commands::any();
-    output.json_report(&DescribeReport {
-        drive: drive.label(),
-        model: drive.model.name,
-        parameter: Some(ParameterDescription::new(tables, parameter, &drive.parameters)),
-        scaling: Some(parameter.rule(&drive.parameters.scaling)),
-        reported: description.as_ref().map(ReportedDescription::from),
-        values: readings
-            .iter()
-            .map(|reading| report::parameter(reading, &wording))
-            .collect(),
-    });
+    output.json_report(&known.report(&drive, &Commands::any()));
     if output.json() {
         return Ok(());
     }
-    let limits = Limits::of(&drive.parameters, parameter, description.as_ref());
+    let Some((tables, parameter)) = known.row else {
+        let described = known.described.iter();
+        described.for_each(|described| in_no_table(&known.selection, described, output));
+        return Ok(());
+    };
+    let limits = Limits::of(&drive.parameters, parameter, known.described.as_ref());
     output.line(&output.paint(
         Colour::Strong,
         &format!("{} ({})", parameter.name, number_as_written(tables, parameter)),
@@ -62,43 +39,19 @@ pub fn describe(args: &Describe, target: &Target, output: &Output) -> Result<(),
     let scaling = &drive.parameters.scaling;
     let word = tables.word_at(parameter.pnu, parameter.base);
     let saved = saved_words(&drive, parameter);
-    for line in description_lines(parameter, scaling, &limits, &readings, (word, &saved)) {
+    for line in description_lines(parameter, scaling, &limits, &known.readings, (word, &saved)) {
         output.line(&line);
     }
     Ok(())
 }
 
-/// Describes a parameter without tables, from the description of the drive.
-fn in_no_table(
-    session: &mut connect::Live,
-    drive: &mut Drive,
-    selection: &Selection,
-    output: &Output,
-) -> Result<(), Failure> {
-    let description = session.described(drive, selection).wait()?;
-    session.close().wait()?;
-    let Some(description) = description else {
-        let message = format!("{} is in no table of the {}", selection.label(), drive.model.name);
-        return Err(Failure::new(ErrorKind::Unsupported, message)
-            .hint("the drive does not describe it; {read} may read it all the same"));
-    };
-    output.json_report(&DescribeReport {
-        drive: drive.label(),
-        model: drive.model.name,
-        parameter: None,
-        scaling: None,
-        reported: Some(ReportedDescription::from(&description)),
-        values: Vec::new(),
-    });
-    if output.json() {
-        return Ok(());
-    }
-    let title = format!("{} ({})", description.name, selection.label());
+/// A parameter that only the drive describes.
+fn in_no_table(selection: &Selection, described: &Described, output: &Output) {
+    let title = format!("{} ({})", described.name, selection.label());
     output.line(&output.paint(Colour::Strong, title.trim_start()));
-    for line in reported_lines(&description) {
+    for line in reported_lines(described) {
         output.line(&line);
     }
-    Ok(())
 }
 
 fn reported_lines(description: &Described) -> Vec<String> {

@@ -1,13 +1,12 @@
 //! `profidrive write`
 
-use client::ErrorKind;
 use client::Wait;
 use client::change::{Change, ChangeSet, Saved, Step};
-use profidrive::report::{Controller, WriteReport};
+use profidrive::parameters::{self, Write as Wanted, Written};
 use profile::parameter::Saving;
 use profile::value::{Assignment, Content};
 
-use super::{last_failure, refused_failure};
+use super::last_failure;
 use crate::advice::Commands;
 use crate::args::{Target, Write};
 use crate::connect::{self, Need};
@@ -23,30 +22,22 @@ pub fn write(args: &Write, target: &Target, output: &Output) -> Result<(), Failu
         .map(|text| text.parse().map_err(Failure::from))
         .collect::<Result<_, _>>()?;
     let (mut session, mut drive) = connect::drive(target, Need::Records, output)?;
-    let controller = session.owner(&drive).wait()?;
-    let mut set = session.plan_write(&mut drive, &assignments, args.save).wait()?;
-    if !args.dry_run {
-        session.apply(&mut drive, &mut set).wait()?;
-    }
+    let wanted = Wanted {
+        save: args.save,
+        dry_run: args.dry_run,
+    };
+    let written = parameters::write(&mut session, &mut drive, &assignments, wanted).wait()?;
     session.close().wait()?;
     let label = drive.label();
-    if let Some(Some(name)) = &controller
-        && all(&set).any(|change| change.step.is_written())
-    {
+    if let Some(name) = written.affected_controller() {
         output.warn(&format!(
             "controller \"{}\" runs {label}: what was written counts for its motion at once",
             clean(name),
         ));
     }
-    output.json_report(&WriteReport::new(
-        label.clone(),
-        &set,
-        args.dry_run,
-        Controller::of(controller.as_ref()),
-        &Commands::any(),
-    ));
+    output.json_report(&written.report(&drive, &Commands::any()));
     if !output.json() {
-        for (assignment, change) in assignments.iter().zip(set.changes()) {
+        for (assignment, change) in assignments.iter().zip(written.set.changes()) {
             let remark = raw_note(assignment, change)
                 .or_else(|| rounded(assignment, change))
                 .or_else(|| blanks_lost(assignment, change));
@@ -55,7 +46,7 @@ pub fn write(args: &Write, target: &Target, output: &Output) -> Result<(), Failu
             }
         }
         let mut table = Table::new(&["name", "number", ">old", "", ">new", "unit", "result"]);
-        for change in all(&set) {
+        for change in written.changes() {
             table.row(row(change, args.dry_run));
         }
         for line in table.lines() {
@@ -64,48 +55,19 @@ pub fn write(args: &Write, target: &Target, output: &Output) -> Result<(), Failu
         if args.dry_run {
             output.say("dry run: nothing was written");
         } else {
-            report_saved(&set, args.save, output);
+            report_saved(&written, output);
         }
     }
-    last_failure(
-        all(&set).filter_map(|change| problem(&label, change)).collect(),
-        output,
-    )
-}
-
-/// Every change, the command that saves among them.
-fn all(set: &ChangeSet) -> impl Iterator<Item = &Change> {
-    set.changes().iter().chain(set.save_command())
-}
-
-/// What went wrong with a change.
-fn problem(drive: &str, change: &Change) -> Option<Failure> {
-    match &change.step {
-        Step::Refused(refusal) => Some(refused_failure(drive, refusal)),
-        Step::Differs => {
-            let label = change.label();
-            let message = format!("{drive}: {label} reads back another value than was written");
-            let failure = Failure::new(ErrorKind::Difference, message);
-            Some(failure.hint("the drive may round, limit or change it by itself; read it again"))
-        }
-        _ => None,
-    }
-}
-
-/// A new value that the drive has now; a command leaves none behind.
-fn keeps(change: &Change) -> bool {
-    change.step.is_written() && !change.acts
+    last_failure(written.problems(&label), output)
 }
 
 /// Reports which of the new values outlive the power of the drive, and which do not.
-fn report_saved(set: &ChangeSet, requested: bool, output: &Output) {
-    let new = set.changes().iter().filter(|change| keeps(change));
-    let (kept, lost): (Vec<_>, Vec<_>) = new.partition(|change| change.storable != Some(false));
+fn report_saved(written: &Written, output: &Output) {
+    let (set, requested) = (&written.set, written.wanted.save);
+    let kept = written.kept();
     let names =
         |changes: &[&Change]| -> Vec<String> { changes.iter().map(|change| change.label()).collect() };
-    let (as_written, by_itself): (Vec<_>, Vec<_>) =
-        kept.into_iter().partition(|change| change.saving == set.saving());
-    let (as_written, by_itself, lost) = (names(&as_written), names(&by_itself), names(&lost));
+    let (as_written, by_itself, lost) = (names(&kept.with_set), names(&kept.by_itself), names(&kept.lost));
     let only = by_itself.is_empty() && lost.is_empty();
     if !as_written.is_empty() {
         match set.saved() {

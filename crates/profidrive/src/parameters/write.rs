@@ -1,0 +1,132 @@
+//! New values, read back, and which of them outlive the power of the drive.
+
+use client::change::{Change, ChangeSet, Step};
+use client::{Drive, Error, Session};
+use profile::value::Assignment;
+
+use super::ParameterError;
+use crate::Outcome;
+use crate::report::{Controller, Wording, WriteReport};
+
+/// How values are written.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Write {
+    /// The drive saves them over power-off; only where every value is as planned.
+    pub save: bool,
+    /// Nothing is written.
+    pub dry_run: bool,
+}
+
+/// What was written, or in a dry run would be.
+#[derive(Debug, Clone)]
+pub struct Written {
+    /// The changes, with old and new values.
+    pub set: ChangeSet,
+    /// Name of the controller that has the cyclic connection: `Some(None)` without one.
+    pub controller: Option<Option<String>>,
+    /// How it was requested.
+    pub wanted: Write,
+}
+
+/// New values by what becomes of them at the next power cycle.
+#[derive(Debug, Clone, Default)]
+pub struct Kept<'a> {
+    /// They are saved as the set is: see [`ChangeSet::saved`].
+    pub with_set: Vec<&'a Change>,
+    /// The drive saved them by itself, whatever was requested.
+    pub by_itself: Vec<&'a Change>,
+    /// The drive has no place for them.
+    pub lost: Vec<&'a Change>,
+}
+
+impl Written {
+    /// Every change, the command that saves among them.
+    pub fn changes(&self) -> impl Iterator<Item = &Change> {
+        self.set.changes().iter().chain(self.set.save_command())
+    }
+
+    /// The controller for whose motion the new values count at once.
+    #[must_use]
+    pub fn affected_controller(&self) -> Option<&str> {
+        let written = self.changes().any(|change| change.step.is_written());
+        self.controller.as_ref()?.as_deref().filter(|_| written)
+    }
+
+    /// New values by what becomes of them at the next power cycle. A command leaves none behind.
+    #[must_use]
+    pub fn kept(&self) -> Kept<'_> {
+        let mut kept = Kept::default();
+        let new = self.set.changes().iter();
+        for change in new.filter(|change| change.step.is_written() && !change.acts) {
+            let list = if change.storable == Some(false) {
+                &mut kept.lost
+            } else if change.saving == self.set.saving() {
+                &mut kept.with_set
+            } else {
+                &mut kept.by_itself
+            };
+            list.push(change);
+        }
+        kept
+    }
+
+    /// Returns what went wrong with each change.
+    #[must_use]
+    pub fn problems(&self, drive: &str) -> Vec<ParameterError> {
+        let problem = |change: &Change| match &change.step {
+            Step::Refused(refusal) => Some(ParameterError::Client(Error::Refused {
+                drive: drive.to_owned(),
+                refusal: *refusal,
+            })),
+            Step::Differs => Some(ParameterError::Differs {
+                drive: drive.to_owned(),
+                parameter: change.label(),
+            }),
+            _ => None,
+        };
+        self.changes().filter_map(problem).collect()
+    }
+
+    /// How the call ended: [`Outcome::Partial`] where a value was refused, [`Outcome::Difference`] where the drive has another.
+    #[must_use]
+    pub fn outcome(&self) -> Outcome {
+        let refused = self.changes().any(|change| change.refusal().is_some());
+        let differs = self.changes().any(|change| change.step == Step::Differs);
+        match (refused, differs) {
+            (true, _) => Outcome::Partial,
+            (false, true) => Outcome::Difference,
+            (false, false) => Outcome::Complete,
+        }
+    }
+
+    /// Returns it as a report.
+    #[must_use]
+    pub fn report(&self, drive: &Drive, wording: &dyn Wording) -> WriteReport {
+        let controller = Controller::of(self.controller.as_ref());
+        WriteReport::new(drive.label(), &self.set, self.wanted.dry_run, controller, wording)
+    }
+}
+
+/// Checks assignments, writes them in their order and reads them back. What the drive has already is not written, except to
+/// save it. A controller that has the drive is no obstacle: [`Written::affected_controller`] has its name.
+///
+/// # Errors
+/// A wrong assignment, before anything is written, or a drive that cannot be reached. What the drive refuses is in
+/// [`Written::problems`].
+pub async fn write(
+    session: &mut Session,
+    drive: &mut Drive,
+    assignments: &[Assignment],
+    wanted: Write,
+) -> Result<Written, Error> {
+    let controller = session.owner(drive).await?;
+    let mut set = session.plan_write(drive, assignments, wanted.save).await?;
+    if !wanted.dry_run {
+        session.apply(drive, &mut set).await?;
+    }
+    Ok(Written {
+        set,
+        controller,
+        wanted,
+    })
+}

@@ -1,0 +1,129 @@
+//! Parameters of drives in a plant in memory: read, listed, described and written by one call each.
+#![cfg(feature = "simulate")]
+
+use profidrive::client::{Action, Drive, ErrorKind};
+use profidrive::parameters::{self, List, ParameterError, Write};
+use profidrive::report::PlainWording;
+use profidrive::{Network, Outcome, Wait};
+
+const PLANT: &str = r#"
+[[drive]]
+name = "akd-1"
+ip = "10.0.0.1/24"
+"#;
+
+fn open(name: &str) -> (Network, Drive) {
+    let mut network = profidrive::open_scenario(PLANT.parse().expect("a plant")).expect("opens");
+    let drive = network
+        .find(&name.parse().expect("a name"))
+        .wait()
+        .expect("there");
+    (network, drive)
+}
+
+fn list(wanted: &List) -> Result<profidrive::report::ListReport, ParameterError> {
+    let (mut network, mut drive) = open("akd-1");
+    let mut steps = Vec::new();
+    let mut progress = |done, all| steps.push((done, all));
+    let listed = parameters::list(&mut network, &mut drive, wanted, &PlainWording, &mut progress).wait();
+    if let Ok(report) = &listed
+        && wanted.values
+    {
+        let all = report.values.len();
+        assert_eq!(
+            (steps.first(), steps.last()),
+            (Some(&(0, all)), Some(&(all, all)))
+        );
+    }
+    listed
+}
+
+#[test]
+fn parameters_are_listed_with_and_without_values() {
+    let described = list(&List::default()).expect("listed");
+    assert!(described.parameters.len() > 700 && described.values.is_empty());
+    let wanted = List {
+        filter: Some("DRV.ACC".into()),
+        values: true,
+    };
+    let valued = list(&wanted).expect("listed");
+    assert!(valued.parameters.is_empty());
+    let found = valued
+        .values
+        .iter()
+        .find(|value| value.name.as_deref() == Some("DRV.ACC"));
+    assert_eq!(found.expect("there").text.as_deref(), Some("3000"));
+    let nothing = List {
+        filter: Some("nothing like it".into()),
+        values: false,
+    };
+    let error = list(&nothing).unwrap_err();
+    assert_eq!(error.kind(), ErrorKind::Unsupported);
+    assert_eq!(
+        error.to_string(),
+        "no parameter of the AKD matches `nothing like it`"
+    );
+}
+
+#[test]
+fn the_high_half_of_a_value_leads_to_the_whole() {
+    let (mut network, mut drive) = open("akd-1");
+    let high = "2109".parse().expect("a number");
+    let error = parameters::describe(&mut network, &mut drive, &high)
+        .wait()
+        .unwrap_err();
+    let expected = Action::Describe {
+        parameter: "DRV.ACC".into(),
+    };
+    assert_eq!(
+        error.advice().actions().collect::<Vec<_>>(),
+        [&expected],
+        "{error}"
+    );
+    let whole = "DRV.ACC".parse().expect("a name");
+    let known = parameters::describe(&mut network, &mut drive, &whole)
+        .wait()
+        .expect("described");
+    assert_eq!(known.readings.len(), 1);
+    let report = known.report(&drive, &PlainWording);
+    assert_eq!(report.scaling.as_deref(), Some("raw 1000 = 1 rpm/s"));
+}
+
+#[test]
+fn what_is_written_is_read_back_and_outlives_power_or_not() {
+    let (mut network, mut drive) = open("akd-1");
+    let assignments = ["DRV.ACC=4000", "922=1"].map(|text| text.parse().expect("an assignment"));
+    let look = Write {
+        dry_run: true,
+        ..Write::default()
+    };
+    let planned = parameters::write(&mut network, &mut drive, &assignments, look)
+        .wait()
+        .expect("planned");
+    assert_eq!(
+        (planned.affected_controller(), planned.outcome()),
+        (None, Outcome::Complete)
+    );
+    let acceleration = ["DRV.ACC".parse().expect("a name")];
+    let value = |network: &mut Network, drive: &mut Drive| {
+        let values = parameters::read(network, drive, &acceleration)
+            .wait()
+            .expect("read");
+        values.readings[0].as_ref().expect("readable").number()
+    };
+    assert_eq!(
+        value(&mut network, &mut drive),
+        Some(3000.0),
+        "a dry run writes nothing"
+    );
+    let written = parameters::write(&mut network, &mut drive, &assignments[..1], Write::default());
+    let written = written.wait().expect("written");
+    assert_eq!(written.kept().with_set.len(), 1);
+    assert!(written.problems("akd-1").is_empty());
+    assert_eq!(value(&mut network, &mut drive), Some(4000.0));
+    // a parameter that can only be read
+    let refused = ["VL.FB=1".parse().expect("an assignment")];
+    let error = parameters::write(&mut network, &mut drive, &refused, Write::default()).wait();
+    let error = error.map(|_| ()).unwrap_err();
+    assert!(error.to_string().contains("VL.FB"), "{error}");
+}
