@@ -150,11 +150,11 @@ pub struct Master {
     round: Duration,
     echoes: bool,
     /// Telegrams received on an echoing line since the last echo.
-    unheard: u8,
+    without_echo: u8,
 }
 
 /// So many without an echo between them, and the line does not echo after all.
-const UNHEARD: u8 = 4;
+const MOST_WITHOUT_ECHO: u8 = 4;
 
 impl Master {
     /// Creates a master without slaves.
@@ -174,7 +174,7 @@ impl Master {
             quiet: Duration::ZERO,
             round: Duration::ZERO,
             echoes: config.echo == Echo::Yes,
-            unheard: 0,
+            without_echo: 0,
         }
     }
 
@@ -383,7 +383,7 @@ impl Master {
         let same = Telegram::decode(self.sent.get(..self.sent_length).unwrap_or_default()) == Ok(telegram);
         if same && !*heard && self.config.echo != Echo::No {
             *heard = true;
-            self.unheard = 0;
+            self.without_echo = 0;
             self.echoes |= !mirrors(telegram, self.config.protocol);
             return;
         }
@@ -394,8 +394,8 @@ impl Master {
         }
         // on a line that echoes nothing of this try can come before its echo
         if self.echoes && !heard {
-            self.unheard += 1;
-            if self.config.echo == Echo::Yes || self.unheard < UNHEARD {
+            self.without_echo += 1;
+            if self.config.echo == Echo::Yes || self.without_echo < MOST_WITHOUT_ECHO {
                 return;
             }
             self.echoes = false;

@@ -308,7 +308,7 @@ impl SerialStation {
         let mut reply = [0; MAX_DATA];
         let mut length = 0;
         if !parts.pkw.is_empty() {
-            self.server.forget_refusal();
+            self.server.clear_refusal();
             match self.server.handle_block(parts.pkw, &mut self.drive, &mut reply) {
                 Ok(written) => length = written,
                 // no request of this channel: left without an answer

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use client::axis::{Cycle, Strained};
+use client::axis::Room;
 use client::{Drive, FaultEntry, LossAction, LossReaction, Rest, Wait, WarningEntry};
 use profidrive::motion::{
     Arrival, Control, End, Ended, Event, Message, MotionError, Observer, Setting, Start, TelegramChange,
@@ -138,7 +138,7 @@ pub fn observer(drive: &str, start: StartText, output: &Output) -> Observer {
                 }
             }
             Event::RunsOn(loss) => controller_loss(loss, &drive, &output),
-            Event::Strained(strained) => output.warn(&format!("{strained}; {}", calmer(strained))),
+            Event::Strained(strained) => output.warn(&format!("{strained}; {}", calmer(strained.room()))),
             Event::Warnings { warnings, .. } => report_warnings(warnings, &output),
             Event::TelegramChanged(change) => telegram_changed(*change, &output),
             Event::Ended(ended) => end(ended, &output),
@@ -325,15 +325,13 @@ fn telegram_changed(TelegramChange { before, now, kept }: TelegramChange, output
 }
 
 /// The options of a cycle with more room, or the advice of one that is as long as it gets.
-fn calmer(strained: &Strained) -> String {
-    if strained.is_watchdog_too_short() {
-        return "leave out --watchdog".to_owned();
-    }
-    let needed = Cycle::CALM.max(strained.delay * 2);
-    let cycle = [16_u16, 32, 64, 128].map(|millis| Duration::from_millis(millis.into()));
-    match cycle.into_iter().find(|&cycle| cycle >= needed) {
-        Some(Cycle::CALM) => "leave out --cycle and --watchdog".to_owned(),
-        Some(cycle) => format!("use `--cycle {}ms --watchdog 7`", cycle.as_millis()),
+fn calmer(room: Option<Room>) -> String {
+    match room {
+        Some(Room::DefaultWatchdog) => "leave out --watchdog".to_owned(),
+        Some(Room::Default) => "leave out --cycle and --watchdog".to_owned(),
+        Some(Room::Cycle { interval, watchdog }) => {
+            format!("use `--cycle {}ms --watchdog {watchdog}`", interval.as_millis())
+        }
         None => "close the programs that keep it busy".to_owned(),
     }
 }
@@ -405,6 +403,8 @@ pub fn warned(warning: &WarningEntry) -> String {
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
+    use client::axis::Cycle;
+
     use super::*;
 
     #[test]
@@ -412,7 +412,7 @@ mod tests {
         let millis = Duration::from_millis;
         let advice = |cycle, count, delay| {
             let cycle = Cycle::choose(&[], millis(1), Some(millis(cycle)), Some(count)).unwrap();
-            calmer(&cycle.judge(millis(delay)).unwrap())
+            calmer(cycle.judge(millis(delay)).unwrap().room())
         };
         assert_eq!(advice(4, 3, 6), "leave out --cycle and --watchdog");
         assert_eq!(advice(16, 1, 0), "leave out --watchdog");

@@ -118,6 +118,53 @@ impl Strained {
     pub fn is_watchdog_too_short(&self) -> bool {
         self.delay < self.cycle.interval()
     }
+
+    /// Returns timing that this computer keeps to; none where even the longest cycle leaves no room for its delays.
+    ///
+    /// ```
+    /// use std::time::Duration;
+    /// use profidrive_client::axis::{Cycle, Room};
+    /// let millis = Duration::from_millis;
+    /// let cycle = Cycle::choose(&[], millis(1), Some(millis(16)), Some(7))?;
+    /// let strained = cycle.judge(millis(17)).expect("no room for 17 ms");
+    /// assert_eq!(strained.room(), Some(Room::Cycle { interval: millis(64), watchdog: 7 }));
+    /// # Ok::<(), profinet::controller::Misuse>(())
+    /// ```
+    #[must_use]
+    pub fn room(&self) -> Option<Room> {
+        if self.is_watchdog_too_short() {
+            return Some(Room::DefaultWatchdog);
+        }
+        let needed = Cycle::CALM.max(self.delay * 2);
+        let interval = [16, 32, 64, 128]
+            .map(Duration::from_millis)
+            .into_iter()
+            .find(|&cycle| cycle >= needed)?;
+        Some(if interval == Cycle::CALM {
+            Room::Default
+        } else {
+            Room::Cycle {
+                interval,
+                watchdog: 7,
+            }
+        })
+    }
+}
+
+/// Timing with more room than one that is [`Strained`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Room {
+    /// The same cycle with the watchdog that is chosen without a wish.
+    DefaultWatchdog,
+    /// Cycle and watchdog that are chosen without a wish.
+    Default,
+    /// A longer cycle.
+    Cycle {
+        /// Update time.
+        interval: Duration,
+        /// Cycles without a frame after which the connection is lost.
+        watchdog: u16,
+    },
 }
 
 impl fmt::Display for Strained {

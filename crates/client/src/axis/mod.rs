@@ -19,7 +19,7 @@ pub use choose::{
 };
 pub use command::{Command, Traverse};
 pub use control::AxisControl;
-pub use cycle::{Cycle, Strained};
+pub use cycle::{Cycle, Room, Strained};
 pub use evidence::Evidence;
 pub use goal::{Goal, Jog, Limits, Progress, Trouble};
 pub use order::{ModuloRange, MotionFacts, Move, MovePlan, Objection, plan_move};

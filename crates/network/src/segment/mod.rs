@@ -31,7 +31,7 @@ pub(crate) use tap::finish_all;
 /// Most frames taken from one station in one turn; what is left follows a microsecond later.
 const MAX_BURST: usize = 1024;
 /// Delay of a station that requests to be called again at once, so that time always goes on.
-const BREATH: Duration = Duration::from_micros(1);
+const SHORTEST_WAIT: Duration = Duration::from_micros(1);
 
 /// An endpoint that is lent for one call, with its IP part.
 struct Guest<'a> {
@@ -259,7 +259,9 @@ impl Segment {
         };
         self.drain(port, guest);
         // A station due again at once is called a moment later, as virtual time must advance.
-        let next = self.poll_timeout(port, guest).map(|at| at.max(self.now + BREATH));
+        let next = self
+            .poll_timeout(port, guest)
+            .map(|at| at.max(self.now + SHORTEST_WAIT));
         self.deadlines.set(port, next);
         guests
     }

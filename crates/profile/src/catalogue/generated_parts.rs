@@ -114,7 +114,7 @@ pub enum Part {
     PeakCurrent,
     /// Bits of one revolution.
     SingleturnBits,
-    /// Highest reference, which is 100 %: a frequency where [`ReferenceUnit`](Self::ReferenceUnit) or its unit says so, else a speed.
+    /// Highest reference, which is 100 %: a frequency where [`ReferenceUnit`](Self::ReferenceUnit) or its own unit is one, else a speed.
     Reference,
     /// The lowest reference, where the speed word of own telegrams counts from it on.
     LowestReference,
@@ -358,7 +358,7 @@ pub enum Part {
     OffKey,
     /// 0: the key of the panel for the field bus has no effect.
     AutoKey,
-    /// The set-up that the drive obeys, 0 to 4; with any other value the control word chooses it.
+    /// The set-up in use, 0 to 4; with any other value the control word chooses it.
     ActiveSetUp,
     /// The set-up that is read and written, 0 to 4; with any other value the active one.
     EditedSetUp,
@@ -366,13 +366,13 @@ pub enum Part {
     EditedSetUps,
     /// With the values of the row the control word chooses the set-up.
     SetUpSite,
-    /// Current below which the extended status word says so, A.
+    /// Current below which the extended status word has its warning bit set, A.
     LowCurrentWarning,
-    /// Current above which the extended status word says so, A.
+    /// Current above which the extended status word has its warning bit set, A.
     HighCurrentWarning,
-    /// Speed below which the extended status word says so, rpm.
+    /// Speed below which the extended status word has its warning bit set, rpm.
     LowSpeedWarning,
-    /// Speed above which the extended status word says so, rpm.
+    /// Speed above which the extended status word has its warning bit set, rpm.
     HighSpeedWarning,
     /// Word whose changes are logged. The rows are events 1, 2 and so on.
     HistoryWord,

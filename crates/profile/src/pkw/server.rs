@@ -39,7 +39,7 @@ enum Refusal {
 ///
 /// * A request is new when PKE, IND, PWE or the text differ from the ones before. A change is executed once, when it is
 ///   new; to repeat it the master puts AK 0 between. At a serial line a refused one is new with the next telegram
-///   ([`forget_refusal`](Self::forget_refusal)).
+///   ([`clear_refusal`](Self::clear_refusal)).
 /// * Reads, and the value in the reply to a change, are fetched from the drive in every call: a reply that stands
 ///   shows the present value.
 /// * AK 0 is answered with the zero telegram. So is a change whose value the drive has not stored yet: no reply (AK 0).
@@ -121,7 +121,7 @@ impl Server {
     /// Clears the refusal of the standing request, so that the same request is tried again: each telegram of a serial
     /// line is a request of its own. A change that was carried out or is being saved is not repeated, as the master may
     /// have lost the reply.
-    pub fn forget_refusal(&mut self) {
+    pub fn clear_refusal(&mut self) {
         self.done = self.done.filter(|done| !matches!(done, Done::Refused(_)));
     }
 

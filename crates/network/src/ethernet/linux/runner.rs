@@ -20,7 +20,7 @@ const MAX_FRAMES: usize = 64;
 /// Most frames taken from one station in one turn; what is left follows a moment later.
 const MAX_BURST: usize = 256;
 /// Delay of a station that requests to be called again at once.
-const BREATH: Duration = Duration::from_micros(1);
+const SHORTEST_WAIT: Duration = Duration::from_micros(1);
 /// A deadline met later than this counts as late: a cycle of the fastest drives.
 const LATE: Duration = Duration::from_millis(1);
 /// With so many stations frames and deadlines are handled in batches: waking up for each costs more than the work itself.
@@ -335,7 +335,7 @@ impl Runner {
             }
             self.touch(index);
             self.drain(index, now);
-            self.schedule(index, now + BREATH);
+            self.schedule(index, now + SHORTEST_WAIT);
         }
         if self.online {
             let flushed = self.socket.flush();

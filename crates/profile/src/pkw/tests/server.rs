@@ -87,7 +87,7 @@ fn every_request_can_be_refused_and_does_nothing_then() {
         server.refuse_all(None);
         assert_eq!(reply(&mut server, &mut drive, second)[0] >> 4, 7);
         assert_eq!(drive.writes.len(), 1);
-        server.forget_refusal();
+        server.clear_refusal();
         assert_eq!(reply(&mut server, &mut drive, second)[0] >> 4, 1);
         assert_eq!(drive.writes.len(), 2);
     }

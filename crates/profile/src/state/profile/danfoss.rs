@@ -5,19 +5,21 @@
 
 mod generated_bits;
 
-use super::{Asks, Extras, Facts, Gives, NO_EXTRAS, Says, SpeedCommand, SpeedRule, Start, Stw1, Zsw1};
+use super::{
+    Extras, Facts, FromWord, NO_EXTRAS, SpeedCommand, SpeedRule, Start, StatusBit, Stw1, ToWord, Zsw1,
+};
 use crate::state::Setpoint;
 
 const fn on(number: u8) -> u16 {
     1 << number
 }
 
-const fn gives(stw1: Stw1, all: u16, one_of: u16) -> Gives {
-    Gives { stw1, all, one_of }
+const fn from_word(stw1: Stw1, all: u16, one_of: u16) -> FromWord {
+    FromWord { stw1, all, one_of }
 }
 
-const fn asks(stw1: Stw1, word: u16) -> Asks {
-    Asks { word, stw1 }
+const fn to_word(stw1: Stw1, word: u16) -> ToWord {
+    ToWord { word, stw1 }
 }
 
 const fn speed(mask: u16, value: u16, speed: SpeedCommand) -> SpeedRule {
@@ -39,31 +41,31 @@ pub(super) static FC: Facts = Facts {
     start: Start::ByLevel,
     quick_stop_on_ramp: false,
     zero_on_quick_ramp: true,
-    gives: Some(&[
-        gives(Stw1::ON, on(2), on(6) | on(8)),
-        gives(Stw1::NO_COAST_STOP, on(3), 0),
-        gives(Stw1::NO_QUICK_STOP, on(4), 0),
-        gives(Stw1::ENABLE_OPERATION, 0, 0),
-        gives(Stw1::ENABLE_RAMP, 0, 0),
-        gives(Stw1::UNFREEZE_RAMP, on(5), 0),
-        gives(Stw1::ENABLE_SETPOINT, 0, 0),
-        gives(Stw1::ACKNOWLEDGE_FAULT, on(7), 0),
-        gives(Stw1::JOG_1, on(8), 0),
-        gives(Stw1::CONTROL_BY_PLC, on(10), 0),
+    from_word: Some(&[
+        from_word(Stw1::ON, on(2), on(6) | on(8)),
+        from_word(Stw1::NO_COAST_STOP, on(3), 0),
+        from_word(Stw1::NO_QUICK_STOP, on(4), 0),
+        from_word(Stw1::ENABLE_OPERATION, 0, 0),
+        from_word(Stw1::ENABLE_RAMP, 0, 0),
+        from_word(Stw1::UNFREEZE_RAMP, on(5), 0),
+        from_word(Stw1::ENABLE_SETPOINT, 0, 0),
+        from_word(Stw1::ACKNOWLEDGE_FAULT, on(7), 0),
+        from_word(Stw1::JOG_1, on(8), 0),
+        from_word(Stw1::CONTROL_BY_PLC, on(10), 0),
     ]),
-    asks: &[
-        asks(Stw1(0), on(2)),
-        asks(Stw1(Stw1::NO_COAST_STOP.0 | Stw1::ENABLE_OPERATION.0), on(3)),
-        asks(Stw1::NO_QUICK_STOP, on(4)),
-        asks(Stw1::UNFREEZE_RAMP, on(5)),
-        asks(Stw1::JOG_1, on(5)),
-        asks(
+    to_word: &[
+        to_word(Stw1(0), on(2)),
+        to_word(Stw1(Stw1::NO_COAST_STOP.0 | Stw1::ENABLE_OPERATION.0), on(3)),
+        to_word(Stw1::NO_QUICK_STOP, on(4)),
+        to_word(Stw1::UNFREEZE_RAMP, on(5)),
+        to_word(Stw1::JOG_1, on(5)),
+        to_word(
             Stw1(Stw1::ON.0 | Stw1::ENABLE_RAMP.0 | Stw1::ENABLE_SETPOINT.0),
             on(6),
         ),
-        asks(Stw1::ACKNOWLEDGE_FAULT, on(7)),
-        asks(Stw1(Stw1::ON.0 | Stw1::JOG_1.0), on(8)),
-        asks(Stw1::CONTROL_BY_PLC, on(10)),
+        to_word(Stw1::ACKNOWLEDGE_FAULT, on(7)),
+        to_word(Stw1(Stw1::ON.0 | Stw1::JOG_1.0), on(8)),
+        to_word(Stw1::CONTROL_BY_PLC, on(10)),
     ],
     speeds: &[
         speed(on(5), 0, FREEZE),
@@ -80,80 +82,80 @@ pub(super) static FC: Facts = Facts {
         holds: on(5),
         ..NO_EXTRAS
     },
-    says: Some(&[
-        Says::ControlReady,
-        Says::DriveReady,
-        Says::Enabled,
-        Says::Same(Zsw1::FAULT),
-        Says::ErrorWithoutTrip,
-        Says::Nothing,
-        Says::TripLocked,
-        Says::Warning,
-        Says::AtReference,
-        Says::Same(Zsw1::CONTROL_REQUESTED),
-        Says::WithinFrequencyLimits,
-        Says::Running,
-        Says::StoppedAutoStart,
-        Says::VoltageExceeded,
-        Says::TorqueExceeded,
-        Says::TimerExceeded,
+    status_bits: Some(&[
+        StatusBit::ControlReady,
+        StatusBit::DriveReady,
+        StatusBit::Enabled,
+        StatusBit::Same(Zsw1::FAULT),
+        StatusBit::ErrorWithoutTrip,
+        StatusBit::Nothing,
+        StatusBit::TripLocked,
+        StatusBit::Warning,
+        StatusBit::AtReference,
+        StatusBit::Same(Zsw1::CONTROL_REQUESTED),
+        StatusBit::WithinFrequencyLimits,
+        StatusBit::Running,
+        StatusBit::StoppedAutoStart,
+        StatusBit::VoltageExceeded,
+        StatusBit::TorqueExceeded,
+        StatusBit::TimerExceeded,
     ]),
 };
 
-static PROFIDRIVE_SAYS: [Says; 16] = [
-    Says::Same(Zsw1::READY_TO_SWITCH_ON),
-    Says::Same(Zsw1::READY_TO_OPERATE),
-    Says::Same(Zsw1::OPERATION_ENABLED),
-    Says::Same(Zsw1::FAULT),
-    Says::Same(Zsw1::NO_COAST_STOP),
-    Says::Same(Zsw1::NO_QUICK_STOP),
-    Says::Same(Zsw1::INHIBITED),
-    Says::Warning,
-    Says::AtReference,
-    Says::Same(Zsw1::CONTROL_REQUESTED),
-    Says::WithinFrequencyLimits,
-    Says::Running,
-    Says::StoppedAutoStart,
-    Says::VoltageExceeded,
-    Says::TorqueExceeded,
-    Says::TimerExceeded,
+static PROFIDRIVE_SAYS: [StatusBit; 16] = [
+    StatusBit::Same(Zsw1::READY_TO_SWITCH_ON),
+    StatusBit::Same(Zsw1::READY_TO_OPERATE),
+    StatusBit::Same(Zsw1::OPERATION_ENABLED),
+    StatusBit::Same(Zsw1::FAULT),
+    StatusBit::Same(Zsw1::NO_COAST_STOP),
+    StatusBit::Same(Zsw1::NO_QUICK_STOP),
+    StatusBit::Same(Zsw1::INHIBITED),
+    StatusBit::Warning,
+    StatusBit::AtReference,
+    StatusBit::Same(Zsw1::CONTROL_REQUESTED),
+    StatusBit::WithinFrequencyLimits,
+    StatusBit::Running,
+    StatusBit::StoppedAutoStart,
+    StatusBit::VoltageExceeded,
+    StatusBit::TorqueExceeded,
+    StatusBit::TimerExceeded,
 ];
 
-static VLT_2800_SAYS: [Says; 16] = [
-    Says::Same(Zsw1::READY_TO_SWITCH_ON),
-    Says::Same(Zsw1::READY_TO_OPERATE),
-    Says::Same(Zsw1::OPERATION_ENABLED),
-    Says::Same(Zsw1::FAULT),
-    Says::Opposite(Zsw1::NO_COAST_STOP),
-    Says::Opposite(Zsw1::NO_QUICK_STOP),
-    Says::Same(Zsw1::INHIBITED),
-    Says::Warning,
-    Says::AtReference,
-    Says::Same(Zsw1::CONTROL_REQUESTED),
-    Says::WithinFrequencyLimits,
-    Says::Running,
-    Says::Nothing,
-    Says::VoltageExceeded,
-    Says::TorqueExceeded,
-    Says::TimerExceeded,
+static VLT_2800_SAYS: [StatusBit; 16] = [
+    StatusBit::Same(Zsw1::READY_TO_SWITCH_ON),
+    StatusBit::Same(Zsw1::READY_TO_OPERATE),
+    StatusBit::Same(Zsw1::OPERATION_ENABLED),
+    StatusBit::Same(Zsw1::FAULT),
+    StatusBit::Opposite(Zsw1::NO_COAST_STOP),
+    StatusBit::Opposite(Zsw1::NO_QUICK_STOP),
+    StatusBit::Same(Zsw1::INHIBITED),
+    StatusBit::Warning,
+    StatusBit::AtReference,
+    StatusBit::Same(Zsw1::CONTROL_REQUESTED),
+    StatusBit::WithinFrequencyLimits,
+    StatusBit::Running,
+    StatusBit::Nothing,
+    StatusBit::VoltageExceeded,
+    StatusBit::TorqueExceeded,
+    StatusBit::TimerExceeded,
 ];
 
 /// Bits 0 to 10 are those of STW1.
-static SAME_GIVES: [Gives; 11] = {
-    let mut rows = [gives(Stw1(0), 0, 0); 11];
+static SAME_GIVES: [FromWord; 11] = {
+    let mut rows = [from_word(Stw1(0), 0, 0); 11];
     let mut number = 0;
     while number < 11 {
-        rows[number] = gives(Stw1(1 << number), 1 << number, 0);
+        rows[number] = from_word(Stw1(1 << number), 1 << number, 0);
         number += 1;
     }
     rows
 };
 
-static SAME_ASKS: [Asks; 11] = {
-    let mut rows = [asks(Stw1(0), 0); 11];
+static SAME_ASKS: [ToWord; 11] = {
+    let mut rows = [to_word(Stw1(0), 0); 11];
     let mut number = 0;
     while number < 11 {
-        rows[number] = asks(Stw1(1 << number), 1 << number);
+        rows[number] = to_word(Stw1(1 << number), 1 << number);
         number += 1;
     }
     rows
@@ -177,8 +179,8 @@ const SHARED: Facts = Facts {
     start: Start::AfterOff,
     quick_stop_on_ramp: false,
     zero_on_quick_ramp: true,
-    gives: Some(&SAME_GIVES),
-    asks: &SAME_ASKS,
+    from_word: Some(&SAME_GIVES),
+    to_word: &SAME_ASKS,
     speeds: &PROFIDRIVE_SPEEDS,
     extras: Extras {
         set_up: Some((13, 2)),
@@ -187,7 +189,7 @@ const SHARED: Facts = Facts {
         catch_up: on(12),
         ..NO_EXTRAS
     },
-    says: Some(&PROFIDRIVE_SAYS),
+    status_bits: Some(&PROFIDRIVE_SAYS),
 };
 
 /// PROFIdrive profile of FC 300 and its sisters.
@@ -198,6 +200,6 @@ pub(super) static VLT_2800: Facts = Facts {
     key: "vlt2800",
     name: "Danfoss VLT 2800 PROFIdrive",
     status: [&generated_bits::VLT_2800_STATUS; 2],
-    says: Some(&VLT_2800_SAYS),
+    status_bits: Some(&VLT_2800_SAYS),
     ..SHARED
 };

@@ -127,7 +127,7 @@ pub struct Conditions {
 
 /// Meaning of one bit of a status word.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Says {
+enum StatusBit {
     /// Always 0.
     Nothing,
     /// The same as this bit of ZSW1.
@@ -153,17 +153,17 @@ enum Says {
     TimerExceeded,
 }
 
-/// Gives bits of STW1 when the word has all of these bits, and one of those if there are any.
+/// Sets bits of STW1 when the word has all of these bits, and one of those if there are any.
 #[derive(Debug, Clone, Copy)]
-struct Gives {
+struct FromWord {
     stw1: Stw1,
     all: u16,
     one_of: u16,
 }
 
-/// Gives bits of the word when STW1 has all of these bits.
+/// Sets bits of the word when STW1 has all of these bits.
 #[derive(Debug, Clone, Copy)]
-struct Asks {
+struct ToWord {
     word: u16,
     stw1: Stw1,
 }
@@ -223,13 +223,13 @@ struct Facts {
     /// [`Setpoint::ZeroAtLimits`] brakes on the ramp of the quick stop.
     zero_on_quick_ramp: bool,
     /// None: STW1 is the word.
-    gives: Option<&'static [Gives]>,
-    asks: &'static [Asks],
+    from_word: Option<&'static [FromWord]>,
+    to_word: &'static [ToWord],
     /// Empty: the setpoint channel of the profile.
     speeds: &'static [SpeedRule],
     extras: Extras,
     /// None: ZSW1 is the word.
-    says: Option<&'static [Says; 16]>,
+    status_bits: Option<&'static [StatusBit; 16]>,
 }
 
 static PROFIDRIVE: Facts = Facts {
@@ -240,11 +240,11 @@ static PROFIDRIVE: Facts = Facts {
     start: Start::AfterOff,
     quick_stop_on_ramp: false,
     zero_on_quick_ramp: false,
-    gives: None,
-    asks: &[],
+    from_word: None,
+    to_word: &[],
     speeds: &[],
     extras: NO_EXTRAS,
-    says: None,
+    status_bits: None,
 };
 
 impl Profile {
@@ -332,7 +332,7 @@ impl Profile {
     #[must_use]
     pub fn orders(self, word: u16, state: State) -> Orders {
         let facts = self.facts();
-        let Some(gives) = facts.gives else {
+        let Some(from_word) = facts.from_word else {
             return Orders {
                 stw1: Stw1(word),
                 ..Orders::default()
@@ -341,7 +341,7 @@ impl Profile {
         let extras = &facts.extras;
         let has = |bits: u16| word & bits != 0;
         let two = |lowest: u8| (word >> lowest & 3) as u8;
-        let mut stw1 = gives.iter().fold(Stw1(0), |stw1, row| {
+        let mut stw1 = from_word.iter().fold(Stw1(0), |stw1, row| {
             let fits = word & row.all == row.all && (row.one_of == 0 || has(row.one_of));
             if fits { stw1 | row.stw1 } else { stw1 }
         });
@@ -408,29 +408,29 @@ impl Profile {
     /// The status word: the state and ZSW1 as the machine gives it, for PROFIdrive with the bits of the application.
     #[must_use]
     pub fn status(self, state: State, zsw1: Zsw1, conditions: &Conditions) -> u16 {
-        let Some(says) = self.facts().says else {
+        let Some(status_bits) = self.facts().status_bits else {
             return zsw1.0;
         };
         let trip = zsw1.has(Zsw1::FAULT);
         let mut word = 0;
-        for (number, says) in says.iter().enumerate() {
-            let set = match *says {
-                Says::Nothing => false,
-                Says::Same(bit) => zsw1.has(bit),
-                Says::Opposite(bit) => !zsw1.has(bit),
-                Says::ControlReady => !trip,
-                Says::DriveReady => !trip && !conditions.unpowered,
-                Says::Enabled => !trip && zsw1.has(Zsw1::NO_COAST_STOP),
-                Says::Running => state.pulses(),
-                Says::ErrorWithoutTrip => conditions.error_without_trip,
-                Says::TripLocked => trip && conditions.trip_locked,
-                Says::Warning => conditions.warning,
-                Says::AtReference => state == State::S4 && conditions.at_reference,
-                Says::WithinFrequencyLimits => conditions.within_frequency_limits,
-                Says::StoppedAutoStart => conditions.stopped_auto_start,
-                Says::VoltageExceeded => conditions.voltage_exceeded,
-                Says::TorqueExceeded => conditions.torque_exceeded,
-                Says::TimerExceeded => conditions.timer_exceeded,
+        for (number, status_bits) in status_bits.iter().enumerate() {
+            let set = match *status_bits {
+                StatusBit::Nothing => false,
+                StatusBit::Same(bit) => zsw1.has(bit),
+                StatusBit::Opposite(bit) => !zsw1.has(bit),
+                StatusBit::ControlReady => !trip,
+                StatusBit::DriveReady => !trip && !conditions.unpowered,
+                StatusBit::Enabled => !trip && zsw1.has(Zsw1::NO_COAST_STOP),
+                StatusBit::Running => state.pulses(),
+                StatusBit::ErrorWithoutTrip => conditions.error_without_trip,
+                StatusBit::TripLocked => trip && conditions.trip_locked,
+                StatusBit::Warning => conditions.warning,
+                StatusBit::AtReference => state == State::S4 && conditions.at_reference,
+                StatusBit::WithinFrequencyLimits => conditions.within_frequency_limits,
+                StatusBit::StoppedAutoStart => conditions.stopped_auto_start,
+                StatusBit::VoltageExceeded => conditions.voltage_exceeded,
+                StatusBit::TorqueExceeded => conditions.torque_exceeded,
+                StatusBit::TimerExceeded => conditions.timer_exceeded,
             };
             word |= u16::from(set) << number;
         }
@@ -441,11 +441,11 @@ impl Profile {
     #[must_use]
     pub fn control(self, stw1: Stw1) -> u16 {
         let facts = self.facts();
-        if facts.gives.is_none() {
+        if facts.from_word.is_none() {
             return stw1.0;
         }
         facts
-            .asks
+            .to_word
             .iter()
             .filter(|row| stw1.has(row.stw1))
             .fold(0, |word, row| word | row.word)
@@ -461,33 +461,33 @@ impl Profile {
     #[must_use]
     pub fn beside(self, word: u16) -> u16 {
         let facts = self.facts();
-        if facts.gives.is_none() {
+        if facts.from_word.is_none() {
             return 0;
         }
-        let known = facts.asks.iter().fold(0, |known, row| known | row.word);
+        let known = facts.to_word.iter().fold(0, |known, row| known | row.word);
         word & !known
     }
 
-    /// ZSW1 that says the same as this status word, which came after this control word was sent. What the word does not
+    /// ZSW1 with the meaning of this status word, which came after this control word was sent. What the word does not
     /// tell follows from what was sent.
     #[must_use]
     pub fn zsw1(self, status: u16, sent: u16) -> Zsw1 {
         let facts = self.facts();
-        let Some(says) = facts.says else {
+        let Some(status_bits) = facts.status_bits else {
             return Zsw1(status);
         };
         let mut word = Zsw1(0);
         let mut partial = PartialState::default();
-        for (number, says) in says.iter().enumerate() {
+        for (number, status_bits) in status_bits.iter().enumerate() {
             let set = status & (1 << number) != 0;
-            match *says {
-                Says::Same(bit) if set => word = word.with(bit),
-                Says::Opposite(bit) if !set => word = word.with(bit),
-                Says::Warning if set => word = word.with(Zsw1::WARNING),
-                Says::AtReference if set => word = word.with(Zsw1::IN_TOLERANCE | Zsw1::REACHED),
-                Says::Running => partial.running = set,
-                Says::Enabled => partial.enabled = Some(set),
-                Says::TripLocked if set => word = word.with(Zsw1::FAULT),
+            match *status_bits {
+                StatusBit::Same(bit) if set => word = word.with(bit),
+                StatusBit::Opposite(bit) if !set => word = word.with(bit),
+                StatusBit::Warning if set => word = word.with(Zsw1::WARNING),
+                StatusBit::AtReference if set => word = word.with(Zsw1::IN_TOLERANCE | Zsw1::REACHED),
+                StatusBit::Running => partial.running = set,
+                StatusBit::Enabled => partial.enabled = Some(set),
+                StatusBit::TripLocked if set => word = word.with(Zsw1::FAULT),
                 _ => {}
             }
         }
@@ -518,9 +518,11 @@ impl Profile {
 
     /// The status word can be one of this profile.
     fn has(self, status: u16) -> bool {
-        let unused = self.facts().says.is_some_and(|says| {
-            let mut bits = says.iter().enumerate();
-            bits.any(|(number, says)| *says == Says::Nothing && status & (1 << number) != 0)
+        let unused = self.facts().status_bits.is_some_and(|status_bits| {
+            let mut bits = status_bits.iter().enumerate();
+            bits.any(|(number, status_bits)| {
+                *status_bits == StatusBit::Nothing && status & (1 << number) != 0
+            })
         });
         let word = self.zsw1(status, 0);
         // a drive in operation does not coast

@@ -5,23 +5,25 @@
 
 mod generated_bits;
 
-use super::{Asks, Extras, Facts, Gives, NO_EXTRAS, Says, SpeedCommand, SpeedRule, Start, Stw1, Zsw1};
+use super::{
+    Extras, Facts, FromWord, NO_EXTRAS, SpeedCommand, SpeedRule, Start, StatusBit, Stw1, ToWord, Zsw1,
+};
 use crate::state::Setpoint;
 
 /// Bits 4, 5 and 6: only all of them start.
 const START_BITS: u16 = 0x70;
 const CHANNEL: Stw1 = Stw1(START_BITS);
 
-const fn same(number: u8) -> Gives {
-    Gives {
+const fn same(number: u8) -> FromWord {
+    FromWord {
         stw1: Stw1(1 << number),
         all: 1 << number,
         one_of: 0,
     }
 }
 
-const fn ask(number: u8) -> Asks {
-    Asks {
+const fn ask(number: u8) -> ToWord {
+    ToWord {
         word: 1 << number,
         stw1: Stw1(1 << number),
     }
@@ -37,17 +39,17 @@ pub(super) static PPO: Facts = Facts {
     start: Start::AfterOff,
     quick_stop_on_ramp: true,
     zero_on_quick_ramp: false,
-    gives: Some(&[
+    from_word: Some(&[
         same(0),
         same(1),
         same(2),
         same(3),
-        Gives {
+        FromWord {
             stw1: CHANNEL,
             all: START_BITS,
             one_of: 0,
         },
-        Gives {
+        FromWord {
             stw1: Stw1(Stw1::ENABLE_RAMP.0 | Stw1::UNFREEZE_RAMP.0),
             all: 0,
             one_of: 0,
@@ -55,12 +57,12 @@ pub(super) static PPO: Facts = Facts {
         same(7),
         same(10),
     ]),
-    asks: &[
+    to_word: &[
         ask(0),
         ask(1),
         ask(2),
         ask(3),
-        Asks {
+        ToWord {
             word: START_BITS,
             stw1: CHANNEL,
         },
@@ -83,22 +85,22 @@ pub(super) static PPO: Facts = Facts {
         digital_inputs: Some(11),
         ..NO_EXTRAS
     },
-    says: Some(&[
-        Says::Same(Zsw1::READY_TO_SWITCH_ON),
-        Says::Same(Zsw1::READY_TO_OPERATE),
-        Says::Same(Zsw1::OPERATION_ENABLED),
-        Says::Same(Zsw1::FAULT),
-        Says::Same(Zsw1::NO_COAST_STOP),
-        Says::Same(Zsw1::NO_QUICK_STOP),
-        Says::Same(Zsw1::INHIBITED),
-        Says::Warning,
-        Says::AtReference,
-        Says::Same(Zsw1::CONTROL_REQUESTED),
-        Says::Nothing,
-        Says::Nothing,
-        Says::Running,
-        Says::DriveReady,
-        Says::Nothing,
-        Says::Nothing,
+    status_bits: Some(&[
+        StatusBit::Same(Zsw1::READY_TO_SWITCH_ON),
+        StatusBit::Same(Zsw1::READY_TO_OPERATE),
+        StatusBit::Same(Zsw1::OPERATION_ENABLED),
+        StatusBit::Same(Zsw1::FAULT),
+        StatusBit::Same(Zsw1::NO_COAST_STOP),
+        StatusBit::Same(Zsw1::NO_QUICK_STOP),
+        StatusBit::Same(Zsw1::INHIBITED),
+        StatusBit::Warning,
+        StatusBit::AtReference,
+        StatusBit::Same(Zsw1::CONTROL_REQUESTED),
+        StatusBit::Nothing,
+        StatusBit::Nothing,
+        StatusBit::Running,
+        StatusBit::DriveReady,
+        StatusBit::Nothing,
+        StatusBit::Nothing,
     ]),
 };
