@@ -31,7 +31,6 @@ test: setup ## everything that must pass
 	$(CARGO) run -q -p xtask -- arrows
 	target/tools/bin/cargo-deny --locked check bans licenses sources
 	$(CARGO) clippy -q --no-default-features $(ETHERNET) -- -D warnings
-	$(CARGO) test -q --no-default-features -p profidrive --lib
 	$(CARGO) build -q --workspace --bins --examples
 	$(CARGO) test --workspace
 
