@@ -194,10 +194,12 @@ impl<S: Station> Station for Impaired<S> {
         self.inner.mac()
     }
 
-    fn handle_frame(&mut self, now: Instant, frame: &[u8]) {
+    fn handle_frame(&mut self, now: Instant, frame: &[u8]) -> bool {
         if self.passes_freely() && self.inward.waiting.is_empty() || self.meet(now, frame, true) {
-            self.inner.handle_frame(now, frame);
+            return self.inner.handle_frame(now, frame);
         }
+        // it may wait, which is another deadline
+        true
     }
 
     fn handle_timeout(&mut self, now: Instant) {
@@ -249,9 +251,10 @@ mod tests {
         fn mac(&self) -> MacAddress {
             MacAddress([2, 0, 0, 0, 0, 1])
         }
-        fn handle_frame(&mut self, _: Instant, frame: &[u8]) {
+        fn handle_frame(&mut self, _: Instant, frame: &[u8]) -> bool {
             self.heard.push(frame.to_vec());
             self.to_send.push_back(frame.to_vec());
+            true
         }
         fn handle_timeout(&mut self, _: Instant) {}
         fn poll_transmit(&mut self, _: Instant, buffer: &mut [u8]) -> Option<usize> {

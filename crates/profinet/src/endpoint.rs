@@ -166,6 +166,13 @@ pub trait Endpoint {
         let _ = (traffic, frame);
     }
 
+    /// Returns true for a frame that changes nothing here and gets no answer, so that a carrier of many stations need not
+    /// hand it over: each device of a plant receives the Identify requests for all others.
+    fn ignores(&self, frame: &[u8]) -> bool {
+        let _ = frame;
+        false
+    }
+
     /// Takes one received Ethernet frame with the EtherType of PROFINET (0x8892) or LLDP (0x88CC), 802.1Q tag present or stripped.
     /// Other frames and frames for others are ignored.
     fn handle_frame(&mut self, now: Instant, frame: &[u8]);

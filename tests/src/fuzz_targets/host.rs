@@ -32,10 +32,19 @@ fn feed(data: &[u8], endpoint: Echo) {
     let mut buffer = [0; MAX_FRAME];
     let mut now = Instant::ZERO;
     // a seed is one frame; anything else may also be several steps
-    host.handle_frame(now, data);
-    for step in Steps(data) {
+    for step in std::iter::once(Step::Frame(data)).chain(Steps(data)) {
         match step {
-            Step::Frame(frame) | Step::Datagram(frame) => host.handle_frame(now, frame),
+            Step::Frame(frame) | Step::Datagram(frame) => {
+                let due = host.poll_timeout();
+                if !host.handle_frame(now, frame) {
+                    assert_eq!(host.poll_timeout(), due, "it said that nothing changed");
+                    assert_eq!(
+                        host.poll_transmit(now, &mut buffer),
+                        None,
+                        "it said that nothing changed"
+                    );
+                }
+            }
             Step::Wait(time) => now += time,
         }
         host.handle_timeout(now);

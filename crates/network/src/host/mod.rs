@@ -41,8 +41,9 @@ pub trait Station: Any + Send {
     /// Own Ethernet address, by which unicast frames are dispatched. Does not change.
     fn mac(&self) -> MacAddress;
 
-    /// Takes one received frame. Frames for others are ignored.
-    fn handle_frame(&mut self, now: Instant, frame: &[u8]);
+    /// Takes one received frame. Frames for others are ignored. Returns false when it changed nothing, so that there is
+    /// nothing to send and no other deadline.
+    fn handle_frame(&mut self, now: Instant, frame: &[u8]) -> bool;
 
     /// Does what is due at `now`; early calls do nothing.
     fn handle_timeout(&mut self, now: Instant);
@@ -145,8 +146,8 @@ impl<E: Endpoint + Send + 'static> Station for Host<E> {
         self.stack.mac()
     }
 
-    fn handle_frame(&mut self, now: Instant, frame: &[u8]) {
-        self.stack.handle_frame(now, frame, &mut self.endpoint);
+    fn handle_frame(&mut self, now: Instant, frame: &[u8]) -> bool {
+        self.stack.handle_frame(now, frame, &mut self.endpoint)
     }
 
     fn handle_timeout(&mut self, now: Instant) {

@@ -103,34 +103,43 @@ impl Stack {
         self.statistics
     }
 
-    /// Takes one received frame and passes its contents to the endpoint.
-    pub fn handle_frame<E: Endpoint + ?Sized>(&mut self, now: Instant, frame: &[u8], endpoint: &mut E) {
+    /// Takes one received frame and passes its contents to the endpoint. Returns false when it changed nothing.
+    pub fn handle_frame<E: Endpoint + ?Sized>(
+        &mut self,
+        now: Instant,
+        frame: &[u8],
+        endpoint: &mut E,
+    ) -> bool {
         let Some((destination, source)) = addresses(frame) else {
-            return;
+            return false;
         };
         let for_us = destination == self.mac || destination.is_multicast();
         if !for_us || source == self.mac || source.is_multicast() {
-            return;
+            return false;
         }
         let Some((kind, offset)) = ethertype(frame) else {
-            return;
+            return false;
         };
         endpoint.note_traffic(Traffic::Received, frame);
         if kind == ETHERTYPE_PROFINET || kind == ETHERTYPE_LLDP {
             self.statistics.frames += 1;
-            endpoint.handle_frame(now, frame);
-            return;
+            let concerned = !destination.is_multicast() || !endpoint.ignores(frame);
+            if concerned {
+                endpoint.handle_frame(now, frame);
+            }
+            return concerned;
         }
+        let before = (self.due(), self.acquire.is_none());
         self.follow(now, endpoint.ip());
         let Some(payload) = frame.get(offset..) else {
-            return;
+            return true;
         };
         if let Some(acquire) = &mut self.acquire {
             acquire.handle_frame(now, frame, payload);
             self.seek(now, endpoint);
         }
         if !self.suite.is_set() {
-            return;
+            return true;
         }
         let understood = match EthernetProtocol::from(kind) {
             EthernetProtocol::Arp => self.handle_arp(now, payload),
@@ -140,6 +149,13 @@ impl Stack {
         if understood.is_none() {
             self.statistics.malformed += 1;
         }
+        // in a large plant most ARP requests are for others
+        kind != u16::from(EthernetProtocol::Arp) || (self.due(), true) != before
+    }
+
+    /// What is to be sent, and when this stack has something to do.
+    fn due(&self) -> (usize, Option<Instant>, Option<Instant>) {
+        (self.ready.len(), self.announce_at, self.neighbours.next_due())
     }
 
     /// Does what is due: requests to neighbours, announcements, and the endpoint's own.

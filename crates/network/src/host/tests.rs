@@ -603,3 +603,23 @@ fn answers_that_nobody_fetches_are_bounded() {
     }
     assert_eq!(drain(&mut host, at(3000)).len(), 128);
 }
+
+#[test]
+fn what_concerns_others_changes_nothing_and_is_counted() {
+    let mut host = settled();
+    // who has 10.0.0.7? An announcement of that station is none of ours either
+    let mut other = padded(ARP_REQUEST);
+    other[41] = 7;
+    let before = host.endpoint().traffic.len();
+    assert!(!host.handle_frame(at(2100), &other));
+    assert_eq!(host.endpoint().traffic.len(), before + 1);
+    assert_eq!(drain(&mut host, at(2100)).len(), 0);
+    assert!(host.handle_frame(at(2200), &padded(ARP_REQUEST)));
+    assert_eq!(drain(&mut host, at(2200)).len(), 1);
+    // an address that the endpoint got meanwhile is announced, whatever came
+    host.endpoint_mut().ip = IpSuite::NONE;
+    assert_eq!(drain(&mut host, at(2300)).len(), 0);
+    host.endpoint_mut().ip = IP;
+    assert!(host.handle_frame(at(2400), &other));
+    assert_eq!(drain(&mut host, at(2400)).len(), 1);
+}

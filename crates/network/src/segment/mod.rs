@@ -270,7 +270,10 @@ impl Segment {
         let port = delivery.port;
         let guests = match (self.stations.get_mut(port), &mut *guest) {
             (Some(Some(station)), _) => {
-                station.handle_frame(self.now, self.fabric.bytes(&delivery));
+                if !station.handle_frame(self.now, self.fabric.bytes(&delivery)) {
+                    self.fabric.release(delivery);
+                    return false;
+                }
                 false
             }
             (_, Some(guest)) if guest.port == port => {

@@ -118,7 +118,7 @@ mod tests {
             found.iter().map(|parameter| number(tables, parameter)).collect()
         };
         assert!(numbers(&AKD, "drv.acc").contains(&"p2108".into()));
-        assert_eq!(numbers(&AKD, "p930")[0], "930");
+        assert_eq!(numbers(&AKD, "p930")[0], "p0930");
         assert!(numbers(&AKD, "nothing like it").is_empty());
         // the number itself stands first
         assert_eq!(numbers(&VLT, "3-4"), ["3-04", "3-40", "3-41", "3-42"]);

@@ -383,6 +383,10 @@ impl Endpoint for Device {
         IpSuite { gateway, ..self.ip }
     }
 
+    fn ignores(&self, frame: &[u8]) -> bool {
+        Frame::parse(frame).is_some_and(|frame| self.is_identify_for_others(&frame))
+    }
+
     fn handle_frame(&mut self, now: Instant, frame: &[u8]) {
         let Some(frame) = Frame::parse(frame) else {
             self.quiet_until = None;

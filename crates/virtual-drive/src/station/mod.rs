@@ -511,6 +511,10 @@ impl Endpoint for Station {
         self.device.ip()
     }
 
+    fn ignores(&self, frame: &[u8]) -> bool {
+        self.device.ignores(frame)
+    }
+
     fn handle_frame(&mut self, now: Instant, frame: &[u8]) {
         self.device.handle_frame(now, frame);
         self.settle(now);

@@ -54,6 +54,8 @@ pub struct Runner {
     by_mac: BTreeMap<MacAddress, usize>,
     deadlines: Deadlines,
     dirty: Vec<usize>,
+    /// The stations that one received frame changed.
+    concerned: Vec<usize>,
     touched: Vec<StationId>,
     /// The turn in which each station was last put into `touched`.
     touched_in: Vec<u64>,
@@ -109,6 +111,7 @@ impl Runner {
             by_mac: BTreeMap::new(),
             deadlines: Deadlines::default(),
             dirty: Vec::new(),
+            concerned: Vec::new(),
             touched: Vec::new(),
             touched_in: Vec::new(),
             turn: 0,
@@ -370,37 +373,40 @@ impl Runner {
             by_mac,
             taps,
             buffer,
+            concerned,
             ..
         } = self;
         let Some((received, frame)) = socket.peek() else {
             return false;
         };
-        let mut single = None;
-        let mut multicast = false;
         if let Some((destination, _)) = addresses(frame) {
-            multicast = destination.is_multicast();
-            single = by_mac.get(&destination).copied();
+            let multicast = destination.is_multicast();
+            let single = by_mac.get(&destination).copied();
             if !taps.is_empty() && (multicast || single.is_some()) {
                 let whole = received.on_the_wire(frame, buffer);
                 taps.iter_mut().for_each(|tap| tap.frame(now, whole));
             }
-            for station in stations.iter_mut().flatten().filter(|_| multicast) {
-                station.handle_frame(now, frame);
-            }
-            if let Some(Some(station)) = single
-                .and_then(|index| stations.get_mut(index))
-                .filter(|_| !multicast)
-            {
-                station.handle_frame(now, frame);
+            let meant = match single {
+                _ if multicast => 0..stations.len(),
+                Some(index) => index..index + 1,
+                None => 0..0,
+            };
+            for index in meant {
+                if let Some(Some(station)) = stations.get_mut(index)
+                    && station.handle_frame(now, frame)
+                {
+                    concerned.push(index);
+                }
             }
         }
         socket.release();
-        let all = 0..if multicast { self.stations.len() } else { 0 };
-        for index in all.chain(single.filter(|_| !multicast)) {
+        let mut concerned = std::mem::take(&mut self.concerned);
+        for index in concerned.drain(..) {
             self.touch(index);
             self.drain(index, now);
             self.schedule(index, Instant::ZERO);
         }
+        self.concerned = concerned;
         true
     }
 
