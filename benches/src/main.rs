@@ -13,6 +13,7 @@ extern crate virtual_drive as profidrive_virtual_drive;
 mod core;
 mod cycles;
 mod drives;
+mod fleet;
 mod parameters;
 mod round_trip;
 mod table;
@@ -29,6 +30,7 @@ const SECTIONS: &[Section] = &[
     ("start", cycles::start),
     ("parameters", parameters::compare),
     ("virtual-time", virtual_time::compare),
+    ("fleet", fleet::compare),
 ];
 
 fn main() -> ExitCode {

@@ -31,6 +31,8 @@ fn feed(data: &[u8], endpoint: Echo) {
     let mut host = Host::new(endpoint);
     let mut buffer = [0; MAX_FRAME];
     let mut now = Instant::ZERO;
+    // what it sends first: its announcement
+    while host.poll_transmit(now, &mut buffer).is_some() {}
     // a seed is one frame; anything else may also be several steps
     for step in std::iter::once(Step::Frame(data)).chain(Steps(data)) {
         match step {
