@@ -7,6 +7,9 @@ CARGO ?= cargo
 # what `make package` builds for; a target whose programs this machine can run
 TARGET ?= $(shell rustc -vV | sed -n 's/^host: //p')
 
+# the longest tests wait for drives on a wire, not for the processor
+THREADS ?= $(shell echo $$(( $$(nproc) + 1 )))
+
 # what has, or passes on, the feature raw-ethernet: must build without it too
 ETHERNET = -p profidrive-network -p profidrive-plant -p profidrive -p profidrive-cli
 
@@ -32,7 +35,7 @@ test: setup ## everything that must pass
 	target/tools/bin/cargo-deny --locked check bans licenses sources
 	$(CARGO) clippy -q --no-default-features $(ETHERNET) -- -D warnings
 	$(CARGO) build -q --workspace --bins --examples
-	$(CARGO) test --workspace
+	RUST_TEST_THREADS=$(THREADS) $(CARGO) test --workspace
 
 package: ## release program, Debian package and checksums, in target/package (TARGET=...)
 	$(CARGO) build --release --locked -p profidrive-cli --target $(TARGET)

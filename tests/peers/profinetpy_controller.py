@@ -221,13 +221,26 @@ class Script:
             self.connect()
             for frame in frames.split(","):
                 self.cyclic.set_output_data(1, self.arguments.subslot, bytes.fromhex(frame))
-                time.sleep(self.arguments.hold)
+                self.hold()
                 before = bytes(self.cyclic.get_input_data(1, self.arguments.subslot))
                 answer = self.job(bytes.fromhex(request), 0xB02E)
                 after = bytes(self.cyclic.get_input_data(1, self.arguments.subslot))
                 say("signals", round=number, output=frame, before=before.hex(), answer=answer.hex(), after=after.hex())
             say("round", round=number, state=self.cyclic.state.name, errors=self.errors, timeouts=self.timeouts)
             self.release()
+
+    def hold(self):
+        """Lets the output stand for the time asked for, and on a busy machine until so many cycles were really exchanged."""
+        begin = self.statistics()
+        time.sleep(self.arguments.hold)
+        cycles = self.arguments.hold * 1000 / self.arguments.ratio
+        end = time.monotonic() + 20
+        while time.monotonic() < end:
+            now = self.statistics()
+            if all(now[way] - begin[way] >= cycles for way in ("sent", "received")):
+                return
+            time.sleep(0.01)
+        raise SystemExit(f"{cycles} cycles: not exchanged, {begin} {self.statistics()}")
 
     def exchange(self):
         """Cyclic data for a while with no change, counting what is lost."""
