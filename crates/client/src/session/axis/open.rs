@@ -10,6 +10,7 @@ use super::rest::{Closer, Ending, Place};
 use super::{Axis, AxisPlan, AxisSettings, Session, speed_setpoint};
 use crate::axis::{AxisControl, Cycle, Limits, Purpose, SpeedScale, Wiring};
 use crate::learn::device_of;
+use crate::session::plugged::Layout;
 use crate::session::prepare::{Prepared, ownerless};
 use crate::session::takeover;
 use crate::{Drive, Error, Link, LossReaction};
@@ -132,35 +133,7 @@ impl Session {
         let open = self.engine.stay_open()?;
         let now = self.now();
         // from here on the object below sees to the end of the connection
-        let mut waiting = None;
-        let link = match (layout.zip(chosen), drive.slave) {
-            (Some((layout, chosen)), _) => {
-                let mut config = ConnectConfig::new(layout.modules, chosen.timing);
-                config.watchdog_factor = chosen.watchdog;
-                config.data_hold_factor = chosen.watchdog;
-                config.resolve = if drive.station.name.is_empty() {
-                    Resolve::Trust
-                } else {
-                    Resolve::Check
-                };
-                let ar = self
-                    .client()
-                    .controller()
-                    .connect(now, Target::of(&drive.station), config)?;
-                let (slot, subslot) = layout.place;
-                if wiring.chosen_words().next().is_some() {
-                    waiting = Some((ar, slot, subslot, wiring, control));
-                } else {
-                    self.client().attach_axis(ar, slot, subslot, wiring, control);
-                }
-                Link::ArListEntry(ar)
-            }
-            (None, Some(slave)) => {
-                self.client().attach_slave(slave, wiring, control);
-                Link::Slave(slave)
-            }
-            (None, None) => return Err(Misuse::UnknownConnection.into()),
-        };
+        let (link, waiting) = self.attach(drive, layout.zip(chosen), wiring, control)?;
         let mut axis = Axis {
             drive: drive.clone(),
             link,
@@ -193,6 +166,43 @@ impl Session {
                 Err(error)
             }
         }
+    }
+
+    /// Gives the control of a drive its connection: a new one, or the line that it is on. Its words travel at once, unless
+    /// the drive is to be asked first which signals they are: then they wait.
+    fn attach(
+        &self,
+        drive: &Drive,
+        connection: Option<(Layout, Cycle)>,
+        wiring: Wiring,
+        control: AxisControl,
+    ) -> Result<(Link, Option<Waiting>), Error> {
+        let Some((layout, cycle)) = connection else {
+            let slave = drive.slave.ok_or(Misuse::UnknownConnection)?;
+            self.client().attach_slave(slave, wiring, control);
+            return Ok((Link::Slave(slave), None));
+        };
+        let mut config = ConnectConfig::new(layout.modules, cycle.timing);
+        config.watchdog_factor = cycle.watchdog;
+        config.data_hold_factor = cycle.watchdog;
+        config.resolve = if drive.station.name.is_empty() {
+            Resolve::Trust
+        } else {
+            Resolve::Check
+        };
+        let now = self.now();
+        let ar = self
+            .client()
+            .controller()
+            .connect(now, Target::of(&drive.station), config)?;
+        let (slot, subslot) = layout.place;
+        let waiting = if wiring.chosen_words().next().is_some() {
+            Some((ar, slot, subslot, wiring, control))
+        } else {
+            self.client().attach_axis(ar, slot, subslot, wiring, control);
+            None
+        };
+        Ok((Link::ArListEntry(ar), waiting))
     }
 
     /// What the drive does when its controller is lost, once a motion is allowed to depend on it. Control without a motion
