@@ -361,9 +361,6 @@ impl Ar {
         if let Some(consumer) = &mut self.consumer {
             consumer.stop();
         }
-        if let Some(id) = self.lookup.dcp.take() {
-            shared.dcp.cancel(id);
-        }
     }
 
     /// Ends the connection on request of the caller.

@@ -40,6 +40,12 @@ impl Controller {
         };
         let before = ar.lookup.dcp;
         let result = what(ar, &mut shared);
+        // who answers to its name later changes nothing any more
+        if !ar.phase.is_starting()
+            && let Some(id) = ar.lookup.dcp.take()
+        {
+            shared.dcp.cancel(id);
+        }
         if ar.lookup.dcp != before {
             if let Some(dcp) = before {
                 self.dcp_owners.remove(&dcp);

@@ -182,3 +182,14 @@ fn two_stations_of_one_name_are_reported() {
         }
     );
 }
+
+#[test]
+fn a_running_connection_needs_none_of_the_requests_that_can_be_open() {
+    let mut p = pair();
+    connected(&mut p, config());
+    // its own lookup would go on for another second
+    let open = (0..2_000)
+        .take_while(|_| p.a.identify(p.now, Filter::all()).is_ok())
+        .count();
+    assert_eq!(open, 1024);
+}
