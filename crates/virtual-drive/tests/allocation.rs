@@ -34,6 +34,7 @@ fn ticks_states_faults_and_parameters() {
             drive.tick(now, Some(&[a, b, 0x06, 0x66]), &mut inputs);
             assert!(drive.serve(&read, &mut answer).is_ok());
             assert!(drive.serve(&write, &mut answer).is_ok());
+            while drive.poll_event().is_some() {}
         }
     };
     assert_eq!(allocations::made_by(run), 0);

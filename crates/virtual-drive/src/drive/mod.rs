@@ -65,6 +65,8 @@ const RESTLESS: u16 = 500;
 
 /// Most events that wait; older ones are dropped.
 const MOST_EVENTS: usize = 64;
+/// Events that there is room for from the beginning: a tick allocates nothing while its owner takes them.
+const USUAL_EVENTS: usize = 16;
 
 /// An event of the drive that its owner may report or must handle.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -288,7 +290,7 @@ impl Drive {
             stop_requested: false,
             restless: 0,
             last: Instant::ZERO,
-            events: VecDeque::with_capacity(MOST_EVENTS),
+            events: VecDeque::with_capacity(USUAL_EVENTS),
         };
         drive.fit_motor();
         drive.process.status = drive.in_profile_bits(drive.process.status);
