@@ -6,7 +6,7 @@ use profinet::{Instant, MacAddress};
 use rand_pcg::Pcg64Mcg;
 use rand_pcg::rand_core::SeedableRng;
 
-use crate::host::Station;
+use crate::host::{Interest, Station};
 use crate::segment::{Conditions, chance, jitter};
 
 /// Most frames that wait in one direction; beyond, new ones are lost.
@@ -194,12 +194,14 @@ impl<S: Station> Station for Impaired<S> {
         self.inner.mac()
     }
 
-    fn handle_frame(&mut self, now: Instant, frame: &[u8]) -> bool {
+    fn interest(&self) -> Interest {
+        self.inner.interest()
+    }
+
+    fn handle_frame(&mut self, now: Instant, frame: &[u8]) {
         if self.passes_freely() && self.inward.waiting.is_empty() || self.meet(now, frame, true) {
-            return self.inner.handle_frame(now, frame);
+            self.inner.handle_frame(now, frame);
         }
-        // it may wait, which is another deadline
-        true
     }
 
     fn handle_timeout(&mut self, now: Instant) {
@@ -251,10 +253,9 @@ mod tests {
         fn mac(&self) -> MacAddress {
             MacAddress([2, 0, 0, 0, 0, 1])
         }
-        fn handle_frame(&mut self, _: Instant, frame: &[u8]) -> bool {
+        fn handle_frame(&mut self, _: Instant, frame: &[u8]) {
             self.heard.push(frame.to_vec());
             self.to_send.push_back(frame.to_vec());
-            true
         }
         fn handle_timeout(&mut self, _: Instant) {}
         fn poll_transmit(&mut self, _: Instant, buffer: &mut [u8]) -> Option<usize> {

@@ -139,8 +139,9 @@ impl<S: Station> Station for Probe<S> {
         self.inner.mac()
     }
 
-    fn handle_frame(&mut self, now: Instant, frame: &[u8]) -> bool {
-        self.hear(frame).is_some() | self.inner.handle_frame(now, frame)
+    fn handle_frame(&mut self, now: Instant, frame: &[u8]) {
+        let _ = self.hear(frame);
+        self.inner.handle_frame(now, frame);
     }
 
     fn handle_timeout(&mut self, now: Instant) {

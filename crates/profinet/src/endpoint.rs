@@ -144,6 +144,12 @@ pub trait Endpoint {
     /// Own IP configuration; may change after any `handle_*` call (DCP Set).
     fn ip(&self) -> IpSuite;
 
+    /// Returns the name of station by which Identify requests select it; `None` for an endpoint that is to receive the
+    /// requests for all names.
+    fn name(&self) -> Option<&str> {
+        None
+    }
+
     /// Returns true while the carrier must find an address: from a DHCP server, else a link-local one (AutoIP). A
     /// carrier of whole Ethernet frames does so and reports it by [`take_address`](Endpoint::take_address).
     fn acquires_address(&self) -> bool {
@@ -164,13 +170,6 @@ pub trait Endpoint {
     /// Does nothing if the endpoint counts no traffic.
     fn note_traffic(&mut self, traffic: Traffic, frame: &[u8]) {
         let _ = (traffic, frame);
-    }
-
-    /// Returns true for a frame that changes nothing here and gets no answer, so that a carrier of many stations need not
-    /// hand it over: each device of a plant receives the Identify requests for all others.
-    fn ignores(&self, frame: &[u8]) -> bool {
-        let _ = frame;
-        false
     }
 
     /// Takes one received Ethernet frame with the EtherType of PROFINET (0x8892) or LLDP (0x88CC), 802.1Q tag present or stripped.

@@ -2,7 +2,7 @@
 
 use std::net::SocketAddrV4;
 
-use network::host::{Host, Station};
+use network::host::{Audience, Host, Station};
 use profinet::{Endpoint, Instant, IpSuite, MAX_FRAME, MacAddress, Transmit};
 
 use super::steps::{Step, Steps};
@@ -37,14 +37,11 @@ fn feed(data: &[u8], endpoint: Echo) {
     for step in std::iter::once(Step::Frame(data)).chain(Steps(data)) {
         match step {
             Step::Frame(frame) | Step::Datagram(frame) => {
-                let due = host.poll_timeout();
-                if !host.handle_frame(now, frame) {
-                    assert_eq!(host.poll_timeout(), due, "it said that nothing changed");
-                    assert_eq!(
-                        host.poll_transmit(now, &mut buffer),
-                        None,
-                        "it said that nothing changed"
-                    );
+                let (audience, interest) = (Audience::of(frame), host.interest());
+                host.handle_frame(now, frame);
+                // an ARP request for others may still show the address of its sender, which something waits for
+                if !interest.covers(audience) && matches!(audience, Audience::Name(_)) {
+                    assert_eq!(host.poll_transmit(now, &mut buffer), None, "it is for others");
                 }
             }
             Step::Wait(time) => now += time,

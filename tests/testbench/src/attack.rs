@@ -238,9 +238,7 @@ impl Station for Attacker {
         ATTACKER
     }
 
-    fn handle_frame(&mut self, _: Instant, _: &[u8]) -> bool {
-        false
-    }
+    fn handle_frame(&mut self, _: Instant, _: &[u8]) {}
 
     fn handle_timeout(&mut self, now: Instant) {
         while self.left > 0 && self.due <= now {

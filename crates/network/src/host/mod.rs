@@ -11,6 +11,7 @@
 
 mod acquire;
 mod address;
+mod audience;
 mod dhcp;
 mod link_local;
 mod neighbours;
@@ -20,6 +21,7 @@ use std::any::Any;
 
 use profinet::{Endpoint, Instant, MacAddress, Transmit};
 
+pub use audience::{Audience, Interest};
 pub use stack::{Stack, StackStatistics};
 
 /// Smallest Ethernet frame without FCS; shorter ones are padded with zeros (IEEE 802.3).
@@ -41,9 +43,14 @@ pub trait Station: Any + Send {
     /// Own Ethernet address, by which unicast frames are dispatched. Does not change.
     fn mac(&self) -> MacAddress;
 
-    /// Takes one received frame. Frames for others are ignored. Returns false when it changed nothing, so that there is
-    /// nothing to send and no other deadline.
-    fn handle_frame(&mut self, now: Instant, frame: &[u8]) -> bool;
+    /// Returns which frames for a group it is to receive. May change after every other call. A carrier of many stations
+    /// may keep the others from it.
+    fn interest(&self) -> Interest {
+        Interest::ALL
+    }
+
+    /// Takes one received frame. Frames for others are ignored.
+    fn handle_frame(&mut self, now: Instant, frame: &[u8]);
 
     /// Does what is due at `now`; early calls do nothing.
     fn handle_timeout(&mut self, now: Instant);
@@ -146,8 +153,12 @@ impl<E: Endpoint + Send + 'static> Station for Host<E> {
         self.stack.mac()
     }
 
-    fn handle_frame(&mut self, now: Instant, frame: &[u8]) -> bool {
-        self.stack.handle_frame(now, frame, &mut self.endpoint)
+    fn interest(&self) -> Interest {
+        Interest::new(self.stack.settled_address(&self.endpoint), self.endpoint.name())
+    }
+
+    fn handle_frame(&mut self, now: Instant, frame: &[u8]) {
+        self.stack.handle_frame(now, frame, &mut self.endpoint);
     }
 
     fn handle_timeout(&mut self, now: Instant) {

@@ -103,43 +103,40 @@ impl Stack {
         self.statistics
     }
 
-    /// Takes one received frame and passes its contents to the endpoint. Returns false when it changed nothing.
-    pub fn handle_frame<E: Endpoint + ?Sized>(
-        &mut self,
-        now: Instant,
-        frame: &[u8],
-        endpoint: &mut E,
-    ) -> bool {
+    /// Returns the address of the endpoint, unspecified without one; `None` while it is being found or is about to change.
+    pub(super) fn settled_address<E: Endpoint + ?Sized>(&self, endpoint: &E) -> Option<Ipv4Addr> {
+        let settled = !endpoint.acquires_address() && self.acquire.is_none() && endpoint.ip() == self.suite;
+        settled.then_some(self.suite.address)
+    }
+
+    /// Takes one received frame and passes its contents to the endpoint.
+    pub fn handle_frame<E: Endpoint + ?Sized>(&mut self, now: Instant, frame: &[u8], endpoint: &mut E) {
         let Some((destination, source)) = addresses(frame) else {
-            return false;
+            return;
         };
         let for_us = destination == self.mac || destination.is_multicast();
         if !for_us || source == self.mac || source.is_multicast() {
-            return false;
+            return;
         }
         let Some((kind, offset)) = ethertype(frame) else {
-            return false;
+            return;
         };
         endpoint.note_traffic(Traffic::Received, frame);
         if kind == ETHERTYPE_PROFINET || kind == ETHERTYPE_LLDP {
             self.statistics.frames += 1;
-            let concerned = !destination.is_multicast() || !endpoint.ignores(frame);
-            if concerned {
-                endpoint.handle_frame(now, frame);
-            }
-            return concerned;
+            endpoint.handle_frame(now, frame);
+            return;
         }
-        let before = (self.due(), self.acquire.is_none());
         self.follow(now, endpoint.ip());
         let Some(payload) = frame.get(offset..) else {
-            return true;
+            return;
         };
         if let Some(acquire) = &mut self.acquire {
             acquire.handle_frame(now, frame, payload);
             self.seek(now, endpoint);
         }
         if !self.suite.is_set() {
-            return true;
+            return;
         }
         let understood = match EthernetProtocol::from(kind) {
             EthernetProtocol::Arp => self.handle_arp(now, payload),
@@ -149,13 +146,6 @@ impl Stack {
         if understood.is_none() {
             self.statistics.malformed += 1;
         }
-        // in a large plant most ARP requests are for others
-        kind != u16::from(EthernetProtocol::Arp) || (self.due(), true) != before
-    }
-
-    /// What is to be sent, and when this stack has something to do.
-    fn due(&self) -> (usize, Option<Instant>, Option<Instant>) {
-        (self.ready.len(), self.announce_at, self.neighbours.next_due())
     }
 
     /// Does what is due: requests to neighbours, announcements, and the endpoint's own.

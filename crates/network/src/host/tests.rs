@@ -2,6 +2,7 @@
 
 use std::net::{Ipv4Addr, SocketAddrV4};
 
+use profinet::wire::dcp::{PduWriter, ServiceId, ServiceType, Value};
 use profinet::{IpSuite, MAX_FRAME, RPC_PORT, Traffic};
 use proptest::prelude::*;
 
@@ -604,22 +605,52 @@ fn answers_that_nobody_fetches_are_bounded() {
     assert_eq!(drain(&mut host, at(3000)).len(), 128);
 }
 
+/// An Identify request with these filters.
+fn identify(filters: &[Value<'_>]) -> Vec<u8> {
+    let mut frame = [&[1, 0x0E, 0xCF, 0, 0, 0][..], &PEER.0, &[0x88, 0x92, 0xFE, 0xFE]].concat();
+    let mut pdu = PduWriter::new(&mut frame, ServiceId::Identify, ServiceType::Request, 7, 0);
+    for filter in filters {
+        pdu.filter(filter);
+    }
+    pdu.finish();
+    frame
+}
+
 #[test]
-fn what_concerns_others_changes_nothing_and_is_counted() {
+fn a_station_is_interested_in_requests_for_it_and_for_everybody() {
+    let covers = |host: &Host<Probe>, frame: &[u8]| host.interest().covers(Audience::of(frame));
     let mut host = settled();
-    // who has 10.0.0.7? An announcement of that station is none of ours either
-    let mut other = padded(ARP_REQUEST);
+    let mine = padded(ARP_REQUEST);
+    let mut other = mine.clone();
     other[41] = 7;
-    let before = host.endpoint().traffic.len();
-    assert!(!host.handle_frame(at(2100), &other));
-    assert_eq!(host.endpoint().traffic.len(), before + 1);
-    assert_eq!(drain(&mut host, at(2100)).len(), 0);
-    assert!(host.handle_frame(at(2200), &padded(ARP_REQUEST)));
-    assert_eq!(drain(&mut host, at(2200)).len(), 1);
-    // an address that the endpoint got meanwhile is announced, whatever came
-    host.endpoint_mut().ip = IpSuite::NONE;
-    assert_eq!(drain(&mut host, at(2300)).len(), 0);
-    host.endpoint_mut().ip = IP;
-    assert!(host.handle_frame(at(2400), &other));
-    assert_eq!(drain(&mut host, at(2400)).len(), 1);
+    assert!(covers(&host, &mine) && !covers(&host, &other));
+    // the tag of a priority changes nothing; an announcement and an answer to all are for everybody
+    other.splice(12..12, [0x81, 0, 0xC0, 0]);
+    assert!(!covers(&host, &other));
+    let mut announcement = mine.clone();
+    announcement[41] = announcement[31];
+    assert_eq!(Audience::of(&announcement), Audience::Everybody);
+    assert_eq!(Audience::of(&padded(ARP_REPLY)), Audience::Everybody);
+    // what is not understood is for everybody
+    assert_eq!(Audience::of(&mine[..30]), Audience::Everybody);
+    // an address that is about to change
+    host.endpoint_mut().ip.address = Ipv4Addr::new(10, 0, 0, 7);
+    assert!(covers(&host, &mine) && covers(&host, &other));
+    assert_eq!(drain(&mut host, at(2500)).len(), 1);
+    assert!(!covers(&host, &mine) && covers(&host, &other));
+    // one that is being found
+    let seeker = Host::new(Seeker {
+        ip: IP,
+        taken: Vec::new(),
+    });
+    assert!(seeker.interest().covers(Audience::of(&other)));
+
+    let named = Interest::new(None, Some("drive-1"));
+    assert!(named.covers(Audience::of(&identify(&[Value::Name(b"drive-1")]))));
+    assert!(!named.covers(Audience::of(&identify(&[Value::Name(b"drive-10")]))));
+    assert!(!named.covers(Audience::of(&identify(&[Value::Name(b"")]))));
+    assert!(Interest::new(None, Some("")).covers(Audience::of(&identify(&[Value::Name(b"")]))));
+    assert!(named.covers(Audience::of(&identify(&[Value::Alias(b"port-001.plc")]))));
+    // one that has no name of its own hears all
+    assert!(covers(&host, &identify(&[Value::Name(b"drive-1")])));
 }

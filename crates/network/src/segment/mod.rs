@@ -270,10 +270,7 @@ impl Segment {
         let port = delivery.port;
         let guests = match (self.stations.get_mut(port), &mut *guest) {
             (Some(Some(station)), _) => {
-                if !station.handle_frame(self.now, self.fabric.bytes(&delivery)) {
-                    self.fabric.release(delivery);
-                    return false;
-                }
+                station.handle_frame(self.now, self.fabric.bytes(&delivery));
                 false
             }
             (_, Some(guest)) if guest.port == port => {

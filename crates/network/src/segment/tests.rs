@@ -248,9 +248,7 @@ fn a_station_that_is_always_due_does_not_stop_time() {
         fn mac(&self) -> MacAddress {
             mac(7)
         }
-        fn handle_frame(&mut self, _: Instant, _: &[u8]) -> bool {
-            true
-        }
+        fn handle_frame(&mut self, _: Instant, _: &[u8]) {}
         fn handle_timeout(&mut self, _: Instant) {}
         fn poll_transmit(&mut self, _: Instant, _: &mut [u8]) -> Option<usize> {
             None

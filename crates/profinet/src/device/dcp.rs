@@ -228,12 +228,6 @@ impl Device {
         self.send_dcp(now, due, source, FrameId::DCP_IDENTIFY_RESPONSE, &payload);
     }
 
-    /// Returns true for an Identify request with a filter that does not fit this station.
-    pub(super) fn is_identify_for_others(&self, frame: &Frame<'_>) -> bool {
-        frame.frame_id == FrameId::DCP_IDENTIFY_REQUEST
-            && Pdu::parse(frame.payload).is_ok_and(|pdu| !self.is_meant(&pdu))
-    }
-
     /// Returns true if every filter fits; a malformed or unknown one never does.
     fn is_meant(&self, pdu: &Pdu<'_>) -> bool {
         let mut filters = 0;

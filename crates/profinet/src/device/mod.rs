@@ -383,8 +383,8 @@ impl Endpoint for Device {
         IpSuite { gateway, ..self.ip }
     }
 
-    fn ignores(&self, frame: &[u8]) -> bool {
-        Frame::parse(frame).is_some_and(|frame| self.is_identify_for_others(&frame))
+    fn name(&self) -> Option<&str> {
+        Some(&self.name)
     }
 
     fn handle_frame(&mut self, now: Instant, frame: &[u8]) {

@@ -511,8 +511,8 @@ impl Endpoint for Station {
         self.device.ip()
     }
 
-    fn ignores(&self, frame: &[u8]) -> bool {
-        self.device.ignores(frame)
+    fn name(&self) -> Option<&str> {
+        Endpoint::name(&self.device)
     }
 
     fn handle_frame(&mut self, now: Instant, frame: &[u8]) {

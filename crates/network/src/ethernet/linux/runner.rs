@@ -10,7 +10,7 @@ use super::filter::Wanted;
 use super::packet::PacketSocket;
 use super::watch::Watch;
 use crate::ethernet::{Lateness, PacketStatistics, Turn};
-use crate::host::{Station, StationId, addresses};
+use crate::host::{Audience, Interest, Station, StationId, addresses};
 use crate::segment::{Tap, finish_all};
 use crate::system::linux::sharpen_timers;
 use crate::system::{Bell, Error, InterfaceInfo, Stop, now};
@@ -54,7 +54,9 @@ pub struct Runner {
     by_mac: BTreeMap<MacAddress, usize>,
     deadlines: Deadlines,
     dirty: Vec<usize>,
-    /// The stations that one received frame changed.
+    /// Which frames for a group each station receives; `None` for one that had a turn since it was asked.
+    interests: Vec<Option<Interest>>,
+    /// The stations that one received frame is for.
     concerned: Vec<usize>,
     touched: Vec<StationId>,
     /// The turn in which each station was last put into `touched`.
@@ -111,6 +113,7 @@ impl Runner {
             by_mac: BTreeMap::new(),
             deadlines: Deadlines::default(),
             dirty: Vec::new(),
+            interests: Vec::new(),
             concerned: Vec::new(),
             touched: Vec::new(),
             touched_in: Vec::new(),
@@ -180,6 +183,7 @@ impl Runner {
         self.stations.push(Some(station));
         self.batches |= self.stations.len() >= FLEET;
         self.touched_in.push(0);
+        self.interests.push(None);
         self.dirty.push(index);
         Ok(StationId(index))
     }
@@ -333,12 +337,7 @@ impl Runner {
             && let Some(index) = self.deadlines.earliest_index()
         {
             self.note_delay(now - due);
-            if let Some(Some(station)) = self.stations.get_mut(index) {
-                station.handle_timeout(now);
-            }
-            self.touch(index);
-            self.drain(index, now);
-            self.schedule(index, now + SHORTEST_WAIT);
+            self.turn(index, now, now + SHORTEST_WAIT);
         }
         if self.online {
             let flushed = self.socket.flush();
@@ -371,9 +370,10 @@ impl Runner {
             socket,
             stations,
             by_mac,
+            interests,
+            concerned,
             taps,
             buffer,
-            concerned,
             ..
         } = self;
         let Some((received, frame)) = socket.peek() else {
@@ -386,31 +386,51 @@ impl Runner {
                 let whole = received.on_the_wire(frame, buffer);
                 taps.iter_mut().for_each(|tap| tap.frame(now, whole));
             }
-            let meant = match single {
-                _ if multicast => 0..stations.len(),
-                Some(index) => index..index + 1,
-                None => 0..0,
-            };
-            for index in meant {
-                if let Some(Some(station)) = stations.get_mut(index)
-                    && station.handle_frame(now, frame)
-                {
-                    concerned.push(index);
+            if multicast {
+                let audience = Audience::of(frame);
+                for (index, (station, interest)) in stations.iter().zip(interests).enumerate() {
+                    if let Some(station) = station
+                        && interest
+                            .get_or_insert_with(|| station.interest())
+                            .covers(audience)
+                    {
+                        concerned.push(index);
+                    }
+                }
+            } else {
+                concerned.extend(single);
+            }
+            for index in concerned.iter() {
+                if let Some(Some(station)) = stations.get_mut(*index) {
+                    station.handle_frame(now, frame);
                 }
             }
         }
         socket.release();
         let mut concerned = std::mem::take(&mut self.concerned);
         for index in concerned.drain(..) {
-            self.touch(index);
-            self.drain(index, now);
-            self.schedule(index, Instant::ZERO);
+            self.turn(index, now, Instant::ZERO);
         }
         self.concerned = concerned;
         true
     }
 
+    /// Lets a station do what is due, sends its frames and takes note of its deadline, which is not before `earliest`.
+    fn turn(&mut self, index: usize, now: Instant, earliest: Instant) {
+        if let Some(Some(station)) = self.stations.get_mut(index)
+            && station.poll_timeout().is_some_and(|due| due <= now)
+        {
+            station.handle_timeout(now);
+        }
+        self.touch(index);
+        self.drain(index, now);
+        self.schedule(index, earliest);
+    }
+
     fn drain(&mut self, index: usize, now: Instant) {
+        if let Some(interest) = self.interests.get_mut(index) {
+            *interest = None;
+        }
         let queued = self.queue_all(index, now);
         self.note(queued);
     }
