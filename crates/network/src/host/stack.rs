@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 use std::net::{Ipv4Addr, SocketAddrV4};
 use std::time::Duration;
 
-use profinet::{Endpoint, Instant, IpSuite, MAX_FRAME, MacAddress, RPC_PORT, Traffic, Transmit};
+use profinet::{Endpoint, Instant, IpSuite, MacAddress, RPC_PORT, Traffic, Transmit};
 use smoltcp::phy::ChecksumCapabilities;
 use smoltcp::wire::{
     ArpOperation, ArpPacket, ArpRepr, EthernetAddress, EthernetFrame, EthernetProtocol, EthernetRepr,
@@ -555,7 +555,7 @@ impl Stack {
         if self.ready.len() >= MAX_READY {
             return None;
         }
-        let mut buffer = self.spare.pop().unwrap_or_else(|| Vec::with_capacity(MAX_FRAME));
+        let mut buffer = self.spare.pop().unwrap_or_default();
         buffer.clear();
         buffer.resize(length.max(MINIMUM_FRAME), 0);
         Some(buffer)
