@@ -45,6 +45,7 @@
 //! | check whether both sides can reach each other | [`reach`](reach()) |
 //! | find, read, write | [`Network`], which is a [`client::Session`] |
 //! | scan, and see status, identity and faults of a drive | [`inspection`] |
+//! | watch the values and faults of a drive | [`monitor`] |
 //! | read, list, describe and write parameters as people name them | [`parameters`] |
 //! | move an axis, with every safety rule | [`motion`] |
 //! | restore settings, with a way back | [`settings`] |
@@ -58,6 +59,7 @@ mod description;
 mod drive;
 mod driver;
 pub mod inspection;
+pub mod monitor;
 pub mod motion;
 mod open;
 mod outcome;

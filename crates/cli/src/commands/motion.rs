@@ -2,20 +2,20 @@
 
 use std::time::Duration;
 
-use client::{Drive, Error, ErrorKind, Session, Snapshot, Wait};
+use client::{Drive, Error, ErrorKind, Session, Wait};
+use profidrive::monitor::{Monitor, Observation};
 use profidrive::motion;
 use profidrive::report::MonitorReading;
 use profile::notation::ParameterReference;
-use profile::state::{State, Zsw1};
 use profile::value::{ParameterProblem, Selection};
 
 use super::axis::{self, FOR_EVER, fault_text};
 use crate::advice::Commands;
-use crate::args::{Ack, Monitor, Target};
+use crate::args::{self, Ack, Target};
 use crate::connect::{self, Live, Need};
 use crate::failure::Failure;
 use crate::output::Output;
-use crate::render::{hex16, value, words};
+use crate::render::{hex16, value};
 
 pub fn ack(args: &Ack, target: &Target, output: &Output) -> Result<(), Failure> {
     let control = axis::control(&args.cyclic)?;
@@ -40,16 +40,11 @@ pub fn ack(args: &Ack, target: &Target, output: &Output) -> Result<(), Failure> 
     Ok(())
 }
 
-/// The shortest time between two readings of a monitor: a drive has other callers too.
-const FASTEST: Duration = Duration::from_millis(10);
-
-pub fn monitor(args: &Monitor, target: &Target, output: &Output) -> Result<(), Failure> {
-    if args.every < FASTEST {
-        return Err(
-            Failure::usage(format!("--every: at least {} ms", FASTEST.as_millis()))
-                .hint("faster than that the parameter channel of the drive is blocked for others"),
-        );
-    }
+pub fn monitor(args: &args::Monitor, target: &Target, output: &Output) -> Result<(), Failure> {
+    let monitor = Monitor::new(args.every).map_err(|error| {
+        Failure::usage(format!("--every: {error}"))
+            .hint("faster than that the parameter channel of the drive is blocked for others")
+    })?;
     let references: Vec<ParameterReference> = args
         .parameters
         .iter()
@@ -63,41 +58,27 @@ pub fn monitor(args: &Monitor, target: &Target, output: &Output) -> Result<(), F
         .iter()
         .map(|reference| drive.parameters.select(reference))
         .collect::<Result<_, _>>()?;
+    let mut monitor = monitor.with(more);
     output.say(&format!("watching {}, reads only; Ctrl-C ends", drive.label()));
-    let start = session.now();
-    let end = start + args.time.unwrap_or(FOR_EVER);
-    let (mut counted, mut shown) = (None, Vec::new());
+    let end = session.now() + args.time.unwrap_or(FOR_EVER);
     loop {
-        let begin = session.now();
-        let snapshot = match answered(&mut session, &mut drive, &more, output) {
+        let seen = match answered(&mut session, &mut drive, &mut monitor, output) {
             Ok(None) => break,
-            Ok(Some(snapshot)) => snapshot,
+            Ok(Some(seen)) => seen,
             Err(failure) => {
                 // the device does not answer, so there is no orderly release
                 session.forget(&drive);
                 return Err(failure);
             }
         };
-        show_snapshot(begin - start, &snapshot, args.raw, output);
-        // PNU 944 may count situations only: a further fault of one is in the buffer alone
-        let again = counted != snapshot.fault_counter;
-        counted = snapshot.fault_counter;
-        if again || general(&snapshot).is_some_and(|(zsw1, _)| words::has_fault(zsw1)) {
-            let faults = session.faults(&mut drive).wait().unwrap_or_default();
-            let present = || faults.iter().filter(|fault| fault.situation == 0);
-            for fault in present().filter(|fault| again || !shown.contains(&fault.number)) {
-                output.warn(&fault_text(fault));
-            }
-            shown = present().map(|fault| fault.number).collect();
+        show(&seen, args.raw, output);
+        for fault in &seen.faults {
+            output.warn(&fault_text(fault));
         }
-        let next = (begin + args.every).min(end);
-        let time = next - session.now();
-        match session.pass(time).wait() {
-            Err(Error::Interrupted) => break,
-            other => other?,
-        }
-        if session.now() >= end {
-            break;
+        match monitor.pause(&mut session, end).wait() {
+            Ok(true) => {}
+            Ok(false) | Err(Error::Interrupted) => break,
+            Err(error) => return Err(error.into()),
         }
     }
     Ok(session.close().wait()?)
@@ -110,22 +91,22 @@ const SILENCE: Duration = Duration::from_secs(1);
 fn answered(
     session: &mut Live,
     drive: &mut Drive,
-    more: &[Selection],
+    monitor: &mut Monitor,
     output: &Output,
-) -> Result<Option<Snapshot>, Failure> {
+) -> Result<Option<Observation>, Failure> {
     let begin = session.now();
     let label = drive.label();
     let (printer, silent) = (output.clone(), label.clone());
     let result = session
         .reporting_silence(
             SILENCE,
-            async |session: &mut Session| session.snapshot(drive, more).await,
+            async |session: &mut Session| monitor.read(session, drive).await,
             move || printer.warn(&format!("{silent} does not answer; waiting for it")),
         )
         .wait();
     let waited = session.now() - begin;
     match result {
-        Ok(snapshot) => Ok(Some(snapshot)),
+        Ok(seen) => Ok(Some(seen)),
         Err(Error::Interrupted) if waited < SILENCE => Ok(None),
         Err(Error::Interrupted) => Err(gone(Failure::new(
             ErrorKind::Unreachable,
@@ -145,35 +126,21 @@ fn gone(failure: Failure) -> Failure {
     failure.hint("check power and cable of the drive; {scan} lists who answers")
 }
 
-/// Returns status and control word in the bits of the profile, independent of the model.
-fn general(snapshot: &Snapshot) -> Option<(u16, Option<u16>)> {
-    let sent = snapshot.stw1;
-    let zsw1 = snapshot.profile.zsw1(snapshot.zsw1?, sent.unwrap_or_default());
-    let runs = zsw1.has(Zsw1::READY_TO_OPERATE);
-    let state = if runs { State::S4 } else { State::S2 };
-    Some((
-        zsw1.0,
-        sent.map(|word| snapshot.profile.orders(word, state).stw1.0),
-    ))
-}
-
-fn show_snapshot(time: Duration, snapshot: &Snapshot, raw: bool, output: &Output) {
-    let state = general(snapshot);
-    output.json_event(&MonitorReading::new(
-        time.as_secs_f64(),
-        snapshot,
-        &Commands::any(),
-    ));
+fn show(seen: &Observation, raw: bool, output: &Output) {
+    let (time, snapshot) = (seen.time.as_secs_f64(), &seen.snapshot);
+    let reading = MonitorReading::new(time, snapshot, &Commands::any());
+    output.json_event(&reading);
     if output.json() {
         return;
     }
+    let state = reading.words.zsw1.and_then(|word| word.meaning);
     let word = |word: Option<u16>| word.map_or_else(|| "-".into(), hex16);
     let speed =
         |reading: &Option<profile::value::Reading>| reading.as_ref().map_or_else(|| "-".into(), value::full);
     let mut line = format!(
         "{:>8.2} s  {:<30}  STW1 {}  ZSW1 {}  set {:>12}  actual {:>12}",
-        time.as_secs_f64(),
-        state.map_or_else(|| "state unknown".into(), |(zsw1, stw1)| words::state(zsw1, stw1)),
+        time,
+        state.unwrap_or_else(|| "state unknown".into()),
         word(snapshot.stw1),
         word(snapshot.zsw1),
         speed(&snapshot.speed_set),

@@ -1,0 +1,138 @@
+//! Watching a drive: its words, its speeds and parameters, read again and again beside its controller. Nothing is changed.
+//!
+//! ```
+//! # #[cfg(feature = "simulate")] {
+//! use std::time::Duration;
+//!
+//! use profidrive::Wait;
+//! use profidrive::monitor::Monitor;
+//!
+//! let plant = r#"
+//!     [[drive]]
+//!     name = "akd-1"
+//!     ip = "192.168.0.11/24"
+//!     event = [{ at = "1s", do = "fault=439" }]
+//! "#;
+//! let mut network = profidrive::open_scenario(plant.parse()?)?;
+//! let mut drive = network.find(&"akd-1".parse()?).wait()?;
+//! let speed = drive.select("VL.FB")?;
+//! let mut monitor = Monitor::new(Duration::from_millis(100))?.with(vec![speed]);
+//! let end = network.now() + Duration::from_secs(2);
+//! let mut faults = Vec::new();
+//! loop {
+//!     faults.extend(monitor.read(&mut network, &mut drive).wait()?.faults);
+//!     if !monitor.pause(&mut network, end).wait()? {
+//!         break;
+//!     }
+//! }
+//! // once, though it was there in ten readings
+//! assert_eq!(faults.iter().map(|fault| fault.number).collect::<Vec<_>>(), [439]);
+//! # }
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+use std::time::Duration;
+
+use client::{Drive, Error, FaultEntry, Session, Snapshot};
+use profile::value::Selection;
+use profinet::Instant;
+
+use crate::report::DriveWords;
+
+/// The shortest time between two readings: faster than that the parameter channel of the drive is blocked for others.
+pub const SHORTEST_INTERVAL: Duration = Duration::from_millis(10);
+
+/// Readings were to follow each other faster than [`SHORTEST_INTERVAL`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error("at least {} ms between two readings", SHORTEST_INTERVAL.as_millis())]
+pub struct TooFast;
+
+/// Reads a drive at an interval, and notices the faults that come.
+#[derive(Debug, Clone)]
+pub struct Monitor {
+    more: Vec<Selection>,
+    interval: Duration,
+    /// When the first reading began.
+    first: Option<Instant>,
+    /// When the last reading began.
+    last: Instant,
+    /// Fault counter of the last reading.
+    counted: Option<u16>,
+    /// Numbers of the faults that were present then.
+    present: Vec<u16>,
+}
+
+/// A drive at a moment.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct Observation {
+    /// Since the first reading began.
+    pub time: Duration,
+    /// What the drive reported.
+    pub snapshot: Snapshot,
+    /// Faults that came since the reading before; with the first reading those that were present.
+    pub faults: Vec<FaultEntry>,
+}
+
+impl Monitor {
+    /// Will read state and speeds, each reading `interval` after the one before began.
+    ///
+    /// # Errors
+    /// When the interval is shorter than [`SHORTEST_INTERVAL`].
+    pub fn new(interval: Duration) -> Result<Self, TooFast> {
+        if interval < SHORTEST_INTERVAL {
+            return Err(TooFast);
+        }
+        Ok(Self {
+            more: Vec::new(),
+            interval,
+            first: None,
+            last: Instant::ZERO,
+            counted: None,
+            present: Vec::new(),
+        })
+    }
+
+    /// Returns the same that reads these parameters too.
+    #[must_use]
+    pub fn with(self, more: Vec<Selection>) -> Self {
+        Self { more, ..self }
+    }
+
+    /// Reads the drive now. Faults are read only where the status word reports one or the drive counted one.
+    ///
+    /// # Errors
+    /// When the drive cannot be reached or the caller requests a stop. What it refuses is in the snapshot.
+    pub async fn read(&mut self, session: &mut Session, drive: &mut Drive) -> Result<Observation, Error> {
+        self.last = session.now();
+        let snapshot = session.snapshot(drive, &self.more).await?;
+        let mut faults = Vec::new();
+        // PNU 944 may count situations only: a further fault of one is in the buffer alone
+        let again = self.counted != snapshot.fault_counter;
+        self.counted = snapshot.fault_counter;
+        if again || DriveWords::from(&snapshot).fault_bit == Some(true) {
+            let buffer = session.faults(drive).await.unwrap_or_default();
+            let present: Vec<FaultEntry> = buffer.into_iter().filter(|fault| fault.situation == 0).collect();
+            let numbers = present.iter().map(|fault| fault.number).collect();
+            let before = std::mem::replace(&mut self.present, numbers);
+            let is_new = |fault: &FaultEntry| again || !before.contains(&fault.number);
+            faults = present.into_iter().filter(is_new).collect();
+        }
+        Ok(Observation {
+            time: self.last - *self.first.get_or_insert(self.last),
+            snapshot,
+            faults,
+        })
+    }
+
+    /// Lets the time pass until the next reading is due, which is at once after one that took longer than the interval.
+    /// Returns false when `end` came first.
+    ///
+    /// # Errors
+    /// When the medium fails or the caller requests a stop.
+    pub async fn pause(&self, session: &mut Session, end: Instant) -> Result<bool, Error> {
+        let due = self.last + self.interval;
+        session.pass(due.min(end) - session.now()).await?;
+        Ok(session.now() < end)
+    }
+}
