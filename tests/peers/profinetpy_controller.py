@@ -221,19 +221,21 @@ class Script:
             self.connect()
             for frame in frames.split(","):
                 self.cyclic.set_output_data(1, self.arguments.subslot, bytes.fromhex(frame))
-                self.hold()
+                self.exchange_for(self.arguments.hold)
                 before = bytes(self.cyclic.get_input_data(1, self.arguments.subslot))
                 answer = self.job(bytes.fromhex(request), 0xB02E)
+                # inputs that are surely newer than the answer, also when this process was held up meanwhile
+                self.exchange_for(4 * self.arguments.ratio / 1000)
                 after = bytes(self.cyclic.get_input_data(1, self.arguments.subslot))
                 say("signals", round=number, output=frame, before=before.hex(), answer=answer.hex(), after=after.hex())
             say("round", round=number, state=self.cyclic.state.name, errors=self.errors, timeouts=self.timeouts)
             self.release()
 
-    def hold(self):
-        """Lets the output stand for the time asked for, and on a busy machine until so many cycles were really exchanged."""
+    def exchange_for(self, seconds):
+        """Lets the output stand for this time, and on a busy machine until so many cycles were really exchanged."""
         begin = self.statistics()
-        time.sleep(self.arguments.hold)
-        cycles = self.arguments.hold * 1000 / self.arguments.ratio
+        time.sleep(seconds)
+        cycles = seconds * 1000 / self.arguments.ratio
         end = time.monotonic() + 20
         while time.monotonic() < end:
             now = self.statistics()
