@@ -6,7 +6,7 @@ use profile::catalogue::{Parameter, Part};
 use profile::notation::fixed;
 
 use super::unread::SILENCE;
-use super::{AxisSettings, AxisStatus, STANDS, Session};
+use super::{AxisSettings, AxisStatus, Rest, STANDS, Session};
 use crate::axis::{Purpose, Seen};
 use crate::{Authority, Drive, Error, LocalControl, WriteMode};
 use profile::value::Assignment;
@@ -165,22 +165,26 @@ impl Session {
         last: &mut Option<StopOutcome>,
     ) -> Result<StopOutcome, Error> {
         // a stop by the control word always ends with the power stage off
-        let by_word = way.parameter(drive).is_none();
-        let way = if by_word { StopWay::Disable } else { way };
-        let before = self.look_at(drive, way, false).await?;
+        let way = if way.parameter(drive).is_none() {
+            StopWay::Disable
+        } else {
+            way
+        };
+        let before = self.look_at(drive, way, None).await?;
         if before.at_rest && before.enabled == Some(false) {
             return Ok(before);
         }
-        let sent = before.enabled != Some(false);
+        // of an axis without power only its telegram shows whether it turns, where its speed cannot be read
+        let unseen = before.speed.or(before.percent).is_none() && self.unread().is_some();
+        let sent = unseen || before.enabled != Some(false);
         *last = Some(before.clone());
-        let mut off = false;
+        let mut by_word = None;
         if sent {
             match self.stop_means(drive, way).await? {
-                StopMeans::Parameter(command) => off = self.stop_by_parameter(drive, command, limit).await?,
-                StopMeans::TakeOver => {
-                    self.take_over_and_stop(drive, limit).await?;
-                    off = true;
+                StopMeans::Parameter(command) => {
+                    by_word = self.stop_by_parameter(drive, command, limit).await?;
                 }
+                StopMeans::TakeOver => by_word = Some(self.take_over_and_stop(drive, limit).await?),
                 StopMeans::Owned(controller) => {
                     return Err(Error::NoStopBeside {
                         drive: drive.label(),
@@ -196,17 +200,17 @@ impl Session {
                 }
             }
         }
-        let way = if off { StopWay::Disable } else { way };
+        let way = if by_word.is_some() { StopWay::Disable } else { way };
         let end = self.now() + limit;
         loop {
-            let seen = self.look_at(drive, way, off).await?;
+            let seen = self.look_at(drive, way, by_word).await?;
             *last = Some(StopOutcome { sent, ..seen.clone() });
             if seen.at_rest || self.now() >= end {
                 return Ok(StopOutcome {
                     sent,
                     speed_before: before.speed,
                     percent_before: before.percent,
-                    by_word: off,
+                    by_word: by_word.is_some(),
                     ..seen
                 });
             }
@@ -214,8 +218,8 @@ impl Session {
         }
     }
 
-    /// Takes the control word over as it is, ramps down by OFF1 and gives it back.
-    async fn take_over_and_stop(&mut self, drive: &mut Drive, limit: Duration) -> Result<(), Error> {
+    /// Takes the control word over as it is, ramps down by OFF1 and gives it back. Returns how the axis was then.
+    async fn take_over_and_stop(&mut self, drive: &mut Drive, limit: Duration) -> Result<Rest, Error> {
         // a service channel may have it: with silent parameters only its telegram shows it
         let by_parameter = StopWay::Stop.parameter(drive).is_some();
         let settings = AxisSettings {
@@ -238,16 +242,16 @@ impl Session {
     }
 
     /// Stops a drive by its parameter. Without an answer it is stopped by the control word, unless a controller or
-    /// local operation has it; returns true in that case.
+    /// local operation has it; returns how the axis was at the end of that.
     async fn stop_by_parameter(
         &mut self,
         drive: &mut Drive,
         command: &'static Parameter,
         limit: Duration,
-    ) -> Result<bool, Error> {
+    ) -> Result<Option<Rest>, Error> {
         let silent = self.unread().is_some();
         if !silent && self.command_within(drive, command, SILENCE).await? {
-            return Ok(false);
+            return Ok(None);
         }
         match self.authority(drive).await? {
             Authority::Local(by) => Err(Error::LocalOperation {
@@ -256,7 +260,7 @@ impl Session {
             }),
             Authority::Controller(controller) => {
                 if silent && self.command_within(drive, command, LAST_TRY).await? {
-                    return Ok(false);
+                    return Ok(None);
                 }
                 Err(Error::StopUnanswered {
                     drive: drive.label(),
@@ -266,8 +270,7 @@ impl Session {
                 })
             }
             Authority::Ownerless | Authority::Free | Authority::Unknown => {
-                self.take_over_and_stop(drive, limit).await?;
-                Ok(true)
+                self.take_over_and_stop(drive, limit).await.map(Some)
             }
         }
     }
@@ -296,14 +299,25 @@ impl Session {
         set.accepted()
     }
 
-    /// How the axis is; `off` when its telegram has reported that the power stage is off, for a drive without a status word.
-    async fn look_at(&mut self, drive: &mut Drive, way: StopWay, off: bool) -> Result<StopOutcome, Error> {
-        let enabled = self.is_enabled(drive).await?.or(off.then_some(false));
+    /// How the axis is; `by_word` is how its telegram reported it at the end of a stop by the control word, for a drive
+    /// whose parameters do not say it.
+    async fn look_at(
+        &mut self,
+        drive: &mut Drive,
+        way: StopWay,
+        by_word: Option<Rest>,
+    ) -> Result<StopOutcome, Error> {
+        let enabled = self.is_enabled(drive).await?.or(by_word.map(|_| false));
         let readings = self.ask(drive, &[Part::Speed, Part::SpeedActual]).await?;
         let speed = readings.rpm(Part::Speed);
         let percent = readings.percent(Part::SpeedActual).filter(|_| speed.is_none());
-        // of a drive that reports no speed the power stage is all there is
-        let stands = readings.stands(STANDS).unwrap_or(enabled == Some(false));
+        let stands = match (readings.stands(STANDS), by_word) {
+            (Some(stands), _) => stands,
+            (None, Some(Rest::Stands)) => true,
+            (None, Some(Rest::Coasts | Rest::Runs)) => false,
+            // of a drive that has no speed to report the power stage is all there is
+            (None, Some(Rest::Unknown) | None) => enabled == Some(false) && self.unread().is_none(),
+        };
         Ok(StopOutcome {
             sent: false,
             speed_before: speed,

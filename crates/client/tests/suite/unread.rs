@@ -236,6 +236,31 @@ fn a_motion_does_not_wait_for_parameters() {
     }
 }
 
+/// Its telegram shows that it coasts, and its parameters say nothing.
+#[test]
+fn an_axis_that_coasts_unread_is_not_called_at_rest() {
+    let world = World::new(&model::VLT, Transport::Profinet, 7);
+    let (mut session, mut drive) = world.client("vlt", Transport::Profinet, 1).expect("found");
+    let mut axis = session
+        .take_axis(&mut drive, running_on(Purpose::Speed))
+        .wait()
+        .expect("free");
+    let mut enabled = axis.enable().wait().expect("enabled");
+    enabled.reach_speed(1400.0, None).wait().expect("runs");
+    // a trip: the motor coasts
+    world.look(|drive| drive.inject_fault(14, false));
+    let _ = enabled.hold(SECOND / 10).wait();
+    drop(enabled);
+    let _ = axis.release().wait();
+    world.answer(AnswerFault::Silent);
+    let outcome = session
+        .stop_drive(&mut drive, StopWay::Stop, SECOND)
+        .wait()
+        .expect("no owner");
+    assert!(world.speed() > 10.0, "{} rpm", world.speed());
+    assert!(!outcome.at_rest && outcome.speed.is_none(), "{outcome:?}");
+}
+
 /// A drive with a parameter that stops it: what can be done without it follows from who has the control word.
 #[test]
 fn a_stop_by_parameter_that_is_not_answered_is_one_by_the_control_word() {
@@ -248,9 +273,8 @@ fn a_stop_by_parameter_that_is_not_answered_is_one_by_the_control_word() {
             .stop_drive(&mut drive, StopWay::Stop, SECOND * 10)
             .wait()
             .expect("no owner");
-        // one value alone is not cut: the drive said that its power stage is off
-        let silent = fault == AnswerFault::Silent;
-        assert_eq!(outcome.by_word, silent, "{fault:?}: {outcome:?}");
+        // one value alone is not cut: the drive said that its power stage is off, and not whether it turns
+        assert!(outcome.by_word, "{fault:?}: {outcome:?}");
         assert!(outcome.at_rest, "{fault:?}: {outcome:?}");
         assert_eq!(outcome.enabled, Some(false), "{fault:?}");
         assert!(session.now() - begin < SECOND * 4, "{fault:?}");

@@ -369,8 +369,8 @@ impl Axis {
         self.session.engine().stir();
     }
 
-    /// Stops an ownerless axis by the control word, and releases it.
-    pub(in crate::session) async fn stop_and_release(mut self) -> Result<(), Error> {
+    /// Stops an ownerless axis by the control word, and releases it. Returns how it was then.
+    pub(in crate::session) async fn stop_and_release(mut self) -> Result<Rest, Error> {
         let _meanwhile = self.session.unstoppable();
         let seen = |status: &AxisStatus| status.view.seen.map(|seen| seen.zsw1);
         // the first data shows whether it is in operation
@@ -385,8 +385,8 @@ impl Axis {
             first
         };
         self.begin_stop();
-        let released = self.release().await;
-        first.and(released)
+        let released = self.release_and_look().await;
+        first.and(released.result).map(|()| released.rest)
     }
 }
 
