@@ -2,7 +2,7 @@
 CARGO ?= cargo
 
 .DEFAULT_GOAL := help
-.PHONY: help demo check test package setup bench fuzz fmt lint doc site pages
+.PHONY: help demo check test package setup bench fuzz lives fmt lint doc site pages
 
 # what `make package` builds for; a target whose programs this machine can run
 TARGET ?= $(shell rustc -vV | sed -n 's/^host: //p')
@@ -47,8 +47,11 @@ setup: ## install what the tests need (Debian packages, Python peers and cargo-d
 bench: setup ## figures of this machine, each beside its limit or peer
 	@tools/bench $(ARGS)
 
-fuzz: ## every fuzz target for SECONDS_EACH seconds (needs a nightly compiler)
+fuzz: ## every fuzz target for SECONDS_EACH seconds, guided by coverage
 	@tools/fuzz $(SECONDS_EACH)
+
+lives: ## drives and clients through accidents by seeds, in virtual time (FIRST=, COUNT=)
+	$(CARGO) run -q --release -p testbench --example lives -- $(or $(FIRST),0) $(or $(COUNT),10000)
 
 fmt: ## format
 	$(CARGO) fmt --all

@@ -13,6 +13,8 @@ thread_local! {
     static COUNT: Cell<u64> = const { Cell::new(0) };
     /// Octets allocated and not freed by this thread.
     static HELD: Cell<i64> = const { Cell::new(0) };
+    /// The most of these since [`taken_by`] began.
+    static MOST: Cell<i64> = const { Cell::new(0) };
 }
 
 #[global_allocator]
@@ -25,7 +27,10 @@ fn count() {
 
 fn hold(octets: usize, sign: i64) {
     let octets = i64::try_from(octets).unwrap_or(i64::MAX);
-    let _ = HELD.try_with(|held| held.set(held.get() + sign * octets));
+    let _ = HELD.try_with(|held| {
+        held.set(held.get() + sign * octets);
+        let _ = MOST.try_with(|most| most.set(most.get().max(held.get())));
+    });
 }
 
 // SAFETY: hands everything to the system allocator unchanged; the counter needs no allocation itself.
@@ -77,9 +82,37 @@ pub fn made_by(work: impl FnOnce()) -> u64 {
 /// assert_eq!((list.len(), octets), (4, 32));
 /// ```
 pub fn kept_by<T>(work: impl FnOnce() -> T) -> (T, i64) {
+    let (value, memory) = taken_by(work);
+    (value, memory.kept)
+}
+
+/// Octets on the heap that some work took.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Memory {
+    /// Still there at its end.
+    pub kept: i64,
+    /// At the moment when they were the most.
+    pub most: i64,
+}
+
+/// What `work` returns, and the memory that it takes. Not for work within work that is measured.
+///
+/// ```
+/// let (list, memory) = allocations::taken_by(|| {
+///     drop(std::hint::black_box(vec![0_u64; 100]));
+///     vec![0_u64; 4]
+/// });
+/// assert_eq!((list.len(), memory.kept, memory.most), (4, 32, 800));
+/// ```
+pub fn taken_by<T>(work: impl FnOnce() -> T) -> (T, Memory) {
     let before = HELD.with(Cell::get);
+    MOST.with(|most| most.set(before));
     let value = work();
-    (value, HELD.with(Cell::get) - before)
+    let memory = Memory {
+        kept: HELD.with(Cell::get) - before,
+        most: MOST.with(Cell::get) - before,
+    };
+    (value, memory)
 }
 
 #[cfg(test)]

@@ -6,6 +6,7 @@
 //! | drives at a serial line that loses and spoils octets | [`mod@line`] |
 //! | a controller with raw requests and frames | [`plc`] |
 //! | a client that is killed or frozen, a cable that is pulled | [`world`] |
+//! | drives, clients and accidents by a seed, compared with what must be true | [`life`] |
 //! | a station that sends changed, repeated and foreign frames | [`attack`] |
 //! | to look at the drive after each step of a session | [`watched`] |
 //!
@@ -13,6 +14,7 @@
 #![allow(clippy::missing_panics_doc)]
 
 pub mod attack;
+pub mod life;
 pub mod line;
 pub mod plc;
 pub mod shared;

@@ -10,6 +10,7 @@ mod campaign;
 mod change;
 mod conversation;
 mod line;
+mod lives;
 mod lost;
 mod many;
 mod models;
