@@ -342,6 +342,12 @@ impl Device {
         Some(self.jobs.swap_remove(index))
     }
 
+    /// Returns true while a record request waits for the answer of the application: not yet answered, and not too old.
+    #[must_use]
+    pub fn awaits(&self, token: Token) -> bool {
+        self.jobs.iter().any(|job| job.token == token)
+    }
+
     /// Answers [`Event::RecordRead`]. Returns false if no request waits for this answer.
     pub fn answer_read(&mut self, now: Instant, token: Token, result: Result<&[u8], PnioStatus>) -> bool {
         self.quiet_until = None;

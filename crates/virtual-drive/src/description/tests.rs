@@ -182,3 +182,51 @@ fn german_texts_stand_beside_the_english_ones() {
             .all(|problem| problem.severity < Severity::Warning)
     );
 }
+
+#[test]
+fn modules_of_a_file_are_bounded() {
+    let unsupported = |file: &gsdml::Gsdml| match Description::from_gsdml(file, &AKD, None) {
+        Err(ImportError::Unsupported { reason, .. }) => reason,
+        other => format!("{other:?}"),
+    };
+    let original = export(&AKD).description;
+    let first = original.modules[0].clone();
+    let mut file = original.clone();
+    file.modules.resize(4096, first.clone());
+    assert!(Description::from_gsdml(&file, &AKD, None).is_ok());
+    file.modules.push(first.clone());
+    assert_eq!(
+        unsupported(&file),
+        "a drive with 4097 modules; at most 4096 are taken"
+    );
+
+    let mut file = original.clone();
+    let submodules = &mut file.modules[0].virtual_submodules;
+    submodules.resize(513, submodules[0].clone());
+    assert_eq!(unsupported(&file), "a module with 513 submodules");
+
+    // modules that are none of the drive: the report about them is bounded too
+    let mut file = original;
+    let mut unknown = first;
+    unknown.info.name = None;
+    let submodule = &mut unknown.virtual_submodules[0];
+    submodule.info = None;
+    for data in [&mut submodule.io.input, &mut submodule.io.output] {
+        let items = &mut data.as_mut().unwrap().items;
+        items.truncate(1);
+        items[0].text = None;
+    }
+    for number in 0..600 {
+        unknown.id = format!("ITEM_{number}");
+        unknown.virtual_submodules[0].id = format!("ITEM_{number}_S");
+        file.modules.push(unknown.clone());
+        for point in &mut file.access_points {
+            let mut reference = point.modules[0].clone();
+            reference.target.clone_from(&unknown.id);
+            point.modules.push(reference);
+        }
+    }
+    let import = Description::from_gsdml(&file, &AKD, None).unwrap();
+    assert_eq!(import.left_out.len(), 512);
+    assert_eq!(import.description.telegrams, Description::of(&AKD).telegrams);
+}

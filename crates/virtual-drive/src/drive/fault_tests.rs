@@ -209,6 +209,36 @@ fn warnings_have_their_bit_and_their_parameters() {
 }
 
 #[test]
+fn warnings_and_lasting_causes_have_a_bounded_number_of_places() {
+    let mut bench = Bench::new();
+    for number in 1001..=1020 {
+        bench.drive.warn(number, true);
+    }
+    let warnings = |bench: &Bench| -> Vec<u16> {
+        let all = (0..20).map(|place| bench.drive.warning_number(place));
+        all.take_while(|number| *number != 0).collect()
+    };
+    assert_eq!(warnings(&bench), (1001..=1016).collect::<Vec<_>>());
+    // one that was left out is gone with nothing, and its place is free for the next one
+    bench.drive.warn(1020, false);
+    bench.drive.warn(1001, false);
+    bench.drive.warn(1021, true);
+    let expected: Vec<u16> = (1002..=1016).chain([1021]).collect();
+    assert_eq!(warnings(&bench), expected);
+
+    for number in 401..=410 {
+        bench.drive.inject_fault(number, true);
+    }
+    let lasting: Vec<u16> = bench.drive.faults.lasting_numbers().collect();
+    assert_eq!(lasting, (401..=408).collect::<Vec<_>>());
+    for number in 401..=408 {
+        assert_eq!(acknowledge(&mut bench) & FAULT, FAULT, "F{number} lasts");
+        bench.drive.inject(Injection::ClearCause { number });
+    }
+    assert_eq!(acknowledge(&mut bench) & FAULT, 0);
+}
+
+#[test]
 fn a_disable_that_takes_too_long_is_forced() {
     let mut bench = Bench::new();
     bench.write("DRV.DISMODE", 2).unwrap();

@@ -100,3 +100,23 @@ impl Drive {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::VLT;
+
+    #[test]
+    fn the_newest_fifty_changes_are_known() {
+        let mut history = History::new(&VLT);
+        for value in 1..=60 {
+            history.push(Change {
+                value,
+                ..Change::default()
+            });
+        }
+        let values: Vec<u32> = (0..52).map(|place| history.at(place).value).collect();
+        let newest: Vec<u32> = (11..=60).rev().collect();
+        assert_eq!(values, [&newest[..], &[0, 0]].concat());
+    }
+}

@@ -35,7 +35,7 @@ const fn ungiven(number: u16) -> i64 {
 }
 
 /// Fields of one direction at most.
-const MOST_FIELDS: usize = 32;
+pub(super) const MOST_FIELDS: usize = 32;
 
 /// The present process values.
 #[derive(Debug, Clone)]

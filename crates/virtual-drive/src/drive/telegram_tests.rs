@@ -3,7 +3,7 @@
 use super::*;
 use crate::model::AKD;
 use profile::parameter::{ErrorNumber, Keep, ParameterAccess};
-use profile::telegram::Mapping;
+use profile::telegram::{Mapping, Telegram};
 
 mod free;
 
@@ -85,6 +85,36 @@ fn a_value(signal: u16) -> i64 {
         5 => -300,
         102 => -5,
         other => 1000 + i64::from(other),
+    }
+}
+
+/// A mapping of a master has no more words than its telegram, and no telegram has more than the drive has places for.
+#[test]
+fn every_telegram_has_places_for_all_its_fields_and_words() {
+    for model in crate::model::ALL {
+        for module in model.catalogue.device.telegrams {
+            let telegram = Telegram::find(module.telegram, model.catalogue.device.vendor_id).unwrap();
+            for half in [&telegram.setpoint, &telegram.actual] {
+                let words = telegram.parameter_words(half).count();
+                assert!(
+                    words <= words::MOST_WORDS,
+                    "{} {}",
+                    model.catalogue.model,
+                    module.telegram
+                );
+            }
+            let mut drive = Drive::new(model);
+            drive.plug(module.telegram, 64, 64);
+            drive.connect(module.telegram, Duration::from_millis(48)).unwrap();
+            let (setpoint, actual) = (drive.process.setpoints(), drive.process.actuals());
+            let fields = setpoint.fields().len().max(actual.fields().len());
+            assert!(
+                fields <= signals::MOST_FIELDS,
+                "{} {}",
+                model.catalogue.model,
+                module.telegram
+            );
+        }
     }
 }
 

@@ -551,3 +551,14 @@ fn a_drive_at_rest_needs_no_ticks() {
         "a load turns a shaft without holding torque"
     );
 }
+
+#[test]
+fn events_that_nobody_takes_are_bounded_and_the_oldest_go() {
+    let mut bench = Bench::new();
+    bench.events();
+    let ignored = |raw| Event::Ignored { pnu: 1, raw };
+    for raw in 0..100 {
+        bench.drive.emit(ignored(raw));
+    }
+    assert_eq!(bench.events(), (36..100).map(ignored).collect::<Vec<_>>());
+}

@@ -490,3 +490,14 @@ fn a_vlt_restarts_by_9_72_at_the_line_too() {
     bench.run(SECOND * 4);
     assert_eq!(bench.drives[0].drive().state(), State::S4);
 }
+
+#[test]
+fn events_that_nobody_takes_are_bounded_and_the_oldest_go() {
+    let mut station = SerialStation::new(SerialConfig::new(&model::AKD, SlaveConfig::fc(1, 9600)));
+    let exchanging = |telegram| StationEvent::Exchanging { telegram };
+    for telegram in 0..300 {
+        station.emit(exchanging(telegram));
+    }
+    let events: Vec<StationEvent> = core::iter::from_fn(|| station.poll_event()).collect();
+    assert_eq!(events, (44..300).map(exchanging).collect::<Vec<_>>());
+}

@@ -304,6 +304,25 @@ mod tests {
         assert_eq!(channels.read(NOW, Some(1), 240), Err(NOT_READY));
     }
 
+    /// An answer for each connection, none longer than 240 octets: the elements that do not fit are refused.
+    #[test]
+    fn answers_are_bounded_in_number_and_length() {
+        let mut drive = Drive::new(&AKD);
+        let mut channels = Channels::default();
+        // all of PNU 947, three times
+        let mut request = vec![1, 1, 0, 3];
+        request.extend([0x10, 64, 0x03, 0xB3, 0, 0].repeat(3));
+        for _ in 0..3 {
+            for ar in 1..=5 {
+                channels.write(NOW, ar, &request, &mut drive).unwrap();
+            }
+        }
+        assert_eq!(channels.waiting.len(), 5);
+        let answer = channels.read(NOW, Some(1), LONGEST).unwrap();
+        assert_eq!(answer.len(), 4 + (2 + 64 * 2) + 2 * 4);
+        assert_eq!(answer[134..138], [0x44, 1, 0, ErrorNumber::TOO_LONG.0 as u8]);
+    }
+
     #[test]
     fn a_new_request_replaces_an_unread_answer() {
         let mut drive = Drive::new(&AKD);

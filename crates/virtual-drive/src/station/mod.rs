@@ -411,6 +411,9 @@ impl Station {
                         .map(|()| None),
                 };
                 if let Ok(Some(save)) = written {
+                    // a save may never end: the device has answered the writes that waited too long
+                    let device = &self.device;
+                    self.unanswered.retain(|(token, _)| device.awaits(*token));
                     self.unanswered.push((token, save));
                 } else {
                     self.device.answer_write(now, token, written.map(|_| ()));

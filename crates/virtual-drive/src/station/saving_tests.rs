@@ -215,6 +215,28 @@ fn a_restart_forgets_the_writes_that_wait_for_a_save() {
     assert!(done(&plant));
 }
 
+/// A disk that takes nothing any more: a write that the device has refused in its place is not kept.
+#[test]
+fn writes_that_wait_too_long_for_a_save_are_forgotten() {
+    let mut plant = Plant::of(&VACON);
+    plant.station.confirm_saves();
+    let at = RecordAddress {
+        api: 0x3A00,
+        slot: 1,
+        subslot: 1,
+        index: 102,
+    };
+    let ar = plant.connect(1);
+    for value in 0xB8..0xBB {
+        plant.events.clear();
+        plant.controller.write(plant.now, ar, at, &[0x0B, value]).unwrap();
+        plant.seconds(31.0);
+        let mut events = plant.events.iter();
+        assert!(events.any(|event| matches!(event, Event::RecordDone { result: Err(_), .. })));
+        assert_eq!(plant.station.unanswered.len(), 1);
+    }
+}
+
 /// A value that stands in an image which is not stored yet: a second write of it waits for that image too.
 #[test]
 fn the_same_value_again_is_acknowledged_when_it_is_stored() {

@@ -567,3 +567,14 @@ fn a_vlt_identifies_its_drive_object() {
     let written = plant.job(ar, 0xB02F, &[4, 2, 0, 1, 0x10, 1, 0x03, 0xCF, 0, 0, 6, 1, 0, 1]);
     assert_eq!(written, [4, 0x82, 0, 1, 0x44, 1, 0, 1]);
 }
+
+#[test]
+fn events_that_nobody_takes_are_bounded_and_the_oldest_go() {
+    let mut station = Station::new(StationConfig::new(&AKD, DRIVE));
+    let exchanging = |telegram| StationEvent::Exchanging { telegram };
+    for telegram in 0..300 {
+        station.emit(exchanging(telegram));
+    }
+    let events: Vec<StationEvent> = core::iter::from_fn(|| station.poll_event()).collect();
+    assert_eq!(events, (44..300).map(exchanging).collect::<Vec<_>>());
+}
