@@ -264,6 +264,40 @@ fn a_client_and_stations_exchange_frames_and_datagrams() {
 }
 
 #[test]
+fn a_turn_receives_and_sends_a_bounded_number_of_frames() {
+    if !inside("a_turn_receives_and_sends_a_bounded_number_of_frames") {
+        return;
+    }
+    veth();
+    let mut runner = Runner::open("va").unwrap();
+    let mut medium = PacketMedium::open("vb", ServerPort::None).unwrap();
+    let mut client = Echo {
+        mac: medium.interface().mac.unwrap(),
+        ip: IpSuite::NONE,
+        ..echo(9)
+    };
+    client.frames_out = vec![cyclic(mac(1), client.mac, false); 300];
+    medium.step(&mut client, now()).unwrap();
+    assert_eq!(client.frames_out.len(), 300 - 256);
+    medium.step(&mut client, now()).unwrap();
+    let mut station = echo(1);
+    station.frames_out = vec![cyclic(client.mac, mac(1), false); 200];
+    runner.attach(Box::new(Host::new(station))).unwrap();
+    run_for(&mut runner, Duration::from_millis(20));
+    let mut turns = Vec::new();
+    let end = now() + Duration::from_secs(5);
+    while client.frames.len() < 200 {
+        assert!(now() < end, "{turns:?}");
+        let before = client.frames.len();
+        medium
+            .step(&mut client, now() + Duration::from_millis(100))
+            .unwrap();
+        turns.push(client.frames.len() - before);
+    }
+    assert_eq!(turns, [64, 64, 64, 8]);
+}
+
+#[test]
 fn cycles_are_kept_by_many_stations() {
     if !inside("cycles_are_kept_by_many_stations") {
         return;

@@ -88,3 +88,38 @@ impl Arp {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::event::Party;
+    use super::*;
+
+    #[test]
+    fn senders_are_bounded_and_make_room_when_they_are_silent() {
+        let mut arp = Arp::default();
+        let mut names = Names::default();
+        let mut frame_of = |arp: &mut Arp, number: u16, at| {
+            let [high, low] = number.to_be_bytes();
+            let source = MacAddress([2, 0, 0, 1, high, low]);
+            let frame = ArpFrame {
+                source,
+                sender: (source, Ipv4Addr::UNSPECIFIED),
+            };
+            let mut sink = Sink {
+                frame: 1,
+                at,
+                source: Party::default(),
+                target: Party::default(),
+                events: &mut Vec::new(),
+            };
+            arp.frame(&frame, &mut names, &mut sink);
+            arp.senders.contains_key(&source)
+        };
+        for number in 0..5000 {
+            let counted = frame_of(&mut arp, number, Duration::ZERO);
+            assert_eq!(counted, number < 4096);
+        }
+        assert!(frame_of(&mut arp, 5000, WINDOW));
+        assert_eq!(arp.senders.len(), 1);
+    }
+}

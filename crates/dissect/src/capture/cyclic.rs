@@ -602,3 +602,6 @@ impl Asked {
         modules.find_map(|module| connect::telegram(drive, module))
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -147,3 +147,35 @@ fn report(decoded: Decoded, request_frame: Option<u64>, sink: &mut Sink<'_>) {
         sink.report(weight, "parameter", line, Detail::Job(detail));
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::event::Party;
+    use super::*;
+
+    #[test]
+    fn of_a_long_request_the_beginning_is_stored() {
+        let mut jobs = Jobs::default();
+        let at = Ipv4Addr::new(10, 0, 0, 2);
+        let write = WriteRequest {
+            sequence: 1,
+            ar_uuid: Uuid([9; 16]),
+            api: 0x3A00,
+            slot: 1,
+            subslot: 1,
+            index: 0xB02E,
+            length: 60_000,
+        };
+        let mut sink = Sink {
+            frame: 1,
+            at: Duration::ZERO,
+            source: Party::default(),
+            target: Party::default(),
+            events: &mut Vec::new(),
+        };
+        jobs.request(at, &mut JobDrive::default(), &write, &[1; 60_000], &mut sink);
+        let channel = (at, write.ar_uuid, write.slot, write.subslot, write.index);
+        let stored = jobs.open.get_mut(&channel).unwrap();
+        assert_eq!(stored.data, [1; 4096]);
+    }
+}

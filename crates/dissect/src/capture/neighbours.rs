@@ -68,6 +68,29 @@ mod tests {
     use crate::capture::Walker;
 
     #[test]
+    fn senders_are_bounded_and_further_ones_are_reported_each_time() {
+        let own = |value| Id {
+            subtype: LOCALLY_ASSIGNED,
+            value,
+        };
+        let mut frame = [&GROUP.0[..], &[2, 0, 0, 1, 0, 0], &[0x88, 0xCC]].concat();
+        Lldpdu {
+            ttl: 20,
+            ..Lldpdu::new(own(b"akd-1"), own(b"port-001"))
+        }
+        .encode(&mut frame);
+        let mut walker = Walker::default();
+        for again in [false, true] {
+            for number in 0..4100_u16 {
+                frame[10..12].copy_from_slice(&number.to_be_bytes());
+                let events = walker.frame(Duration::ZERO, &frame);
+                assert_eq!(events.is_empty(), again && number < 4096, "{number}");
+            }
+        }
+        assert_eq!(walker.neighbours.0.len(), 4096);
+    }
+
+    #[test]
     fn a_neighbour_is_reported_on_arrival_and_departure() {
         let own = |value| Id {
             subtype: LOCALLY_ASSIGNED,

@@ -185,3 +185,32 @@ impl TxToken for Sending<'_> {
         result
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// An empty datagram of a server.
+    fn answer() -> Vec<u8> {
+        let mut frame = [[2; 6], [4; 6]].concat();
+        frame.extend([8, 0, 0x45, 0, 0, 28, 0, 0, 0, 0, 64, 17, 0, 0]);
+        frame.extend([10, 0, 0, 9, 255, 255, 255, 255, 0, 67, 0, 68, 0, 8, 0, 0]);
+        frame
+    }
+
+    #[test]
+    fn frames_of_a_server_are_bounded() {
+        let now = Instant::from_millis(1);
+        let mut client = Dhcp::new(now, MacAddress([2; 6]));
+        for _ in 0..3 {
+            for _ in 0..100 {
+                client.handle_frame(&answer());
+            }
+            assert_eq!(client.cable.received.len(), 8);
+            client.poll(now);
+            assert_eq!(client.cable.received.len(), 0);
+        }
+        // its own request alone
+        assert_eq!(client.cable.sent.len(), 1);
+    }
+}

@@ -597,6 +597,29 @@ fn tcp_connections_are_refused_with_a_reset() {
 }
 
 #[test]
+fn ports_in_use_are_bounded_and_the_oldest_goes() {
+    let mut host = settled();
+    for source_port in 1000..1065 {
+        let to = SocketAddrV4::new(PEER_IP, 7);
+        host.endpoint_mut().outbox.push((to, source_port, vec![0]));
+        drain(&mut host, at(3000));
+    }
+    for port in 1000..1066_u16 {
+        let mut datagram = hex(DATAGRAM);
+        datagram[36..38].copy_from_slice(&port.to_be_bytes());
+        datagram[40..42].fill(0); // no checksum
+        host.handle_frame(at(3000), &datagram);
+    }
+    let served: Vec<u16> = host
+        .endpoint()
+        .datagrams
+        .iter()
+        .map(|(_, port, _)| *port)
+        .collect();
+    assert_eq!(served, (1001..1065).collect::<Vec<_>>());
+}
+
+#[test]
 fn answers_that_nobody_fetches_are_bounded() {
     let mut host = settled();
     for _ in 0..1000 {

@@ -398,6 +398,28 @@ fn a_switch_keeps_what_is_for_the_next_bridge() {
 }
 
 #[test]
+fn frames_for_a_guest_that_is_away_are_bounded_and_the_oldest_go() {
+    let mut medium = SegmentMedium::new(Segment::new(1), Pace::Virtual);
+    let (mut away, mut present) = (Talker::new(1), Talker::new(2));
+    let step = |medium: &mut SegmentMedium, talker: &mut Talker, until| {
+        while medium.now() < until {
+            medium.step(talker, until).unwrap();
+        }
+    };
+    // both have announced themselves
+    step(&mut medium, &mut present, ms(5));
+    step(&mut medium, &mut away, ms(10));
+    for sequence in 0..1100 {
+        medium.segment_mut().inject(&frame_to(away.mac, sequence));
+    }
+    step(&mut medium, &mut present, ms(20));
+    assert_eq!(medium.segment().statistics().discarded, 1100 - 1024);
+    step(&mut medium, &mut away, ms(30));
+    let heard: Vec<u32> = away.heard.iter().map(|(_, sequence)| *sequence).collect();
+    assert_eq!(heard, (1100 - 1024..1100).collect::<Vec<_>>());
+}
+
+#[test]
 fn frames_under_way_are_bounded() {
     let mut segment = Segment::new(1);
     for number in 1..=64 {

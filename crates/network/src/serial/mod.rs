@@ -157,3 +157,47 @@ impl Line {
         Ok(())
     }
 }
+
+#[cfg(all(test, target_os = "linux"))]
+mod tests {
+    use super::*;
+
+    /// Always has an octet to send, and counts what it is given.
+    #[derive(Default)]
+    struct Chatter {
+        sent: usize,
+        heard: Vec<usize>,
+    }
+
+    impl Talker for Chatter {
+        fn handle_octets(&mut self, _: Instant, octets: &[u8]) {
+            self.heard.push(octets.len());
+        }
+        fn handle_timeout(&mut self, _: Instant) {}
+        fn poll_transmit(&mut self, _: Instant, buffer: &mut [u8]) -> Option<usize> {
+            self.sent += 1;
+            buffer[0] = 7;
+            Some(1)
+        }
+        fn poll_timeout(&self) -> Option<Instant> {
+            None
+        }
+    }
+
+    #[test]
+    fn a_step_reads_and_sends_a_bounded_part() {
+        let (mut far, name) = Port::pair().unwrap();
+        let mut line = Line::new(Port::open(&name, Settings::new(9600)).unwrap());
+        far.write(&[5; 3000]).unwrap();
+        let mut talker = Chatter::default();
+        while talker.heard.iter().sum::<usize>() < 3000 {
+            talker.sent = 0;
+            line.step(&mut talker, now() + std::time::Duration::from_secs(5))
+                .unwrap();
+            assert_eq!(talker.sent, 16 + 16, "before and after what came");
+            let mut sent = [0; 64];
+            let _ = far.read(&mut sent).unwrap();
+        }
+        assert_eq!(talker.heard.iter().max(), Some(&512));
+    }
+}

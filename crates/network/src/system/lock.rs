@@ -106,6 +106,17 @@ mod tests {
     use super::*;
 
     #[test]
+    fn of_a_long_description_of_the_holder_the_beginning_is_read() {
+        let folder = std::env::temp_dir().join(format!("network-lock-long-{}", std::process::id()));
+        let _first = FolderLock::take(&folder, &"x".repeat(10_000)).unwrap();
+        let Err(LockError::Held { holder, .. }) = FolderLock::take(&folder, "other") else {
+            panic!("taken twice")
+        };
+        assert_eq!(holder, "x".repeat(512));
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
+
+    #[test]
     fn a_folder_has_one_user_at_a_time_and_the_next_one_learns_who() {
         let folder = std::env::temp_dir().join(format!("network-lock-{}", std::process::id()));
         let _ = std::fs::remove_dir_all(&folder);

@@ -147,3 +147,21 @@ fn alarms_without_acknowledgement_and_acknowledgements_without_alarm() {
         "acknowledgement of an alarm diagnosis appears that is not in the capture"
     );
 }
+
+#[test]
+fn stations_with_alarms_are_bounded() {
+    let alarm = alarm(AlarmType::DIAGNOSIS, &diagnosis(3, 0x0800, None));
+    let mut frame = notification(&alarm, 0xFFFF);
+    let mut capture = Capture::default();
+    for number in 0..4100 {
+        sent_by(number, &mut frame);
+        capture.walker.frame(Duration::ZERO, &frame);
+    }
+    assert_eq!(capture.walker.incidents.len(), MAX_STATIONS);
+    // the repetition of a PDU is noticed where the one before is stored
+    for (number, noticed) in [(0, true), (4095, true), (4096, false)] {
+        sent_by(number, &mut frame);
+        let texts = capture.at(0, &frame);
+        assert_eq!(texts[0].contains("sent again"), noticed, "{number}: {texts:?}");
+    }
+}

@@ -69,6 +69,12 @@ const fn mac(last: u8) -> MacAddress {
     MacAddress([2, 0, 0, 0, 0, last])
 }
 
+/// Makes a frame one of a station with a larger number.
+fn sent_by(number: u16, frame: &mut [u8]) {
+    let [high, low] = number.to_be_bytes();
+    frame[6..12].copy_from_slice(&[2, 0, 0, 1, high, low]);
+}
+
 /// Returns a PROFINET frame between two stations.
 fn frame(from: u8, to: MacAddress, id: FrameId, payload: &[u8]) -> Vec<u8> {
     let mut buffer = [0; 1600];
@@ -157,7 +163,7 @@ const INPUTS: u16 = 0x8000;
 const OUTPUTS: u16 = 0x8001;
 
 /// Blocks of a connect with telegram 1 in slot 1, 4 ms, watchdog 12 ms.
-fn connect_blocks(ar: u8) -> Vec<u8> {
+pub(super) fn connect_blocks(ar: u8) -> Vec<u8> {
     let mut blocks = Vec::new();
     ArRequest {
         ar_type: ArType::IO_CONTROLLER,
@@ -224,7 +230,7 @@ fn connect_blocks(ar: u8) -> Vec<u8> {
 }
 
 /// Blocks of the answer to it.
-fn connected_blocks(ar: u8, diff: Option<profinet::wire::block::ModuleDiff>) -> Vec<u8> {
+pub(super) fn connected_blocks(ar: u8, diff: Option<profinet::wire::block::ModuleDiff>) -> Vec<u8> {
     let answer = |iocr_type, reference, frame_id| IocrResponse {
         iocr_type,
         reference,

@@ -224,3 +224,16 @@ fn a_station_is_found_by_each_of_its_names_and_addresses() {
         assert_eq!(frames, expected, "{station}");
     }
 }
+
+#[test]
+fn reports_of_stations_that_do_not_answer_are_bounded() {
+    let mut capture = Capture::default();
+    for second in 0..1100_u64 {
+        let name = format!("akd-{second}");
+        capture.at(second * 2000, &who(name.as_bytes()));
+    }
+    capture.end();
+    let trouble = capture.trouble();
+    assert_eq!(trouble.len(), 1024);
+    assert!(trouble[1023].contains("akd-1023?"), "{}", trouble[1023]);
+}

@@ -184,6 +184,28 @@ fn two_stations_of_one_name_are_reported() {
 }
 
 #[test]
+fn stations_of_one_name_are_bounded() {
+    let mut p = pair();
+    p.a.connect(p.now, target(), config()).unwrap();
+    p.step(p.now + SECOND);
+    let mut answer = p
+        .sent
+        .iter()
+        .find(|f| f[14..16] == [0xFE, 0xFF])
+        .cloned()
+        .unwrap();
+    for number in 100..200 {
+        answer[11] = number;
+        p.a.handle_frame(p.now, &answer);
+    }
+    let LostCause::SeveralStations { macs, .. } = lost(&mut p, SECOND) else {
+        panic!("one station")
+    };
+    let first = (100..116).map(|number| MacAddress([2, 0x50, 0x4e, 0, 0, number]));
+    assert_eq!(macs, first.collect::<Vec<_>>());
+}
+
+#[test]
 fn a_running_connection_needs_none_of_the_requests_that_can_be_open() {
     let mut p = pair();
     connected(&mut p, config());

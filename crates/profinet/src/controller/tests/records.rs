@@ -225,6 +225,43 @@ fn start_up_records_come_before_the_end_of_parameterization() {
 }
 
 #[test]
+fn a_flood_of_plug_alarms_leads_to_a_bounded_number_of_records() {
+    let record = |index| StartupRecord {
+        api: 0,
+        slot: 0,
+        subslot: 1,
+        index,
+        data: vec![1, 2],
+    };
+    let with_records = ConnectConfig {
+        records: (0..100).map(record).collect(),
+        ..config()
+    };
+    let mut p = pair();
+    let ar = connected(&mut p, with_records);
+    p.b.fault.mute = true;
+    let plug = Notification {
+        priority: Priority::Low,
+        alarm_type: AlarmType::PLUG,
+        api: 0,
+        slot: 0,
+        subslot: 1,
+        module_ident: 1,
+        submodule_ident: 1,
+        specifier: AlarmSpecifier(0),
+        usi: None,
+        data: Cow::Borrowed(&[]),
+    };
+    for _ in 0..50 {
+        p.b.alarms.as_mut().unwrap().raise(p.now, plug.clone()).unwrap();
+        assert!(matches!(event(&mut p, SECOND), Some(Event::Alarm { .. })));
+    }
+    // ten times the records and the end of them; one of these is under way
+    assert_eq!(p.a.ars[0].ops.len(), 10 * 101 - 1);
+    assert_eq!(p.a.phase(ar), Some(Phase::Data));
+}
+
+#[test]
 fn calls_end_with_the_connection() {
     let mut p = pair();
     let ar = connected(&mut p, config());

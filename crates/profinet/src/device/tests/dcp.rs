@@ -613,3 +613,34 @@ fn a_set_of_very_many_blocks_is_ignored() {
     assert_eq!(set(&mut rig, &values), 0);
     assert_eq!(set(&mut rig, &values[..64]), 64);
 }
+
+#[test]
+fn a_get_of_very_many_options_is_answered_as_far_as_a_frame_goes() {
+    let mut rig = Rig::new(config());
+    let mut payload = Vec::new();
+    let mut pdu = PduWriter::new(&mut payload, ServiceId::Get, ServiceType::Request, 1, 0);
+    for number in 1..=200 {
+        pdu.request(DcpOption::new(9, number));
+    }
+    pdu.finish();
+    let answer = ask(&mut rig, TOOL, DEVICE, FrameId::DCP_GET_SET, &payload).unwrap();
+    let refused = |number| (DcpOption::new(9, number), BlockError::OptionUnsupported);
+    let answered: Vec<_> = Pdu::parse(&answer)
+        .unwrap()
+        .blocks()
+        .map(|block| block.unwrap().result().unwrap())
+        .collect();
+    assert_eq!(answered, (1..=64).map(refused).collect::<Vec<_>>());
+}
+
+#[test]
+fn a_name_of_240_octets_is_the_longest() {
+    let mut rig = Rig::new(config());
+    let label = "a".repeat(63);
+    let longest = [&label[..], &label, &label, &label[..48]].join(".");
+    assert_eq!(longest.len(), 240);
+    let mut set = |name: &str| set(&mut rig, Qualifier::PERMANENT, Value::Name(name.as_bytes()));
+    assert_eq!(set(&longest), BlockError::Ok);
+    assert_eq!(set(&alloc::format!("{longest}a")), BlockError::NotSet);
+    assert_eq!(rig.device.name(), longest);
+}

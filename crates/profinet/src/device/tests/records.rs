@@ -259,6 +259,53 @@ fn maintenance_records_are_written_read_and_reported() {
     assert_eq!(rig.read(ar, 0, 0, 0, 0xF842).unwrap().len(), 16 + check.len());
 }
 
+/// A block of this type with so many octets in all.
+fn block_of(block_type: BlockType, octets: u16) -> Vec<u8> {
+    let [high, low] = (octets - 4).to_be_bytes();
+    let [first, second] = block_type.0.to_be_bytes();
+    let mut block = vec![0; octets.into()];
+    block[..6].copy_from_slice(&[first, second, high, low, 1, 0]);
+    block
+}
+
+#[test]
+fn records_of_ports_and_interface_are_bounded_in_number_and_length() {
+    let mut rig = Rig::new(config());
+    let wish = Wish::tool(1);
+    rig.connect(&wish).unwrap();
+    let mut write = |place, record: Vec<u8>| rig.write(wish.ar.ar_uuid, 0, place, &record);
+    let ports = [
+        (index::PORT_CHECK, BlockType::PD_PORT_CHECK),
+        (index::PORT_ADJUST, BlockType::PD_PORT_ADJUST),
+    ];
+    for octets in [12, 511, 512] {
+        for (index, block_type) in ports {
+            let place = (0, 0x8001, index);
+            assert_eq!(write(place, block_of(block_type, octets)), PnioStatus::OK);
+            assert_eq!(write(place, block_of(block_type, 513)), PnioStatus::write(0xB1));
+        }
+    }
+    let interface = (0, 0x8000, index::INTERFACE_ADJUST);
+    for (octets, status) in [
+        (11, PnioStatus::write(0xB1)),
+        (12, PnioStatus::OK),
+        (13, PnioStatus::write(0xB1)),
+    ] {
+        let record = block_of(BlockType::PD_INTERFACE_ADJUST, octets);
+        assert_eq!(write(interface, record), status, "{octets}");
+    }
+    // the last of each is stored
+    assert_eq!(rig.device.port_records.len(), ports.len());
+    let stored = [
+        (0x8001, index::PORT_CHECK, 512),
+        (0x8001, index::PORT_ADJUST, 512),
+        (0x8000, index::INTERFACE_ADJUST, 12),
+    ];
+    for (subslot, index, length) in stored {
+        assert_eq!(rig.read(NIL, 0, 0, subslot, index).unwrap().len(), length);
+    }
+}
+
 #[test]
 fn the_application_answers_when_it_is_ready() {
     let mut rig = Rig::new(config());

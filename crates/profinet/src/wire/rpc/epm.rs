@@ -383,6 +383,21 @@ mod tests {
         }
     }
 
+    #[test]
+    fn a_response_has_at_most_64_entries() {
+        for (count, accepted) in [(64, true), (65, false)] {
+            let response = LookupResponse {
+                handle: EpmHandle::default(),
+                entries: alloc::vec![entry(); count],
+                status: 0,
+            };
+            let mut out = Vec::new();
+            response.encode(&mut out, ByteOrder::Little);
+            let decoded = LookupResponse::decode(&mut Reader::new(&out), ByteOrder::Little);
+            assert_eq!(decoded.is_ok(), accepted, "{count}");
+        }
+    }
+
     proptest! {
         #[test]
         fn responses_survive_and_damage_is_never_a_panic(
