@@ -680,6 +680,32 @@ mod tests {
     use super::*;
 
     #[test]
+    fn stations_that_no_caller_fetches_are_bounded() {
+        let own = MacAddress([2, 0, 0, 0, 0, 9]);
+        let mut client = Client::new(ControllerConfig::new(own, IpSuite::NONE, "tool", 1));
+        let mut now = Instant::ZERO;
+        let mut buffer = [0; profinet::MAX_FRAME];
+        let mut ids = Vec::new();
+        for _ in 0..5 {
+            for _ in 0..1000 {
+                let id = client.controller().identify(now, Default::default()).unwrap();
+                let station = Station::default();
+                client.take(Event::Identified { id, station });
+                ids.push(id);
+            }
+            while let Some(due) = client.poll_timeout() {
+                now = due;
+                client.handle_timeout(now);
+                while client.poll_transmit(now, &mut buffer).is_some() {}
+            }
+        }
+        assert_eq!(client.heard.len(), MAX_RESULTS);
+        let (gone, kept) = ids.split_at(ids.len() - MAX_RESULTS);
+        assert!(gone.iter().all(|id| client.take_stations(*id).is_none()));
+        assert!(kept.iter().all(|id| client.take_stations(*id).is_some()));
+    }
+
+    #[test]
     fn results_that_no_caller_fetches_are_bounded() {
         let mut results = HashMap::new();
         for number in 0..10_000 {

@@ -174,3 +174,55 @@ fn device(entry: &EpmEntry) -> Option<Registered> {
         annotation,
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use profinet::wire::rpc::PacketType;
+
+    /// Answers the call that is sent with an entry of the mapper itself; false when nothing is sent.
+    fn answer(mapper: &mut Mapper, server: SocketAddrV4) -> bool {
+        let mut buffer = [0; profinet::MAX_FRAME];
+        let now = Instant::ZERO;
+        let Some(Transmit::Datagram { length, .. }) = mapper.poll_transmit(now, &mut buffer) else {
+            return false;
+        };
+        let (header, _) = Header::decode(&buffer[..length]).unwrap();
+        let mut stub = Vec::new();
+        let entry = EpmEntry {
+            object: Uuid::NIL,
+            annotation: [0; 64],
+            interface: (Uuid::ENDPOINT_MAPPER, 3, 0),
+            port: RPC_PORT,
+            address: *server.ip(),
+        };
+        LookupResponse {
+            handle: EpmHandle {
+                attributes: 0,
+                uuid: Uuid([7; 16]),
+            },
+            entries: vec![entry],
+            status: 0,
+        }
+        .encode(&mut stub, header.order);
+        let mut pdu = Vec::new();
+        header.reply(PacketType::Response).encode(&mut pdu, stub.len());
+        pdu.extend(stub);
+        mapper.handle_datagram(now, server, &pdu);
+        true
+    }
+
+    #[test]
+    fn an_enumeration_without_end_is_ended() {
+        let server = SocketAddrV4::new(Ipv4Addr::new(10, 0, 0, 1), RPC_PORT);
+        let mut mapper = Mapper::new(1, 0xC001);
+        mapper.ask(Instant::ZERO, *server.ip());
+        for _ in 0..15 {
+            assert!(answer(&mut mapper, server));
+            assert_eq!(mapper.take(), None);
+        }
+        assert!(answer(&mut mapper, server));
+        assert_eq!(mapper.take(), Some(None));
+        assert!(!answer(&mut mapper, server), "nothing more is sent");
+    }
+}

@@ -84,7 +84,11 @@ fn serve(interface: &str) -> Result<(), Box<dyn std::error::Error>> {
     ] {
         runner.attach(Box::new(Host::new(drive(model, name, last, refusals))))?;
     }
-    runner.attach(Box::new(Host::new(Mute(remote_io(mac(54), stored("rio-1", 54))))))?;
+    runner.attach(Box::new(Host::new(Mute(remote_io(
+        mac(54),
+        stored("rio-1", 54),
+        0,
+    )))))?;
     println!("ready");
     std::thread::spawn(|| {
         let mut rest = Vec::new();

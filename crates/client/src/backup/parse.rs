@@ -102,7 +102,9 @@ impl Backup {
             .into_iter()
             .partition(|line| Name::parse(&line.what).is_some());
         let readings = read_lines(&lines, &parameters, scaling.is_some(), &mut problems);
-        let tasks = read_tasks(&of_tasks, &parameters, scaling.is_some(), &mut problems);
+        let mut problems_of_tasks = Vec::new();
+        let tasks = read_tasks(&of_tasks, &parameters, scaling.is_some(), &mut problems_of_tasks);
+        problems.append(&mut problems_of_tasks);
         if !problems.is_empty() {
             problems.sort_by_key(|problem| problem.line);
             problems.truncate(MOST_PROBLEMS);
@@ -164,6 +166,9 @@ fn read_tasks(
         match read {
             Ok(task) => tasks.push(task),
             Err(what) => problems.push(Problem::new(line.number, what)),
+        }
+        if problems.len() >= MOST_PROBLEMS {
+            break;
         }
     }
     tasks

@@ -211,8 +211,21 @@ fn mistakes_are_reported_with_their_lines() {
         let error = Backup::read(text).unwrap_err().to_string();
         assert!(error.starts_with(expected), "{text:?}: {error}");
     }
-    let many = Backup::read(with_head(&"nonsense\n".repeat(1000))).unwrap_err();
-    assert_eq!(many.problems.len(), 20);
+}
+
+/// The first ones of whatever kind: unknown words, settings and tasks.
+#[test]
+fn the_mistakes_of_a_file_are_bounded() {
+    for lines in [
+        "nonsense\n".repeat(1000),
+        "p2135 = 0x100\n".repeat(1000),
+        "task 0 = nonsense\n".repeat(1000),
+        "p2135 = 0x100\ntask 0 = nonsense\n".repeat(1000),
+    ] {
+        let problems = Backup::read(with_head(&lines)).unwrap_err().problems;
+        let places: Vec<usize> = problems.iter().map(|problem| problem.line).collect();
+        assert_eq!(places, (6..26).collect::<Vec<_>>(), "{problems:?}");
+    }
 }
 
 #[test]

@@ -410,3 +410,18 @@ fn compose(layout: Layout, pkw: &[u8], pzd: &[u8], data: &mut [u8]) -> Option<us
 fn time(now: Instant) -> Duration {
     now - Instant::ZERO
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_has_one_place_for_each_drive_that_it_can_have() {
+        let mut line = Line::new(LineConfig::new(Protocol::Fc, 9600));
+        for _ in 0..2 {
+            let slaves: Vec<u8> = (0..=255).filter(|number| line.slave(*number).is_some()).collect();
+            assert_eq!(slaves, (1..=126).collect::<Vec<_>>());
+            assert_eq!(line.slaves.len(), MOST_SLAVES);
+        }
+    }
+}

@@ -14,7 +14,7 @@ use profidrive_client::backup::{Backup, compare};
 use profidrive_client::change::Choice;
 use profidrive_client::status::diagnose;
 use profidrive_client::{AxisSettings, Described, Drive, Error, ReportedLimits, StopWay, Wait, WriteMode};
-use profile::catalogue::{Catalogue, Part};
+use profile::catalogue::{Catalogue, Meaning, Part};
 use profile::model::Model;
 use profile::notation::Notation;
 use profile::parameter::{Dialect, RequestId};

@@ -653,7 +653,7 @@ fn a_device_that_is_no_drive_shows_identity_and_modules_and_is_not_connected_to(
         ip: ip(9),
         ..Stored::default()
     };
-    let device = remote_io(MacAddress([2, 0, 0, 0, 0, 9]), stored);
+    let device = remote_io(MacAddress([2, 0, 0, 0, 0, 9]), stored, 0);
     let id = segment.attach(Box::new(Host::new(device)));
     let medium = SegmentMedium::new(segment, Pace::Virtual);
     let config = ControllerConfig::new(MacAddress([2, 0, 0, 0, 1, 0]), ip(200), "client", 1);
@@ -691,4 +691,24 @@ fn a_device_that_is_no_drive_shows_identity_and_modules_and_is_not_connected_to(
     let connected =
         |event: &profinet::device::Event| matches!(event, profinet::device::Event::Connected { .. });
     assert!(!events.any(|event| connected(&event)), "not connected");
+}
+
+#[test]
+fn of_a_device_with_very_many_application_processes_some_are_read() {
+    let mut segment = Segment::new(7);
+    let stored = Stored {
+        name: "rio-1".into(),
+        ip: ip(9),
+        ..Stored::default()
+    };
+    let device = remote_io(MacAddress([2, 0, 0, 0, 0, 9]), stored, 30);
+    segment.attach(Box::new(Host::new(device)));
+    let medium = SegmentMedium::new(segment, Pace::Virtual);
+    let config = ControllerConfig::new(MacAddress([2, 0, 0, 0, 1, 0]), ip(200), "client", 1);
+    let mut session = On::new(Network::on(medium, config));
+    let device = find(&mut session, "rio-1").expect("there");
+    let modules = session.modules(&device).wait().expect("answered");
+    // API 0 has three
+    let slots: Vec<u16> = modules.iter().map(|module| module.slot).collect();
+    assert_eq!(slots, (0..3 + 15).collect::<Vec<_>>());
 }

@@ -105,6 +105,40 @@ fn a_drive_without_descriptions_is_used_by_number() {
 }
 
 #[test]
+fn the_texts_of_a_parameter_are_read_up_to_a_bound() {
+    let own = &model::VLT;
+    let texts = (0..100).map(|value| Meaning {
+        value,
+        text: "a choice",
+    });
+    let texts: &'static [Meaning] = texts.collect::<Vec<_>>().leak();
+    let mut rows = own.catalogue.parameters.to_vec();
+    for row in rows.iter_mut().filter(|row| row.pnu == 810) {
+        row.choices = texts;
+    }
+    let tables = Catalogue::assemble(
+        "talkative",
+        own.catalogue.notation,
+        own.catalogue.scaling,
+        own.catalogue.device,
+        rows,
+    );
+    let talkative: &'static model::Model = Box::leak(Box::new(model::Model {
+        catalogue: Box::leak(Box::new(tables)),
+        ..own.clone()
+    }));
+    let station = station_of(talkative, "talkative", 1, Some((0x1234, 98)));
+    let (mut session, _) = bench_of(vec![station]);
+    let mut drive = find(&mut session, "talkative").expect("there");
+    session
+        .recognise(&mut drive, &mut |_, _| {})
+        .wait()
+        .expect("learned");
+    let tables = drive.model.catalogue.expect("its own tables");
+    assert_eq!(tables.by_pnu(810).map(|row| row.choices.len()), Some(65));
+}
+
+#[test]
 fn a_person_may_force_the_model() {
     let station = station_of(&model::VLT, "odd", 1, Some((0x1234, 3)));
     let (mut session, _) = bench_of(vec![station]);

@@ -3,8 +3,9 @@
 use profinet::MacAddress;
 use profinet::device::{Device, DeviceConfig, Identity, ModuleDescription, Stored, SubmoduleDescription};
 
-/// Remote inputs and outputs: identity, modules, nothing of the drive profile.
-pub fn remote_io(mac: MacAddress, stored: Stored) -> Device {
+/// Remote inputs and outputs: identity, modules, nothing of the drive profile. Behind them come further modules, each with
+/// an application process of its own.
+pub fn remote_io(mac: MacAddress, stored: Stored, further: u16) -> Device {
     let submodule = |subslot, ident, input_length, output_length| SubmoduleDescription {
         subslot,
         ident,
@@ -17,7 +18,7 @@ pub fn remote_io(mac: MacAddress, stored: Stored) -> Device {
         slots: vec![slot],
         submodules,
     };
-    let modules = vec![
+    let mut modules = vec![
         module(
             0x10,
             0,
@@ -30,6 +31,13 @@ pub fn remote_io(mac: MacAddress, stored: Stored) -> Device {
         module(0x21, 1, vec![submodule(1, 0x22, 2, 0)]),
         module(0x31, 2, vec![submodule(1, 0x32, 0, 2)]),
     ];
+    for slot in 3..3 + further {
+        let own = SubmoduleDescription {
+            api: slot.into(),
+            ..submodule(1, 0x42, 0, 0)
+        };
+        modules.push(module(0x41, slot, vec![own]));
+    }
     let identity = Identity {
         vendor_id: 0x0999,
         device_id: 7,
