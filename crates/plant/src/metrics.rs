@@ -346,6 +346,17 @@ mod tests {
         }
     }
 
+    #[test]
+    fn a_head_without_end_is_not_read() {
+        let server = server();
+        let mut stream = TcpStream::connect(server.address()).unwrap();
+        stream.write_all(b"GET /metrics HTTP/1.1\r\nHost: ").unwrap();
+        // it ends with the connection: the server reads no further
+        let written = (0..10_000).take_while(|_| stream.write_all(&[b'a'; 1024]).is_ok());
+        let written = written.count();
+        assert!((408..10_000).contains(&written), "{written} KiB");
+    }
+
     /// They cost at most their places, which become free when they go.
     #[test]
     fn clients_that_ask_nothing_hold_places_only_while_they_stay() {

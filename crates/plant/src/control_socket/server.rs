@@ -208,7 +208,7 @@ fn answer(place: &Place, requests: &SyncSender<Pending>, bell: &Bell) -> std::io
 mod tests {
     use super::*;
     use crate::control_socket::send;
-    use std::io::{self, Read};
+    use std::io::{self, Read, Write};
 
     fn path(name: &str) -> PathBuf {
         let path = std::env::temp_dir().join(format!("profidrive-{name}-{}.sock", std::process::id()));
@@ -270,6 +270,28 @@ mod tests {
         spawn(move || listen(accept, &sender, &bell, rest));
         let rests: Vec<u128> = rests.iter().take(8).map(|pause| pause.as_millis()).collect();
         assert_eq!(rests, [50, 100, 200, 400, 800, 1600, 2000, 2000]);
+    }
+
+    #[test]
+    fn a_request_for_which_there_is_no_room_is_refused_at_once() {
+        let (requests, waiting) = sync_channel(WAITING);
+        for _ in 0..WAITING {
+            let request = Request::Drives(String::new());
+            requests.try_send((request, channel().0)).unwrap();
+        }
+        let (mut client, server) = Stream::pair().unwrap();
+        let request = Request::Drives("1/eth0".into());
+        client.write_all(request.text().as_bytes()).unwrap();
+        client.shutdown(Shutdown::Write).unwrap();
+        let place = Arc::new(Places::default()).take(server);
+        let began = std::time::Instant::now();
+        answer(&place, &requests, &Bell::new().unwrap()).unwrap();
+        assert!(began.elapsed() < TIMEOUT);
+        drop(place);
+        let mut text = String::new();
+        client.read_to_string(&mut text).unwrap();
+        assert!(text.contains("the simulation does not answer"), "{text}");
+        assert_eq!(waiting.try_iter().count(), WAITING);
     }
 
     #[test]

@@ -262,3 +262,15 @@ fn the_length_and_the_events_of_a_file_are_bounded() {
     let many = message(format!("[[drive]]\nname = \"a\"\nevent = [{events}]\n")).unwrap_or_default();
     assert!(many.contains("more than 10000 events"), "{many}");
 }
+
+#[test]
+fn the_steps_of_a_controller_are_bounded() {
+    let steps = |count| {
+        let steps = r#"{at="1"},"#.repeat(count);
+        let drive = "[[drive]]\nname = \"a\"\nip = \"10.0.0.1/24\"\n";
+        let text = format!("{drive}[[controller]]\ndrive = \"a\"\ntelegram = 1\nstep = [{steps}]\n");
+        text.parse::<Scenario>().unwrap_err().message
+    };
+    assert_eq!(steps(100_001), "more than 100000 steps");
+    assert_ne!(steps(1), "more than 100000 steps");
+}

@@ -231,6 +231,43 @@ impl Talker for SerialLine {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::host::state_folder::DriveState;
+    use uss::SlaveConfig;
+    use virtual_drive::model::AKD;
+    use virtual_drive::serial::SerialConfig;
+
+    #[test]
+    fn events_that_wait_for_their_end_fill_the_room() {
+        let hosted = HostedDrive {
+            key: "akd-1".into(),
+            model: &AKD,
+            state: DriveState::default(),
+        };
+        let station = SerialStation::new(SerialConfig::new(&AKD, SlaveConfig::fc(1, 9600)));
+        let drives = vec![(Arc::new(hosted), station)];
+        let mut line = SerialLine::new(Protocol::Fc, "/dev/ttyUSB0".into(), drives);
+        let request = |events| InjectRequest {
+            drive: "akd-1".into(),
+            from: 0,
+            events: vec!["load=1Nm".into(); events],
+            lasts: Some(1_000_000_000),
+        };
+        let now = Instant::ZERO;
+        let done = |line: &mut SerialLine, events| match line.inject(&request(events), now).0 {
+            Response::Done { .. } => true,
+            response => {
+                assert_eq!(response, Response::Refused(TOO_MANY.into()));
+                false
+            }
+        };
+        assert!(!done(&mut line, MOST_PENDING + 1));
+        assert!(done(&mut line, MOST_PENDING - 1));
+        assert!(!done(&mut line, 2));
+        assert!(done(&mut line, 1));
+        assert!(!done(&mut line, 1));
+        assert_eq!(line.end(now + Duration::from_secs(1)).len(), MOST_PENDING);
+        assert!(done(&mut line, MOST_PENDING));
+    }
 
     #[test]
     fn a_drive_is_named_by_protocol_port_and_address() {
