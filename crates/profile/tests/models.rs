@@ -5,12 +5,13 @@
 use std::collections::BTreeMap;
 
 use profidrive_profile::catalogue::{
-    AKD, Access, Catalogue, Cleared, Parameter, Reaction, Role, Scale, Scaling, Size, VACON, VLT,
+    AKD, Access, Catalogue, Cleared, Parameter, Phase, Reaction, Role, Scale, Scaling, Size, VACON, VLT,
 };
 use profidrive_profile::notation::{Notation, ParameterReference, Target};
 use profidrive_profile::parameter::{CodeSpace, Format, Octets};
 use profidrive_profile::state::{Mode, Profile};
 use profidrive_profile::unit::{ConversionIndex, Variable};
+use profidrive_profile::value::take_scale;
 
 const MODELS: [&Catalogue; 3] = [&AKD, &VLT, &VACON];
 
@@ -482,4 +483,22 @@ fn names_not_in_the_manual_are_not_parameters() {
         assert!(near(name), "{name}");
     }
     assert_eq!(AKD.nearest("PN.VELSCAING", 1)[0].name, "PN.VELSCALING");
+}
+
+/// A backup is written phase by phase: what scales other values is written, and known, before them.
+#[test]
+fn every_setting_that_scales_others_is_written_first() {
+    let mut count = 0;
+    for tables in MODELS {
+        for parameter in tables.parameters {
+            let at = (parameter.pnu, parameter.base);
+            let scales = take_scale(tables, &mut Scaling::default(), at, 2.0).is_some();
+            let rule = tables.backup_rule_at(parameter.pnu, parameter.base);
+            if scales && parameter.access != Access::ReadOnly && rule.role == Role::Setting {
+                assert_eq!(rule.phase, Phase::Scaling, "{}", parameter.name);
+                count += 1;
+            }
+        }
+    }
+    assert!(count >= 9, "{count}");
 }

@@ -454,9 +454,20 @@ proptest! {
         prop_assert!(journal.is_done(), "{}", kept);
         prop_assert_eq!(bench.backup().to_string(), first.to_string());
         let back = Backup::read(&kept).unwrap();
-        let mut journal = bench.journal(&back, &Choice::default());
+        let plan = bench.session.plan(&mut bench.drive, &back, &Choice::default()).wait().unwrap();
+        // a unit that was chosen last can leave a number beyond its limits: the way back says so, and brings all others
+        let refused: Vec<u16> = plan
+            .skipped
+            .iter()
+            .filter(|skipped| skipped.why.is_refusal())
+            .map(|skipped| skipped.reading.pnu)
+            .collect();
+        let mut journal = plan.set;
         bench.restore(&mut journal, false).0.unwrap();
-        prop_assert_eq!(bench.backup().to_string(), changed.to_string());
+        for difference in compare(&bench.backup(), &changed) {
+            let pnu = difference.reading().map(|reading| reading.pnu);
+            prop_assert!(pnu.is_some_and(|pnu| refused.contains(&pnu)), "{:?}", difference);
+        }
     }
 }
 

@@ -57,7 +57,7 @@ pub static BACKUP: &[BackupRule] = &[
     BackupRule { pnu: 2248, base: None, role: Role::Setting, phase: Phase::Motor, why: "" },
     BackupRule { pnu: 2249, base: None, role: Role::Setting, phase: Phase::Motor, why: "" },
     BackupRule { pnu: 2250, base: None, role: Role::Setting, phase: Phase::Motor, why: "" },
-    BackupRule { pnu: 2251, base: None, role: Role::Setting, phase: Phase::Motor, why: "" },
+    BackupRule { pnu: 2251, base: None, role: Role::Setting, phase: Phase::Scaling, why: "" },
     BackupRule { pnu: 2252, base: None, role: Role::Setting, phase: Phase::Motor, why: "" },
     BackupRule { pnu: 2253, base: None, role: Role::Setting, phase: Phase::Motor, why: "" },
     BackupRule { pnu: 2254, base: None, role: Role::Setting, phase: Phase::Motor, why: "" },
