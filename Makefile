@@ -2,13 +2,18 @@
 CARGO ?= cargo
 
 .DEFAULT_GOAL := help
-.PHONY: help demo check test package setup bench fuzz lives fmt lint doc site pages
+.PHONY: help demo check test package setup bench fuzz lives properties fmt lint doc site pages
 
 # what `make package` builds for; a target whose programs this machine can run
 TARGET ?= $(shell rustc -vV | sed -n 's/^host: //p')
 
 # the longest tests wait for drives on a wire, not for the processor
 THREADS ?= $(shell echo $$(( $$(nproc) + 1 )))
+
+# a property test tries the same cases in every run, so that it fails for a change, not by chance; `make properties`
+# tries others
+PROPTEST_RNG_SEED ?= 1
+export PROPTEST_RNG_SEED
 
 # what has, or passes on, the feature raw-ethernet: must build without it too
 ETHERNET = -p profidrive-network -p profidrive-plant -p profidrive -p profidrive-cli
@@ -52,6 +57,9 @@ fuzz: ## every fuzz target for SECONDS_EACH seconds, guided by coverage
 
 lives: ## drives and clients through accidents by seeds, in virtual time (FIRST=, COUNT=)
 	$(CARGO) run -q --release -p testbench --example lives -- $(or $(FIRST),0) $(or $(COUNT),10000)
+
+properties: ## the property tests with new cases, ROUNDS times; prints the seed of each round
+	@tools/properties $(or $(ROUNDS),10)
 
 fmt: ## format
 	$(CARGO) fmt --all
