@@ -2,7 +2,7 @@
 CARGO ?= cargo
 
 .DEFAULT_GOAL := help
-.PHONY: help demo check test package setup bench fuzz lives properties fmt lint doc site pages
+.PHONY: help demo check test package setup bench fuzz lives soak properties fmt lint doc site pages
 
 # what `make package` builds for; a target whose programs this machine can run
 TARGET ?= $(shell rustc -vV | sed -n 's/^host: //p')
@@ -57,6 +57,10 @@ fuzz: ## every fuzz target for SECONDS_EACH seconds, guided by coverage
 
 lives: ## drives and clients through accidents by seeds, in virtual time (FIRST=, COUNT=)
 	$(CARGO) run -q --release -p testbench --example lives -- $(or $(FIRST),0) $(or $(COUNT),10000)
+
+soak: ## 200 drives and their controller on a wire, connected anew each minute (MINUTES=)
+	$(CARGO) build -q --release --workspace --bins
+	target/release/soak $(or $(MINUTES),60)
 
 properties: ## the property tests with new cases, ROUNDS times; prints the seed of each round
 	@tools/properties $(or $(ROUNDS),10)
