@@ -265,7 +265,7 @@ impl Lab {
         let mut last_frame = self.command(
             Side::Controller,
             Path::new("ping"),
-            ["-c", "1", "-W", "1", NOBODY],
+            ["-c", "1", "-W", "1", ABSENT],
         );
         last_frame.stdout(Stdio::null()).stderr(Stdio::null());
         Capture {
@@ -284,9 +284,9 @@ impl Drop for Lab {
 }
 
 /// An address that no station has: the controller's end requests its MAC by ARP, in vain.
-const NOBODY: &str = "192.168.77.254";
+const ABSENT: &str = "192.168.77.254";
 /// Target of this request: no MAC yet, and the address.
-const NOBODY_TARGET: [u8; 10] = [0, 0, 0, 0, 0, 0, 192, 168, 77, 254];
+const ABSENT_TARGET: [u8; 10] = [0, 0, 0, 0, 0, 0, 192, 168, 77, 254];
 
 /// A running recording.
 #[derive(Debug)]
@@ -310,8 +310,8 @@ impl Capture {
             file.seek(SeekFrom::Start(end)).unwrap();
             file.read_to_end(&mut recorded).unwrap();
             recorded
-                .windows(NOBODY_TARGET.len())
-                .any(|octets| octets == NOBODY_TARGET)
+                .windows(ABSENT_TARGET.len())
+                .any(|octets| octets == ABSENT_TARGET)
         });
         let _ = sender.kill();
         let _ = sender.wait();

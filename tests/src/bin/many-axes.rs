@@ -164,7 +164,7 @@ fn caller(
 ) -> Done<()> {
     // the lease stops only the axis that its owner abandoned
     let lease = if number == 2 { SECOND } else { LIMIT };
-    // nobody kills this program: drives as delivered will do
+    // this program is not killed: drives as delivered will do
     let mut axis = take(&mut session, name, lease, true)?;
     let mut enabled = turning(&mut axis)?;
     course.turning.fetch_add(1, Ordering::SeqCst);
@@ -279,7 +279,7 @@ fn stop_among_readers(
     Ok(readers)
 }
 
-/// Waits until the drive itself reports that its axis stands out of operation and nobody controls it.
+/// Waits until the drive itself reports that its axis stands out of operation and without a controller.
 fn wait_for_rest(session: &mut Session, name: &str, end: &str) -> Done<()> {
     let begin = Instant::now();
     let mut drive = session.find(&name.parse()?).wait()?;

@@ -10,7 +10,7 @@ use network::host::Station;
 use network::segment::Tap;
 use profinet::{Instant, MAX_FRAME, MacAddress};
 
-/// Address of the attacker's own port; it listens to nobody.
+/// Address of the attacker's own port; it belongs to no connection.
 pub const ATTACKER: MacAddress = MacAddress([2, 0x66, 0, 0, 0, 0xFF]);
 /// The first octets of the addresses of foreign stations.
 const FOREIGN: [u8; 5] = [2, 0x66, 0, 0, 7];
@@ -123,7 +123,7 @@ pub struct Party {
     pub ip: Ipv4Addr,
 }
 
-/// Returns a station of which nobody knows.
+/// Returns a station that no other one knows.
 pub const fn foreign(number: u8) -> Party {
     let [a, b, c, d, e] = FOREIGN;
     Party {
@@ -304,7 +304,7 @@ fn address(frame: &mut Vec<u8>, mut role: Role, random: &mut Random, spared: Par
     }
     let to_many = frame[0] & 1 == 1 && role.to_all;
     if (to_many || role.to == spared) && is_set(frame) {
-        // to nobody
+        // back to its sender, which reads nothing
         role.to = role.from;
         frame[..6].copy_from_slice(&role.to.mac.0);
     } else if !to_many {

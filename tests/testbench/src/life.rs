@@ -7,7 +7,7 @@
 //! - a value that is reported as written was there, one that is reported as saved survives the loss of power;
 //! - what a drive finds after the loss of power is what was saved last or what was just being saved, never a mixture;
 //! - a connection ends within its watchdog when the controller is away;
-//! - no axis turns faster than it was ever told to, and none turns before it was told to;
+//! - no axis turns faster than it was ever commanded to, and none turns before it was commanded to;
 //! - an axis without a controller comes to rest where its settings say so;
 //! - what is reported as at rest is at rest;
 //! - when all is repaired, everything can be read again.
@@ -39,7 +39,7 @@ use crate::{ip, running_on};
 
 const SECOND: Duration = Duration::from_secs(1);
 const CLIENT: MacAddress = MacAddress([2, 0, 0, 0, 1, 0]);
-/// All axes are told this, rpm.
+/// All axes are commanded to turn at this, rpm.
 const SPEED: f64 = 600.0;
 /// A controlled speed may exceed its setpoint by so much for a moment.
 const OVERSHOOT: f64 = 1.1;
@@ -235,8 +235,8 @@ struct State {
     killed: bool,
     /// When all was well again after the last accident; in the future while one lasts.
     well: Instant,
-    /// Highest speed that any axis was told, rpm.
-    told: f64,
+    /// Highest speed that any axis was commanded, rpm.
+    commanded: f64,
     tally: Tally,
     /// What happened: for whoever has to find out why something broke.
     story: Vec<String>,
@@ -318,7 +318,7 @@ impl State {
             random,
             killed: false,
             well: Instant::ZERO,
-            told: 0.0,
+            commanded: 0.0,
             tally: Tally::default(),
             story: Vec::new(),
             broken: None,
@@ -558,8 +558,11 @@ impl State {
         }
         place.enabled.note(now, drive_of(station).is_enabled());
         let speed = drive_of(station).axis().speed().abs();
-        if speed > self.told * OVERSHOOT + 1.0 {
-            trouble = Some(format!("{speed} rpm, told was {} rpm at most", self.told));
+        if speed > self.commanded * OVERSHOOT + 1.0 {
+            trouble = Some(format!(
+                "{speed} rpm, commanded was {} rpm at most",
+                self.commanded
+            ));
         }
         let exchanging = station.endpoint().device().is_exchanging();
         let watchdog = station.endpoint().device().watchdog().unwrap_or_default();
@@ -669,11 +672,11 @@ impl Life {
         result: Result<T, Error>,
     ) -> Option<T> {
         let mut state = self.0.borrow_mut();
-        let told = match &result {
+        let report = match &result {
             Ok(_) => format!("drive-{}: {call}", place + 1),
             Err(error) => format!("drive-{}: {call}: {error}", place + 1),
         };
-        state.note(&told);
+        state.note(&report);
         match result {
             Ok(value) => {
                 state.tally.answered += 1;
@@ -684,7 +687,7 @@ impl Life {
                 let well = begun > state.well && !state.killed && state.plan.is_empty();
                 let defect = matches!(error, Error::Misuse(_)) || error.kind() == ErrorKind::Internal;
                 if defect || must && well {
-                    state.breaks(told);
+                    state.breaks(report);
                 }
                 None
             }
@@ -823,7 +826,7 @@ impl Caller<'_> {
         let Some(mut drive) = self.find(place) else { return };
         let time = self.life.time(SECOND * 4);
         let leaves = self.life.below(3) == 0;
-        self.life.0.borrow_mut().told = SPEED;
+        self.life.0.borrow_mut().commanded = SPEED;
         let network = &mut self.network;
         let motion = async {
             let mut axis = network.take_axis(&mut drive, running_on(Purpose::Speed)).await?;
@@ -908,7 +911,7 @@ pub fn live(seed: u64) -> Result<Tally, Broken> {
         drop(caller);
         life.pass(life.time(SECOND * 3));
     }
-    // all is repaired, and nobody is there
+    // all is repaired, and no client is there
     life.pass(SECOND * 20);
     let stops = |place: usize| {
         let mut state = life.0.borrow_mut();

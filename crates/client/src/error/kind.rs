@@ -166,7 +166,7 @@ const fn is_number(objection: &Objection) -> bool {
 
 const fn of_trouble(trouble: &Trouble) -> ErrorKind {
     match trouble {
-        // a motion that nobody attends to ends by a safety rule too
+        // a motion that is not attended ends by a safety rule too
         Trouble::StillTurns
         | Trouble::QuickStopUsed
         | Trouble::NotStopped
