@@ -26,8 +26,8 @@ pub(super) struct Feedback {
     pub omega: f64,
 }
 
-/// Gains and limits in the units of the loops, made once for each call.
-#[derive(Debug)]
+/// Gains and limits in the units of the loops, for steps of one length.
+#[derive(Debug, Clone)]
 pub(super) struct Gains {
     dt: f64,
     /// Steps in a second.

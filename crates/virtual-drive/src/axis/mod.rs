@@ -46,6 +46,15 @@ const LONGEST_STEP: f64 = 0.001;
 /// Most steps done in one call: half a second, the longest update time of PROFINET. More time than that is skipped.
 const MOST_STEPS: usize = 512;
 
+/// Steps of one length with the same gains and limits, prepared by [`Axis::stride`].
+#[derive(Debug, Clone)]
+pub struct Stride {
+    /// s
+    dt: f64,
+    gains: Gains,
+    tuning: Tuning,
+}
+
 /// A motor with its load under control.
 ///
 /// ```
@@ -121,49 +130,52 @@ impl Axis {
 
     /// Moves on by `seconds`, in equal steps of at most 1 ms.
     pub fn step(&mut self, seconds: f64, command: Command, tuning: &Tuning) {
-        self.advance(seconds, &command, tuning, |_| false);
-    }
-
-    /// Moves on like [`step`](Self::step), but only until the trajectory is done, at least 1 ms; the time in seconds that
-    /// is left then, for the next command. So one movement follows the other without waiting for the end of a long cycle.
-    pub fn step_until_done(&mut self, seconds: f64, command: Command, tuning: &Tuning) -> f64 {
-        self.advance(seconds, &command, tuning, Self::trajectory_done)
-    }
-
-    fn advance(
-        &mut self,
-        seconds: f64,
-        command: &Command,
-        tuning: &Tuning,
-        enough: impl Fn(&Self) -> bool,
-    ) -> f64 {
         if seconds.is_nan() || seconds <= 0.0 {
-            return 0.0;
+            return;
         }
-        let (steps, dt) = if seconds <= LONGEST_STEP {
-            (1, seconds)
-        } else {
-            let steps = ((seconds / LONGEST_STEP).ceil() as usize).clamp(1, MOST_STEPS);
-            (steps, (seconds / steps as f64).min(LONGEST_STEP))
-        };
-        let mut gains = Gains::new(
-            dt,
-            tuning,
-            self.mechanics.authority(),
-            self.mechanics.reluctance(),
-        );
-        let command = if self.sto { &Command::Off } else { command };
-        self.loops.aim(command, tuning);
-        for left in (0..steps).rev() {
-            self.substep(dt, command, tuning, &mut gains);
-            if enough(self) {
-                return left as f64 * dt;
-            }
+        let steps = ((seconds / LONGEST_STEP).ceil() as usize).clamp(1, MOST_STEPS);
+        let mut stride = self.stride(seconds / steps as f64, tuning);
+        let command = self.aim(command, tuning);
+        for _ in 0..steps {
+            self.substep(&command, &mut stride);
         }
-        0.0
     }
 
-    fn substep(&mut self, dt: f64, command: &Command, tuning: &Tuning, gains: &mut Gains) {
+    /// Prepares steps of `seconds`, at most 1 ms, with these gains and limits: for an axis that gets another command before
+    /// each of them.
+    #[must_use]
+    pub fn stride(&self, seconds: f64, tuning: &Tuning) -> Stride {
+        let dt = within(seconds, 0.0, LONGEST_STEP);
+        Stride {
+            dt,
+            gains: Gains::new(
+                dt,
+                tuning,
+                self.mechanics.authority(),
+                self.mechanics.reluctance(),
+            ),
+            tuning: *tuning,
+        }
+    }
+
+    /// Moves on by one prepared step.
+    pub fn step_by(&mut self, stride: &mut Stride, command: Command) {
+        if stride.dt > 0.0 {
+            let command = self.aim(command, &stride.tuning);
+            self.substep(&command, stride);
+        }
+    }
+
+    /// Gives the command to the trajectory; returns the one that is in force.
+    fn aim(&mut self, command: Command, tuning: &Tuning) -> Command {
+        let command = if self.sto { Command::Off } else { command };
+        self.loops.aim(&command, tuning);
+        command
+    }
+
+    fn substep(&mut self, command: &Command, stride: &mut Stride) {
+        let Stride { dt, gains, tuning } = stride;
+        let dt = *dt;
         gains.limit = self.electrical.foldback_limit();
         let seen = Feedback {
             position: self.seen.position.wrapping_add(self.shift),

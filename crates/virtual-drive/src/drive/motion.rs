@@ -104,14 +104,20 @@ impl Drive {
         }
         let steps = (seconds / STEP).ceil().clamp(1.0, MOST_STEPS);
         let dt = (seconds / steps).min(STEP);
+        let feedrate = self.feedrate();
+        let mut gentle = self.positioning.is_gentle();
+        let mut stride = self.axis.stride(dt, &self.position_tuning());
         for _ in 0..steps as usize {
             let command = if self.state() == State::S4 {
-                self.position_command(dt)
+                self.position_command(dt, feedrate)
             } else {
                 self.command()
             };
-            let tuning = self.position_tuning();
-            self.axis.step(dt, command, &tuning);
+            if self.positioning.is_gentle() != gentle {
+                gentle = !gentle;
+                stride = self.axis.stride(dt, &self.position_tuning());
+            }
+            self.axis.step_by(&mut stride, command);
         }
     }
 

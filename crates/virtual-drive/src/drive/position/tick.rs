@@ -36,7 +36,7 @@ impl Drive {
 
     /// MT_FEEDRATE as a part of one: 0 holds a task, and no task is faster than its own speed. That it is in percent is
     /// ours.
-    fn feedrate(&self) -> f64 {
+    pub(in crate::drive) fn feedrate(&self) -> f64 {
         let percent = self.process.signal(signal::kollmorgen::MT_FEEDRATE);
         (percent as f64 / 100.0).clamp(0.0, 1.0)
     }
@@ -184,8 +184,7 @@ impl Drive {
     }
 
     /// Returns the command for the axis in the next step in position mode.
-    pub(in crate::drive) fn position_command(&mut self, seconds: f64) -> Command {
-        let feedrate = self.feedrate();
+    pub(in crate::drive) fn position_command(&mut self, seconds: f64, feedrate: f64) -> Command {
         self.positioning
             .direct(&mut self.axis, seconds, feedrate, &self.settings)
     }
