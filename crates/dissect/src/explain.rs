@@ -395,7 +395,7 @@ fn fault(text: &str, tables: &Catalogue) -> Result<Parts, NotExplained> {
         Some(b'f' | b'F') => (false, text.get(1..).unwrap_or_default()),
         _ => (false, text),
     };
-    let number = word(digits)?;
+    let number = word(digits).or_else(|_| word(text))?;
     let letter = if warning { 'n' } else { 'F' };
     let known = tables.fault(number, warning);
     let name = tables.model;

@@ -5,7 +5,7 @@ use profidrive::client::backup::Backup;
 use profidrive::client::change::Choice;
 use profidrive::client::{Drive, ErrorKind, WriteMode};
 use profidrive::settings::{
-    self, BackupFile, Comparison, FileError, Restore, RestoreError, Shortfall, apply_with_way_back,
+    self, BackupFile, Comparison, FileError, Restore, RestoreError, Shortfall, carry_out,
 };
 use profidrive::{Network, Outcome, Wait};
 
@@ -79,9 +79,40 @@ fn a_changed_setting_is_found_restored_and_brought_back() {
     assert_eq!(plan.set.total(), 1);
     assert_eq!(settings::shortfall(&plan, &wanted), Some(Shortfall::Differs));
     let way_back = settings::way_back(&path).expect("a place");
-    apply_with_way_back(&mut network, &mut drive, &mut plan.set, &way_back, |_| ())
-        .wait()
-        .expect("written");
+    // a way back is never over a file: nothing is written then
+    std::fs::write(&way_back, "precious").expect("written");
+    let refused = carry_out(
+        &mut network,
+        &mut drive,
+        &read,
+        &wanted,
+        &mut plan,
+        &way_back,
+        |_| (),
+    )
+    .wait();
+    let refused = refused.unwrap_err();
+    assert!(
+        matches!(refused, RestoreError::WayBack { .. }) && refused.kind() == ErrorKind::Usage,
+        "{refused}"
+    );
+    assert_eq!(std::fs::read_to_string(&way_back).expect("kept"), "precious");
+    assert_eq!(
+        plan.set.count(|step| *step != client::change::Step::NotWritten),
+        0
+    );
+    let way_back = settings::way_back(&path).expect("the next place");
+    carry_out(
+        &mut network,
+        &mut drive,
+        &read,
+        &wanted,
+        &mut plan,
+        &way_back,
+        |_| (),
+    )
+    .wait()
+    .expect("written");
     assert_eq!(settings::shortfall(&plan, &wanted), None);
     let restored = saved(&mut network, &mut drive);
     assert_eq!(
@@ -139,12 +170,31 @@ fn a_controller_keeps_settings_from_being_restored() {
         dry_run: true,
         ..Restore::default()
     };
-    let looked_at = plan(&mut network, &mut drive, &looked).expect("a look only");
+    let mut looked_at = plan(&mut network, &mut drive, &looked).expect("a look only");
     assert_eq!(
         settings::shortfall(&looked_at, &looked),
         Some(Shortfall::Unwritable),
         "without its motion tasks"
     );
+    // a plan that was made without the check is not carried out without it
+    let folder = folder("controlled");
+    let way_back = folder.join("before");
+    let refused = carry_out(
+        &mut network,
+        &mut drive,
+        &before,
+        &looked,
+        &mut looked_at,
+        &way_back,
+        |_| (),
+    )
+    .wait();
+    assert!(
+        matches!(refused, Err(RestoreError::Controlled { .. })),
+        "{refused:?}"
+    );
+    assert!(!way_back.exists());
+    std::fs::remove_dir_all(folder).expect("removed");
 }
 
 #[test]

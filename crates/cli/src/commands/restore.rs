@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use client::change::{Change, ChangeSet, Choice, Plan, Saved, Skip, Skipped, Step};
-use client::{Drive, Error, Wait};
+use client::{Drive, Wait};
 use profidrive::report::RestoreReport;
 use profidrive::settings::{self, RestoreError, Shortfall};
 use profile::catalogue::Role;
@@ -13,7 +13,7 @@ use profile::value::Reading;
 
 use crate::advice::Commands;
 use crate::args::{Restore, Target};
-use crate::connect::{self, Live, Need};
+use crate::connect::{self, Need};
 use crate::failure::Failure;
 use crate::output::Output;
 use crate::render::table::Table;
@@ -50,7 +50,19 @@ pub fn run(args: &Restore, target: &Target, output: &Output) -> Result<(), Failu
         output.say("dry run: nothing was written");
         return ended(&plan, &drive, &request);
     }
-    let result = carry_out(&mut session, &mut drive, &mut plan.set, &way_back, output);
+    let bar = connect::bar(output, plan.set.total(), "writing");
+    let progress = |done| bar.set_position(done as u64);
+    let result = settings::carry_out(
+        &mut session,
+        &mut drive,
+        &wanted,
+        &request,
+        &mut plan,
+        &way_back,
+        progress,
+    )
+    .wait();
+    bar.finish_and_clear();
     // the connection of a drive that is lost ends by itself
     let closed = session.close().wait();
     let file = (plan.set.total() > 0 && way_back.exists()).then_some(way_back.as_path());
@@ -88,6 +100,7 @@ impl From<RestoreError> for Failure {
                 failure.hint("--force goes on all the same: names and numbers can mean something else there")
             }
             RestoreError::Nothing => Self::usage("--only: nothing in the file fits"),
+            RestoreError::WayBack { .. } => failure.hint("give another file with --way-back PATH"),
             _ => failure.hint(
                 "it can switch the axis on while values change; stop it first, or --force goes on while the axis is off",
             ),
@@ -201,20 +214,6 @@ fn old(change: &Change) -> Option<&Reading> {
     change.old.as_ref()?.as_ref().ok()
 }
 
-fn carry_out(
-    session: &mut Live,
-    drive: &mut Drive,
-    set: &mut ChangeSet,
-    way_back: &Path,
-    output: &Output,
-) -> Result<(), Error> {
-    let bar = connect::bar(output, set.total(), "writing");
-    let progress = |done| bar.set_position(done as u64);
-    let result = settings::apply_with_way_back(session, drive, set, way_back, progress).wait();
-    bar.finish_and_clear();
-    result
-}
-
 /// What did not go as planned, one line each.
 fn results(set: &ChangeSet, output: &Output) {
     let mut table = Table::new(&["name", "number", ">wanted", "unit", "result"]);
@@ -305,9 +304,10 @@ fn report(set: &ChangeSet, file: Option<&Path>, drive: &Drive, args: &Restore, o
     }
 }
 
-fn failed(error: Error, set: &ChangeSet, file: Option<&Path>, drive: &Drive) -> Failure {
+fn failed(error: RestoreError, set: &ChangeSet, file: Option<&Path>, drive: &Drive) -> Failure {
+    let begun = matches!(error, RestoreError::Client(_));
     let mut failure = Failure::from(error);
-    if let Some(file) = file {
+    if let Some(file) = file.filter(|_| begun) {
         failure.message = format!("{}; {}", failure.message, set.summary());
         let hint = format!(
             "{} says which; `profidrive diff {} {}` shows what the drive has now",

@@ -127,11 +127,11 @@ impl Error {
             )
             .into(),
             Self::NoStopBeside { .. } => {
-                "stop it at its controller, at its panel, or by its inputs for coast or stop; this command is not an emergency stop"
+                "stop it at its controller, at its panel, or by its inputs for coast or stop; a stop over the network is not an emergency stop"
                     .into()
             }
             Self::StopUnanswered { .. } => {
-                "it may turn on: stop it at its controller, by its inputs or with its safety circuit; this command is not an emergency stop"
+                "it may turn on: stop it at its controller, by its inputs or with its safety circuit; a stop over the network is not an emergency stop"
                     .into()
             }
             Self::SpeedStep { .. } => format!(
@@ -239,8 +239,8 @@ impl Error {
             }
             Self::SpeedOnly { .. } | Self::NoJog { .. } => "{run} turns it at a speed",
             Self::WrongMode { needed, .. } => match needed {
-                Mode::Velocity => "{write 930=1} changes it, {choose mode} does for this one command",
-                Mode::Position => "{write 930=2} changes it, {choose mode} does for this one command",
+                Mode::Velocity => "{write 930=1} changes it, {choose mode} does for this motion alone",
+                Mode::Position => "{write 930=2} changes it, {choose mode} does for this motion alone",
             },
             Self::SpeedLost { .. } => {
                 "something else stopped or limits it ({stop}, a limit of the drive, a limit switch) or the load holds it"

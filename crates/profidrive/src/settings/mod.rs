@@ -26,6 +26,7 @@
 mod comparison;
 mod file;
 
+use std::fs::File;
 use std::path::{Path, PathBuf};
 
 use client::backup::{Backup, TaskCoverage};
@@ -92,6 +93,14 @@ pub enum RestoreError {
         /// Name of the controller.
         controller: String,
     },
+    /// The file for the values before exists, or cannot be created.
+    #[error("nothing is written: the values before cannot be kept in {}: {source}", path.display())]
+    WayBack {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
     /// Nothing of the file fits the choice.
     #[error("nothing in the file fits what was chosen")]
     Nothing,
@@ -107,6 +116,10 @@ impl RestoreError {
         match self {
             Self::Misfit(_) | Self::Controlled { .. } => ErrorKind::Safety,
             Self::Nothing => ErrorKind::Usage,
+            Self::WayBack { source, .. } if source.kind() == std::io::ErrorKind::AlreadyExists => {
+                ErrorKind::Usage
+            }
+            Self::WayBack { .. } => ErrorKind::Local,
             Self::Client(error) => error.kind(),
         }
     }
@@ -208,28 +221,45 @@ pub fn way_back(file: &Path) -> Option<PathBuf> {
     paths.find(|path| !path.exists())
 }
 
-/// Writes what a set plans and keeps the values before in the file `way_back`, a backup that is complete before and after each
-/// step. `progress` receives the number of changes that are written.
+/// Writes what a plan of these settings says and keeps the values before in the new file `way_back`, a backup that is complete
+/// before and after each step. `progress` receives the number of changes that are written.
 ///
 /// # Errors
-/// As [`Session::apply_kept`].
-pub async fn apply_with_way_back(
+/// What speaks against it is checked again, also for a plan of a dry run: since the plan was made a controller may have
+/// connected. [`RestoreError::WayBack`] where the file exists or cannot be created. Nothing is written then. Else as
+/// [`Session::apply_kept`].
+pub async fn carry_out(
     session: &mut Session,
     drive: &mut Drive,
-    set: &mut ChangeSet,
+    settings: &Backup,
+    wanted: &Restore,
+    plan: &mut Plan,
     way_back: &Path,
     mut progress: impl FnMut(usize) + Send,
-) -> Result<(), Error> {
+) -> Result<(), RestoreError> {
+    if !wanted.force {
+        check_fit(settings, drive)?;
+        check_no_controller(session, drive).await?;
+    }
+    if plan.set.total() == 0 {
+        // nothing changes, so there is no way back
+        return Ok(session.apply_kept(drive, &mut plan.set, &mut |_| Ok(())).await?);
+    }
+    File::create_new(way_back).map_err(|source| RestoreError::WayBack {
+        path: way_back.to_owned(),
+        source,
+    })?;
     let file = StateFile::document(way_back);
     let mut keep = |set: &ChangeSet| {
         progress(set.count(|step| !matches!(step, Step::NotWritten | Step::InDoubt)));
-        if set.total() == 0 {
-            // nothing changes, so there is no way back
-            return Ok(());
-        }
         file.replace(set.to_string().as_bytes()).map_err(Into::into)
     };
-    session.apply_kept(drive, set, &mut keep).await
+    let result = session.apply_kept(drive, &mut plan.set, &mut keep).await;
+    // it failed before anything was kept, so before anything was written
+    if std::fs::metadata(way_back).is_ok_and(|file| file.len() == 0) {
+        let _ = file.remove();
+    }
+    Ok(result?)
 }
 
 #[cfg(test)]
