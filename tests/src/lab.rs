@@ -3,6 +3,7 @@
 use std::ffi::OsStr;
 use std::fs::File;
 use std::io::{BufRead, BufReader, Read, Seek, SeekFrom};
+use std::net::Ipv4Addr;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -102,6 +103,7 @@ pub struct Lab {
     user: bool,
     folder: PathBuf,
     count: AtomicUsize,
+    captures: AtomicUsize,
     _share: Share,
 }
 
@@ -163,6 +165,7 @@ impl Lab {
                     user,
                     folder,
                     count: AtomicUsize::new(0),
+                    captures: AtomicUsize::new(0),
                     _share: share,
                 });
             }
@@ -262,16 +265,18 @@ impl Lab {
         let arguments = ["-q", "-i", Side::Controller.interface(), "-B", "64", "-w", &path];
         let mut recorder = self.spawn(Side::Controller, "dumpcap", arguments);
         recorder.wait_for("File:", Duration::from_secs(10));
+        let absent = absent(self.captures.fetch_add(1, Ordering::Relaxed));
         let mut last_frame = self.command(
             Side::Controller,
             Path::new("ping"),
-            ["-c", "1", "-W", "1", ABSENT],
+            ["-c", "1", "-W", "1", &absent.to_string()],
         );
         last_frame.stdout(Stdio::null()).stderr(Stdio::null());
         Capture {
             file,
             recorder,
             last_frame,
+            absent,
         }
     }
 }
@@ -283,10 +288,12 @@ impl Drop for Lab {
     }
 }
 
-/// An address that no station has: the controller's end requests its MAC by ARP, in vain.
-const ABSENT: &str = "192.168.77.254";
-/// Target of this request: no MAC yet, and the address.
-const ABSENT_TARGET: [u8; 10] = [0, 0, 0, 0, 0, 0, 192, 168, 77, 254];
+/// An address that no station has: the controller's end requests its MAC by ARP, in vain. Each capture has its own, as no new
+/// request goes out while an earlier one waits for its answer.
+fn absent(capture: usize) -> Ipv4Addr {
+    let host = [254, 253, 252, 251, 250, 249, 248, 247];
+    Ipv4Addr::new(192, 168, 77, host[capture % host.len()])
+}
 
 /// A running recording.
 #[derive(Debug)]
@@ -295,6 +302,8 @@ pub struct Capture {
     recorder: Running,
     /// Sends a frame that nothing else sends.
     last_frame: Command,
+    /// The address that it looks for.
+    absent: Ipv4Addr,
 }
 
 impl Capture {
@@ -304,14 +313,14 @@ impl Capture {
         // the recorder gets frames in blocks and in their order: with this one in its file it has all before
         let mut file = File::open(&self.file).unwrap();
         let end = file.seek(SeekFrom::End(0)).unwrap();
+        // target of the request: no MAC yet, and the address
+        let target = [&[0; 6][..], &self.absent.octets()].concat();
         let mut sender = self.last_frame.spawn().unwrap();
         let complete = wait_until(Duration::from_secs(10), || {
             let mut recorded = Vec::new();
             file.seek(SeekFrom::Start(end)).unwrap();
             file.read_to_end(&mut recorded).unwrap();
-            recorded
-                .windows(ABSENT_TARGET.len())
-                .any(|octets| octets == ABSENT_TARGET)
+            recorded.windows(target.len()).any(|octets| octets == target)
         });
         let _ = sender.kill();
         let _ = sender.wait();
