@@ -223,6 +223,9 @@ async fn read(mut session: Session, mut drive: client::Drive) -> bool {
     let wanted = READ.map(|pnu| Selection::number(pnu, Notation::Name));
     match session.read(&mut drive, &wanted).await {
         Ok(readings) => readings.len() == READ.len(),
-        Err(_) => false,
+        Err(error) => {
+            eprintln!("{error}");
+            false
+        }
     }
 }

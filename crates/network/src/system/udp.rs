@@ -14,6 +14,9 @@ use super::os::{self, Claim};
 /// Most local ports open at once beside those of the server; the one unused for longest makes room.
 const MAX_PORTS: usize = 32;
 
+/// Octets that wait to be read, with what the kernel needs for each datagram.
+const RECEIVE_BUFFER: usize = 1 << 20;
+
 #[derive(Debug)]
 struct Port {
     address: Ipv4Addr,
@@ -241,6 +244,8 @@ fn bind(address: Ipv4Addr, number: u16, share: bool) -> Result<UdpSocket, Error>
         socket.set_reuse_address(true).map_err(system)?;
     }
     socket.set_nonblocking(true).map_err(system)?;
+    // As much as the system gives: many stations may answer while this program is not running.
+    let _ = socket.set_recv_buffer_size(RECEIVE_BUFFER);
     // Only needed for broadcasts; a failure is ignored.
     let _ = socket.set_broadcast(true);
     Ok(socket.into())

@@ -86,9 +86,15 @@ struct Pending {
     sends: u8,
     due: Instant,
     limit: Instant,
+    /// Until then an answer to what was sent last is likely: see [`AWAITED`].
+    awaited: Option<Instant>,
 }
 
 impl Pending {
+    const fn is_to_send(&self) -> bool {
+        self.send_request || self.send_ping
+    }
+
     /// Goes on to the next fragment of the request if this one was waited for.
     fn acknowledged(&mut self, fragment: u16) {
         if self.out.acknowledge(fragment) {
@@ -98,6 +104,11 @@ impl Pending {
     }
 }
 
+/// Calls whose answers are awaited at the same time. The answers to hundreds of calls arrive at once and are more than the
+/// receive buffer of a socket holds; the repetitions of those that are lost would be as many again.
+const AWAITED: usize = 32;
+/// How long an answer counts as awaited: calls to servers that are slow or gone keep the others waiting no longer.
+const LIKELY: Duration = Duration::from_millis(20);
 /// Acknowledgements that may wait to be sent.
 const QUEUE: usize = 32;
 
@@ -162,6 +173,7 @@ impl Client {
             sends: 0,
             due: now + self.config.wait,
             limit: now + self.config.limit,
+            awaited: None,
         });
         id
     }
@@ -194,6 +206,7 @@ impl Client {
         let Some(call) = self.calls.get_mut(index) else {
             return false;
         };
+        call.awaited = None;
         let mut result = None;
         match header.packet_type {
             PacketType::Working => {
@@ -290,7 +303,11 @@ impl Client {
     /// Returns the time of the next timeout.
     #[must_use]
     pub fn poll_timeout(&self) -> Option<Instant> {
-        self.calls.iter().map(|call| call.due.min(call.limit)).min()
+        let due = self.calls.iter().map(|call| call.due.min(call.limit)).min();
+        // what waits for room is sent once an answer is no longer likely
+        let room = || self.calls.iter().filter_map(|call| call.awaited).min();
+        let waits = self.calls.iter().any(Pending::is_to_send);
+        due.into_iter().chain(waits.then(room).flatten()).min()
     }
 
     /// Writes the next datagram and returns its destination.
@@ -307,10 +324,17 @@ impl Client {
             return Some((to, out.finish().ok()?));
         }
         let wait = self.config.wait;
-        let call = self
-            .calls
-            .iter_mut()
-            .find(|call| call.send_request || call.send_ping)?;
+        let mut awaited = 0;
+        let mut next = None;
+        for call in &mut self.calls {
+            call.awaited = call.awaited.filter(|until| now < *until);
+            awaited += usize::from(call.awaited.is_some());
+            if next.is_none() && call.is_to_send() {
+                next = Some(call);
+            }
+        }
+        let call = next.filter(|_| awaited < AWAITED)?;
+        call.awaited = Some(now + LIKELY);
         self.serial = self.serial.wrapping_add(1);
         call.sends = call.sends.saturating_add(1);
         call.due = now + wait;

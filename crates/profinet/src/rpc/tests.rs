@@ -570,3 +570,57 @@ fn an_answer_that_never_ends_ends_the_call() {
     assert_eq!(client.poll_event(), Some((id, Err(CallError::BadAnswer))));
     assert!(!client.is_open(id));
 }
+
+/// The activities of what a client sends now.
+fn calls_out(client: &mut Client, now: Instant) -> Vec<u8> {
+    let mut buffer = [0; 1518];
+    let mut all = Vec::new();
+    while let Some((_, length)) = client.poll_transmit(now, &mut buffer) {
+        let (header, _) = Header::decode(&buffer[..length]).unwrap();
+        all.push(header.activity.0[0]);
+    }
+    all
+}
+
+#[test]
+fn many_calls_at_once_do_not_bring_all_their_answers_at_once() {
+    let mut client = Client::new(ClientConfig::default());
+    for activity in 0..200 {
+        client.call(Instant::ZERO, SERVER, header(activity, 0), vec![1]);
+    }
+    let first = calls_out(&mut client, Instant::ZERO);
+    assert_eq!(first.len(), 32);
+    // each answer makes room for another call
+    for activity in &first[..5] {
+        let mut answer = header(*activity, 0).reply(PacketType::Response);
+        answer.flags = Flags(0);
+        assert!(client.handle(Instant::ZERO, SERVER, &pdu(&answer, &[7])));
+    }
+    assert_eq!(calls_out(&mut client, Instant::ZERO).len(), 5);
+    // the others do not wait for servers that are silent
+    let mut now = Instant::ZERO;
+    let mut sent = 37;
+    while sent < 200 {
+        now = client.poll_timeout().unwrap();
+        client.handle_timeout(now);
+        sent += calls_out(&mut client, now).len();
+    }
+    assert!(now <= Instant::from_millis(120), "{now:?}");
+    assert_eq!(
+        client.poll_timeout(),
+        Some(Instant::from_millis(2000)),
+        "then only repetitions are due"
+    );
+    // and each of them fails in its own time
+    let mut failed = 0;
+    while let Some(due) = client.poll_timeout() {
+        now = due;
+        client.handle_timeout(now);
+        calls_out(&mut client, now);
+        while let Some((_, result)) = client.poll_event() {
+            failed += usize::from(result == Err(CallError::Timeout { sends: 3 }));
+        }
+    }
+    assert_eq!(failed, 195);
+    assert!(now <= Instant::from_millis(6500), "{now:?}");
+}
