@@ -97,7 +97,30 @@ pub struct Client {
     identified: VecDeque<DcpId>,
     dcp: HashMap<DcpId, Result<DcpReply, DcpError>>,
     records: HashMap<CallId, Result<Vec<u8>, ServiceError>>,
+    /// When all axes were stepped last.
+    stepped: Instant,
+    news: News,
 }
+
+/// What callers may have to look at.
+#[derive(Debug, Default)]
+pub(crate) struct News {
+    /// An event: it may concern anyone.
+    pub everything: bool,
+    /// Axes with new inputs, or whose control did something.
+    pub axes: Vec<Link>,
+}
+
+impl News {
+    fn add(&mut self, link: Link) {
+        if !self.axes.contains(&link) {
+            self.axes.push(link);
+        }
+    }
+}
+
+/// How often axes are stepped between their inputs: their time limits are no finer.
+const STEP: Duration = Duration::from_millis(2);
 
 /// One axis of one cyclic connection.
 #[derive(Debug)]
@@ -116,6 +139,8 @@ struct AxisLink {
     since: (u64, Option<Zsw1>),
     /// It was in operation under this control.
     operated: bool,
+    /// Frames that it was stepped by.
+    stepped: u64,
     /// Frames that were sampled.
     sampled: u64,
     /// Receivers of every input.
@@ -219,6 +244,8 @@ impl Client {
             identified: VecDeque::new(),
             dcp: HashMap::new(),
             records: HashMap::new(),
+            stepped: Instant::ZERO,
+            news: News::default(),
         }
     }
 
@@ -268,6 +295,7 @@ impl Client {
         if let Some(line) = &mut self.line {
             line.handle_octets(now, octets);
         }
+        self.news.everything = true;
         self.work(now);
     }
 
@@ -276,6 +304,7 @@ impl Client {
         if let Some(line) = &mut self.line {
             line.handle_timeout(now);
         }
+        self.news.everything = true;
         self.work(now);
     }
 
@@ -409,6 +438,7 @@ impl Client {
             answered: Stw1(0),
             since: (0, None),
             operated: control_operates,
+            stepped: 0,
             sampled: 0,
             taps: Vec::new(),
         });
@@ -518,61 +548,89 @@ impl Client {
         })
     }
 
+    /// Returns what happened since it was asked last.
+    pub(crate) fn take_news(&mut self) -> News {
+        std::mem::take(&mut self.news)
+    }
+
     /// Handles the events of the controller, then steps the axes.
     fn work(&mut self, now: Instant) {
+        self.take_events();
+        self.take_over();
+        self.stepped = now;
+        for at in 0..self.axes.len() {
+            self.step(at, now);
+        }
+    }
+
+    /// Handles the events of the controller; false if there were none.
+    fn take_events(&mut self) -> bool {
+        let mut happened = false;
         while let Some(event) = self.controller.poll_event() {
+            happened = true;
             self.take(event);
         }
-        self.take_over();
-        for axis in &mut self.axes {
-            let (received, missed) = match axis.link {
-                Link::ArListEntry(ar) => self
-                    .controller
-                    .statistics(ar)
-                    .map_or((0, 0), |counts| (counts.received, counts.missed)),
-                Link::Slave(slave) => (self.line.as_ref().map_or(0, |line| line.replies(slave)), 0),
-            };
-            let answered = axis.control.command();
-            let before = answered.stw1;
-            let seen = match axis.link {
-                Link::ArListEntry(ar) => match self.controller.input(ar, axis.slot, axis.subslot) {
-                    Some((data, provider)) => axis.wiring.decode(data).filter(|_| provider.is_good()),
-                    None => continue,
-                },
-                Link::Slave(slave) => {
-                    let Some(line) = &mut self.line else { continue };
-                    match line.take_inputs(slave) {
-                        Some(data) => axis.wiring.decode(&data),
-                        None if line.answers(slave) == Some(false) => None,
-                        None => continue,
-                    }
+        self.news.everything |= happened;
+        happened
+    }
+
+    /// Steps one axis by its latest inputs.
+    fn step(&mut self, at: usize, now: Instant) {
+        let Some(axis) = self.axes.get_mut(at) else { return };
+        let (received, missed) = match axis.link {
+            Link::ArListEntry(ar) => self
+                .controller
+                .statistics(ar)
+                .map_or((0, 0), |counts| (counts.received, counts.missed)),
+            Link::Slave(slave) => (self.line.as_ref().map_or(0, |line| line.replies(slave)), 0),
+        };
+        let answered = axis.control.command();
+        let before = (answered, axis.control.progress());
+        let seen = match axis.link {
+            Link::ArListEntry(ar) => match self.controller.input(ar, axis.slot, axis.subslot) {
+                Some((data, provider)) => axis.wiring.decode(data).filter(|_| provider.is_good()),
+                None => return,
+            },
+            Link::Slave(slave) => {
+                let Some(line) = &mut self.line else { return };
+                match line.take_inputs(slave) {
+                    Some(data) => axis.wiring.decode(&data),
+                    None if line.answers(slave) == Some(false) => None,
+                    None => return,
                 }
-            };
-            let command = match seen {
-                Some(seen) => {
-                    axis.seen = Some(seen);
-                    axis.note_answer(received);
-                    axis.control.step(now, seen)
-                }
-                // nothing is switched on by a drive that reports nothing valid
-                None => axis.control.step_blind(now),
-            };
-            if let Some(seen) = seen.filter(|_| received != axis.sampled) {
-                axis.sampled = received;
-                let sample = Sample {
-                    at: now,
-                    number: received,
-                    missed,
-                    seen,
-                    command: answered,
-                };
-                axis.taps.iter().for_each(|tap| tap.push(sample));
             }
-            if command.stw1 != before {
-                axis.since = (received, axis.seen.map(|seen| seen.zsw1));
+        };
+        let command = match seen {
+            Some(seen) => {
+                axis.seen = Some(seen);
+                axis.note_answer(received);
+                axis.control.step(now, seen)
             }
-            axis.send(&mut self.controller, self.line.as_mut());
+            // nothing is switched on by a drive that reports nothing valid
+            None => axis.control.step_blind(now),
+        };
+        if received != axis.stepped {
+            axis.stepped = received;
+            self.news.add(axis.link);
         }
+        if let Some(seen) = seen.filter(|_| received != axis.sampled) {
+            axis.sampled = received;
+            let sample = Sample {
+                at: now,
+                number: received,
+                missed,
+                seen,
+                command: answered,
+            };
+            axis.taps.iter().for_each(|tap| tap.push(sample));
+        }
+        if command.stw1 != answered.stw1 {
+            axis.since = (received, axis.seen.map(|seen| seen.zsw1));
+        }
+        if (command, axis.control.progress()) != before {
+            self.news.add(axis.link);
+        }
+        axis.send(&mut self.controller, self.line.as_mut());
     }
 
     fn take(&mut self, event: Event) {
@@ -644,12 +702,18 @@ impl Endpoint for Client {
 
     fn handle_frame(&mut self, now: Instant, frame: &[u8]) {
         self.controller.handle_frame(now, frame);
-        self.work(now);
+        let input = self.controller.take_input().map(Link::ArListEntry);
+        match self.axes.iter().position(|axis| Some(axis.link) == input) {
+            // what one drive reports concerns no other
+            Some(at) if !self.controller.has_event() => self.step(at, now),
+            _ => self.work(now),
+        }
     }
 
     fn handle_datagram(&mut self, now: Instant, source: SocketAddrV4, local_port: u16, payload: &[u8]) {
         if local_port == self.mapper.port() {
             self.mapper.handle_datagram(now, source, payload);
+            self.news.everything = true;
         } else {
             self.controller.handle_datagram(now, source, local_port, payload);
         }
@@ -658,8 +722,11 @@ impl Endpoint for Client {
 
     fn handle_timeout(&mut self, now: Instant) {
         self.controller.handle_timeout(now);
+        self.news.everything |= self.mapper.poll_timeout().is_some();
         self.mapper.handle_timeout(now);
-        self.work(now);
+        if self.controller.has_event() || now >= self.stepped + STEP {
+            self.work(now);
+        }
     }
 
     fn poll_transmit(&mut self, now: Instant, buffer: &mut [u8]) -> Option<Transmit> {

@@ -1,7 +1,8 @@
 //! What callers and the driver of a network share: the client inside, the callers that wait, and what has still to be done.
 //!
 //! A call is a future that checks the client, posts its request and waits for the next turn. The driver carries bytes
-//! and time: each of its turns handles one event and wakes all waiting calls.
+//! and time: each of its turns handles what came and wakes the calls that this may concern. With hundreds of axes most turns
+//! concern one of them.
 
 mod driver;
 mod queue;
@@ -15,13 +16,14 @@ use std::ops::{Deref, DerefMut};
 use std::pin::Pin;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError, RwLock, RwLockReadGuard, Weak};
-use std::task::{Context, Poll, Waker};
+use std::task::{Context, Poll, Wake, Waker};
 use std::time::Duration;
 
 use profinet::{Endpoint, Instant, IpSuite, MacAddress, Transmit};
 
+use crate::client::News;
 use crate::session::Records;
-use crate::{Client, Error, WireFailure};
+use crate::{Client, Error, Link, WireFailure};
 
 pub use driver::{Driver, World};
 pub(crate) use queue::{At, Queues, Turn, at};
@@ -30,6 +32,8 @@ pub use wire::Wire;
 
 /// How long a driver sleeps when no call waits.
 const IDLE: Duration = Duration::from_millis(50);
+/// Every event comes before that.
+const FAR: Duration = Duration::from_secs(3600);
 
 /// A background operation: an axis that is brought to rest.
 type Task = Pin<Box<dyn Future<Output = ()> + Send>>;
@@ -51,8 +55,12 @@ struct Shared {
     time: AtomicU64,
     /// When the driver wakes at the latest, in nanoseconds.
     wakes: AtomicU64,
-    /// An event occurred that waiting calls must check.
+    /// All waiting calls must look, whatever the client has to report.
     happened: AtomicBool,
+    /// Turns with an event, or in which all had to look.
+    events: AtomicU64,
+    /// A background operation can go on.
+    tasks_wake: Arc<TasksWake>,
     /// The client may have something to send.
     touched: AtomicBool,
     /// Stations are found by DCP.
@@ -63,6 +71,39 @@ struct Shared {
     simulated: AtomicBool,
     /// Every axis is to be brought to rest.
     closing: RwLock<bool>,
+}
+
+/// Wakes the background operations, in the next turn.
+#[derive(Default)]
+struct TasksWake(AtomicBool);
+
+impl Wake for TasksWake {
+    fn wake(self: Arc<Self>) {
+        self.0.store(true, Ordering::Release);
+    }
+}
+
+/// Which turns concern a waiting call.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Interest {
+    /// Those with an event: an answer, a connection that changed.
+    Events,
+    /// Also those with inputs of this axis.
+    Axis(Link),
+    /// Also those with inputs of any axis.
+    Anything,
+}
+
+impl Interest {
+    fn is_met(self, news: &News) -> bool {
+        let axes = &news.axes;
+        news.everything
+            || match self {
+                Self::Events => false,
+                Self::Axis(link) => axes.contains(&link),
+                Self::Anything => !axes.is_empty(),
+            }
+    }
 }
 
 /// Who waits for the next turn, and what happens in each.
@@ -76,7 +117,7 @@ struct Turns {
     tasks: Vec<Task>,
     /// Of them, those that the driver looks at now and has therefore taken out.
     under_way: usize,
-    /// The last failure of the wire, with its turn.
+    /// The last failure of the wire, with its turn: a call that was woken later finds it all the same.
     failure: Option<(u64, WireFailure)>,
     /// There are no more turns.
     ended: bool,
@@ -100,6 +141,9 @@ struct Waiting {
     /// The turn in which it began.
     begun: u64,
     until: Instant,
+    interest: Interest,
+    /// Its turn has come.
+    woken: bool,
     waker: Waker,
 }
 
@@ -127,6 +171,8 @@ impl Engine {
                 time: AtomicU64::new(0),
                 wakes: AtomicU64::new(0),
                 happened: AtomicBool::new(false),
+                events: AtomicU64::new(0),
+                tasks_wake: Arc::default(),
                 touched: AtomicBool::new(false),
                 discovery: AtomicBool::new(true),
                 calls: AtomicBool::new(true),
@@ -233,18 +279,40 @@ impl Engine {
         }
     }
 
-    /// Waits for the next turn, at most until `until`.
-    pub(crate) fn next_turn(&self, until: Instant) -> NextTurn {
+    /// Waits for the next turn that `interest` is met in, at most until `until`.
+    pub(crate) fn next_turn(&self, until: Instant, interest: Interest) -> NextTurn {
         NextTurn {
             engine: self.clone(),
             until,
-            begun: None,
+            interest,
+            since: None,
+            key: None,
         }
     }
 
-    /// Runs an operation in the background, in every turn until it is done.
+    /// Waits until `done`, which an event or [`stir`](Self::stir) makes true; false once there are no more turns.
+    pub(crate) async fn until(&self, done: impl Fn() -> bool) -> bool {
+        loop {
+            let events = self.events();
+            if done() {
+                return true;
+            }
+            let turn = self.next_turn(self.now() + FAR, Interest::Events).since(events);
+            if turn.await.is_err_and(|error| error.is_final()) {
+                return false;
+            }
+        }
+    }
+
+    /// Returns the number of events so far, to be taken before a look: see [`NextTurn::since`].
+    pub(crate) fn events(&self) -> u64 {
+        self.shared.events.load(Ordering::Acquire)
+    }
+
+    /// Runs an operation in the background until it is done.
     pub(crate) fn spawn(&self, task: impl Future<Output = ()> + Send + 'static) {
         locked(&self.shared.turns).tasks.push(Box::pin(task));
+        self.shared.tasks_wake.wake_by_ref();
         self.stir();
     }
 
@@ -258,6 +326,16 @@ impl Engine {
     /// Begins a turn at `now`: what is carried out beside the calls gets on. Returns when the turn is to end at the latest.
     pub fn begin_turn(&self, now: Instant) -> Instant {
         self.shared.time.store(now.as_nanos(), Ordering::Relaxed);
+        if self.shared.tasks_wake.0.swap(false, Ordering::Acquire) {
+            self.look_at_tasks();
+        }
+        let turns = locked(&self.shared.turns);
+        let due = turns.due().unwrap_or(now + IDLE).min(now + IDLE);
+        self.shared.wakes.store(due.as_nanos(), Ordering::Release);
+        due
+    }
+
+    fn look_at_tasks(&self) {
         // taken out: a task waits for the next turn, which needs the lock
         let mut tasks = {
             let mut turns = locked(&self.shared.turns);
@@ -266,33 +344,42 @@ impl Engine {
             std::mem::take(&mut turns.tasks)
         };
         let taken = tasks.len();
-        let mut context = Context::from_waker(Waker::noop());
+        let waker = Waker::from(Arc::clone(&self.shared.tasks_wake));
+        let mut context = Context::from_waker(&waker);
         tasks.retain_mut(|task| task.as_mut().poll(&mut context).is_pending());
+        if tasks.len() < taken {
+            // whoever waits for its end looks in this turn
+            self.shared.happened.store(true, Ordering::Release);
+        }
         let mut turns = locked(&self.shared.turns);
         // what a task has begun meanwhile comes behind
         tasks.append(&mut turns.tasks);
         turns.tasks = tasks;
         turns.under_way -= taken;
-        let due = turns.due().unwrap_or(now + IDLE).min(now + IDLE);
-        self.shared.wakes.store(due.as_nanos(), Ordering::Release);
-        due
     }
 
-    /// Ends a turn: wakes all waiting calls if an event was handled or a timeout passed.
+    /// Ends a turn: wakes the waiting calls that it concerns, and those whose time is over.
     pub fn end_turn(&self, now: Instant, failure: Option<WireFailure>) {
         self.shared.time.store(now.as_nanos(), Ordering::Relaxed);
-        let happened = self.shared.happened.swap(false, Ordering::Acquire);
+        let mut news = self.quietly().take_news();
+        news.everything |= self.shared.happened.swap(false, Ordering::Acquire) || failure.is_some();
         let mut woken = {
             let mut turns = locked(&self.shared.turns);
-            let due = turns.due().is_some_and(|due| due <= now);
-            if !happened && !due && failure.is_none() {
-                return;
-            }
             turns.number += 1;
             let number = turns.number;
-            turns.failure = failure.map(|failure| (number, failure));
+            if news.everything {
+                self.shared.events.fetch_add(1, Ordering::Release);
+            }
+            if let Some(failure) = failure {
+                turns.failure = Some((number, failure));
+            }
             let mut woken = std::mem::take(&mut turns.woken);
-            woken.extend(turns.waiting.values().map(|one| one.waker.clone()));
+            for one in turns.waiting.values_mut().filter(|one| !one.woken) {
+                if one.until <= now || one.interest.is_met(&news) {
+                    one.woken = true;
+                    woken.push(one.waker.clone());
+                }
+            }
             woken
         };
         // the lock is not held: who is woken may look at once
@@ -317,20 +404,14 @@ impl Engine {
         waiting.into_values().for_each(|one| one.waker.wake());
     }
 
-    /// Returns the client, to pass events to it.
-    fn heard(&self) -> MutexGuard<'_, Client> {
-        self.shared.happened.store(true, Ordering::Release);
-        self.quietly()
-    }
-
     /// Takes octets that came from the serial line.
     pub fn handle_octets(&mut self, now: Instant, octets: &[u8]) {
-        self.heard().handle_octets(now, octets);
+        self.quietly().handle_octets(now, octets);
     }
 
     /// Does what is due on the serial line at `now`.
     pub fn handle_line_timeout(&mut self, now: Instant) {
-        self.heard().handle_line_timeout(now);
+        self.quietly().handle_line_timeout(now);
     }
 
     /// Returns the next octets to send on the serial line: their number in `buffer`, which has [`uss::MAX_TELEGRAM`] of
@@ -357,15 +438,15 @@ impl Endpoint for Engine {
     }
 
     fn handle_frame(&mut self, now: Instant, frame: &[u8]) {
-        self.heard().handle_frame(now, frame);
+        self.quietly().handle_frame(now, frame);
     }
 
     fn handle_datagram(&mut self, now: Instant, source: SocketAddrV4, local_port: u16, payload: &[u8]) {
-        self.heard().handle_datagram(now, source, local_port, payload);
+        self.quietly().handle_datagram(now, source, local_port, payload);
     }
 
     fn handle_timeout(&mut self, now: Instant) {
-        self.heard().handle_timeout(now);
+        self.quietly().handle_timeout(now);
     }
 
     fn poll_transmit(&mut self, now: Instant, buffer: &mut [u8]) -> Option<Transmit> {
@@ -399,9 +480,9 @@ impl DerefMut for Touched<'_> {
 }
 
 impl Turns {
-    /// Returns the time when the first of those is to be woken who wait for the present turn.
+    /// Returns the time when the first of those is to be woken who wait.
     fn due(&self) -> Option<Instant> {
-        let waiting = self.waiting.values().filter(|one| one.begun == self.number);
+        let waiting = self.waiting.values().filter(|one| !one.woken);
         waiting.map(|one| one.until).min()
     }
 }
@@ -410,8 +491,20 @@ impl Turns {
 pub(crate) struct NextTurn {
     engine: Engine,
     until: Instant,
-    /// Its place among those who wait, and the turn in which it began to.
-    begun: Option<(u64, u64)>,
+    interest: Interest,
+    /// Events at the last look.
+    since: Option<u64>,
+    /// Its place among those who wait.
+    key: Option<u64>,
+}
+
+impl NextTurn {
+    /// Does not wait where an event came after so many: another thread may bring one between a look and the wait.
+    pub(crate) const fn since(self, events: u64) -> Self {
+        let mut waits = self;
+        waits.since = Some(events);
+        waits
+    }
 }
 
 impl Future for NextTurn {
@@ -423,31 +516,37 @@ impl Future for NextTurn {
         if turns.ended {
             return Poll::Ready(Err(turns.end()));
         }
-        match self.begun {
-            Some((_, begun)) if turns.number != begun => {
+        if let Some(key) = self.key {
+            let begun = match turns.waiting.get_mut(&key) {
+                Some(one) if !one.woken => {
+                    one.waker.clone_from(context.waker());
+                    None
+                }
+                Some(one) => Some(one.begun),
+                None => Some(u64::MAX),
+            };
+            if let Some(begun) = begun {
                 let failure = turns.failure.as_ref().filter(|(turn, _)| *turn > begun);
                 return Poll::Ready(failure.map_or(Ok(()), |(_, why)| Err(Error::Medium(why.clone()))));
             }
-            Some((key, _)) => {
-                if let Some(one) = turns.waiting.get_mut(&key) {
-                    one.waker.clone_from(context.waker());
-                }
-            }
-            None => {
-                let key = turns.next_key;
-                turns.next_key += 1;
-                let one = Waiting {
-                    begun: turns.number,
-                    until: self.until,
-                    waker: context.waker().clone(),
-                };
-                turns.waiting.insert(key, one);
-                self.begun = Some((key, turns.number));
-                drop(turns);
-                let touched = engine.shared.touched.swap(false, Ordering::AcqRel);
-                if touched || self.until.as_nanos() < engine.shared.wakes.load(Ordering::Acquire) {
-                    engine.ring();
-                }
+        } else if self.since.is_some_and(|since| since != engine.events()) {
+            return Poll::Ready(Ok(()));
+        } else {
+            let key = turns.next_key;
+            turns.next_key += 1;
+            let one = Waiting {
+                begun: turns.number,
+                until: self.until,
+                interest: self.interest,
+                woken: false,
+                waker: context.waker().clone(),
+            };
+            turns.waiting.insert(key, one);
+            self.key = Some(key);
+            drop(turns);
+            let touched = engine.shared.touched.swap(false, Ordering::AcqRel);
+            if touched || self.until.as_nanos() < engine.shared.wakes.load(Ordering::Acquire) {
+                engine.ring();
             }
         }
         wait::driven_by(engine.shared.driver.get());
@@ -457,7 +556,7 @@ impl Future for NextTurn {
 
 impl Drop for NextTurn {
     fn drop(&mut self) {
-        if let Some((key, _)) = self.begun {
+        if let Some(key) = self.key {
             locked(&self.engine.shared.turns).waiting.remove(&key);
         }
     }
@@ -506,7 +605,7 @@ mod tests {
         let engine = engine();
         let inside = engine.clone();
         engine.spawn(async move {
-            let _ = inside.next_turn(Instant::ZERO + IDLE).await;
+            let _ = inside.next_turn(Instant::ZERO + IDLE, Interest::Events).await;
         });
         engine.begin_turn(Instant::ZERO);
         assert!(engine.is_busy());
@@ -530,7 +629,7 @@ mod tests {
             panic!("an error in a carrier");
         });
         assert!(carrier.join().is_err());
-        let mut next = std::pin::pin!(engine.next_turn(Instant::ZERO + IDLE));
+        let mut next = std::pin::pin!(engine.next_turn(Instant::ZERO + IDLE, Interest::Events));
         let answer = next.as_mut().poll(&mut Context::from_waker(Waker::noop()));
         let Poll::Ready(Err(error)) = answer else {
             panic!("it waits");

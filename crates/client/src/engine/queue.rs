@@ -9,7 +9,7 @@ use std::task::{Context, Poll, Waker};
 use profinet::{Instant, MacAddress};
 use uss::SlaveId;
 
-use super::{Engine, NextTurn, wait};
+use super::{Engine, Interest, NextTurn, wait};
 use crate::{Drive, Error};
 
 /// Most requests that wait for one drive.
@@ -142,7 +142,7 @@ impl Engine {
                 return Poll::Ready(true);
             }
             while let Some(due) = due {
-                let next = until.get_or_insert_with(|| self.next_turn(due));
+                let next = until.get_or_insert_with(|| self.next_turn(due, Interest::Events));
                 match Pin::new(next).poll(context) {
                     Poll::Pending => break,
                     Poll::Ready(Ok(())) if self.now() < due => until = None,

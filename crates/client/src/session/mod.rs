@@ -43,7 +43,7 @@ use profinet::Instant;
 use uss::ReceiverStatistics;
 
 use crate::axis::Goal;
-use crate::engine::Touched;
+use crate::engine::{Interest, NextTurn, Touched};
 use crate::{AxisView, Client, Connection, Drive, Engine, Error, Link, LossReaction, RouteNotice};
 
 use manner::Manner;
@@ -116,6 +116,8 @@ pub struct Session {
     silence: Option<Silence>,
     /// The drive whose axis is under control, and what it does when it loses that.
     under_control: Option<(String, Box<LossReaction>)>,
+    /// What it looks at while it waits for more than one thing.
+    interest: Interest,
 }
 
 /// Requests of a caller while it waits.
@@ -149,6 +151,7 @@ impl Clone for Session {
             manner: Arc::new(Mutex::new(self.manner().clone())),
             silence: None,
             under_control: self.under_control.clone(),
+            interest: self.interest,
         }
     }
 }
@@ -172,6 +175,7 @@ impl Session {
             manner: Arc::default(),
             silence: None,
             under_control: None,
+            interest: Interest::Anything,
         }
     }
 
@@ -318,14 +322,19 @@ impl Session {
 
     /// Lets one thing happen, at most until `until`.
     async fn step(&mut self, until: Instant) -> Result<(), Error> {
+        let turn = self
+            .engine
+            .next_turn(until.min(self.now() + GLANCE), self.interest);
+        self.step_in(turn).await
+    }
+
+    async fn step_in(&mut self, turn: NextTurn) -> Result<(), Error> {
         self.glance()?;
         let now = self.now();
         if let Some(mut silence) = self.silence.take_if(|silence| silence.due <= now) {
             (silence.notify)();
         }
-        let until = until.min(now + GLANCE);
-        let turn = self.engine.next_turn(until).await;
-        turn.map_err(|error| match (error, &self.under_control) {
+        turn.await.map_err(|error| match (error, &self.under_control) {
             // the drive hears nothing any more, wherever the way ends
             (Error::Medium(error), Some((drive, reaction))) => Error::CarrierLost {
                 drive: drive.clone(),
@@ -361,6 +370,7 @@ impl Session {
     ) -> Result<Option<T>, Error> {
         let end = self.end_of(limit);
         loop {
+            let events = self.engine.events();
             let result = done(&mut self.engine.quietly());
             if result.is_some() {
                 return Ok(result);
@@ -368,7 +378,9 @@ impl Session {
             if self.now() >= end {
                 return Ok(None);
             }
-            self.step(end).await?;
+            let until = end.min(self.now() + GLANCE);
+            let turn = self.engine.next_turn(until, Interest::Events).since(events);
+            self.step_in(turn).await?;
         }
     }
 }

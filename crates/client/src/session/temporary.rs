@@ -8,13 +8,12 @@ use std::time::Duration;
 use profile::value::Reading;
 
 use super::Session;
+use crate::engine::Interest;
 use crate::engine::{At, at};
 use crate::{Drive, Error};
 
 /// How long putting back may take at a drive that hardly answers.
 const LIMIT: Duration = Duration::from_secs(30);
-/// Every turn comes before that.
-const FAR: Duration = Duration::from_secs(3600);
 
 /// A setting as it was before.
 #[derive(Debug, Clone, PartialEq)]
@@ -182,17 +181,16 @@ impl Restorer {
     async fn attend(mut self) {
         let _meanwhile = self.session.unstoppable();
         let engine = self.session.engine().clone();
-        while !self.work.is_over() && !engine.is_closing() {
-            if let Err(error) = engine.next_turn(engine.now() + FAR).await
-                && error.is_final()
-            {
-                return;
-            }
+        let ends = || self.work.is_over() || engine.is_closing();
+        if !engine.until(ends).await {
+            return;
         }
         self.work.over.store(true, Ordering::Release);
         // where the network is left, this axis too ends
         while engine.records().holds_axis(&self.drive, engine.is_closing()) {
-            if let Err(error) = engine.next_turn(engine.now() + super::GLANCE).await
+            if let Err(error) = engine
+                .next_turn(engine.now() + super::GLANCE, Interest::Events)
+                .await
                 && error.is_final()
             {
                 return;

@@ -259,16 +259,16 @@ impl Ar {
         }
     }
 
-    /// Takes a cyclic frame.
-    pub(super) fn handle_cyclic(&mut self, shared: &mut Shared<'_>, frame: &Frame<'_>) {
+    /// Takes a cyclic frame. Returns true when it brought inputs.
+    pub(super) fn handle_cyclic(&mut self, shared: &mut Shared<'_>, frame: &Frame<'_>) -> bool {
         if !self.phase.is_cyclic() {
-            return;
+            return false;
         }
         let Some(consumer) = &mut self.consumer else {
-            return;
+            return false;
         };
         let Ok(accepted) = consumer.handle(shared.now, frame) else {
-            return;
+            return false;
         };
         let (old, new) = (accepted.previous_status, accepted.status);
         if accepted.first {
@@ -283,6 +283,7 @@ impl Ar {
             };
             shared.events.push_back(event);
         }
+        true
     }
 
     /// Takes an alarm frame.

@@ -91,7 +91,9 @@ impl Controller {
             events: &mut self.events,
             timeouts: &self.config.timeouts,
         };
-        ar.handle_cyclic(&mut shared, frame);
+        if ar.handle_cyclic(&mut shared, frame) {
+            self.last_input = Some(ar.id);
+        }
         // a frame only moves the watchdog: nothing to send
         self.due.set(index, ar.poll_timeout());
     }

@@ -87,6 +87,8 @@ pub struct Controller {
     /// Places of `ars` that may have a frame to send.
     senders: VecDeque<u16>,
     events: VecDeque<Event>,
+    /// The connection whose inputs came last.
+    last_input: Option<ArId>,
     uuids: UuidSource,
     session: u16,
     next_call: u32,
@@ -136,6 +138,7 @@ impl Controller {
             ready: Vec::new(),
             senders: VecDeque::new(),
             events: VecDeque::new(),
+            last_input: None,
             session: u16::from_be_bytes([a, d]),
             next_call: 0,
             uuids,
@@ -158,6 +161,12 @@ impl Controller {
     #[must_use]
     pub fn has_event(&self) -> bool {
         !self.events.is_empty()
+    }
+
+    /// Returns the connection whose inputs the last frame brought, once. Inputs are no events: with hundreds of connections
+    /// whoever follows one of them need not look at all.
+    pub const fn take_input(&mut self) -> Option<ArId> {
+        self.last_input.take()
     }
 
     /// Returns the next thing that happened.

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::{Axis, Ending};
 use crate::axis::{Sample, SampleQueue};
+use crate::engine::Interest;
 use crate::{Engine, Error, Link};
 
 /// Stops an axis from any thread, whoever moves it and whatever waits for its drive. Who moves it is reported by
@@ -58,6 +59,7 @@ impl StopHandle {
 #[derive(Debug)]
 pub struct Samples {
     engine: Engine,
+    link: Link,
     queue: Arc<SampleQueue>,
 }
 
@@ -80,7 +82,8 @@ impl Samples {
             if ended {
                 return Ok(None);
             }
-            self.engine.next_turn(self.engine.now() + super::GLANCE).await?;
+            let due = self.engine.now() + super::GLANCE;
+            self.engine.next_turn(due, Interest::Axis(self.link)).await?;
         }
     }
 
@@ -109,6 +112,7 @@ impl Axis {
         let queue = SampleQueue::new(capacity);
         let engine = self.session.engine().clone();
         engine.client().tap(self.link, Arc::clone(&queue));
-        Samples { engine, queue }
+        let link = self.link;
+        Samples { engine, link, queue }
     }
 }

@@ -9,6 +9,7 @@ use profinet::controller::{ArId, ConnectConfig, Misuse, Resolve, Target};
 use super::rest::{Closer, Ending, Place};
 use super::{Axis, AxisPlan, AxisSettings, Session, speed_setpoint};
 use crate::axis::{AxisControl, Cycle, Limits, Purpose, SpeedScale, Wiring};
+use crate::engine::Interest;
 use crate::learn::device_of;
 use crate::session::plugged::Layout;
 use crate::session::prepare::{Prepared, ownerless};
@@ -292,6 +293,7 @@ impl Axis {
         let drive = self.drive.clone();
         self.session.running(&drive, self.link).await?;
         self.session.under_control = Some((drive.label(), self.loss.clone()));
+        self.session.interest = Interest::Axis(self.link);
         if let Link::ArListEntry(ar) = self.link {
             self.session.share(&drive, ar);
         }
@@ -324,6 +326,7 @@ impl Axis {
     fn closer(&self, kept: Vec<Reading>) -> Closer {
         let mut session = self.session.clone();
         session.under_control = Some((self.drive.label(), self.loss.clone()));
+        session.interest = Interest::Axis(self.link);
         Closer {
             session,
             drive: self.drive.clone(),

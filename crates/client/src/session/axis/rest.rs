@@ -21,8 +21,6 @@ const FIRST_DATA: Duration = Duration::from_secs(1);
 const LAST_ANSWER: Duration = Duration::from_secs(5);
 /// The longest ramp that is waited for.
 const LONGEST_RAMP: Duration = Duration::from_secs(600);
-/// Every turn comes before that.
-const FAR: Duration = Duration::from_secs(3600);
 
 /// State shared by an axis and the task that ends it.
 #[derive(Debug)]
@@ -153,13 +151,10 @@ impl Closer {
     pub(super) async fn attend(mut self) {
         let _meanwhile = self.session.unstoppable();
         let engine = self.session.engine().clone();
-        while !self.ending.is_reported() && !engine.is_closing() {
-            // what the wire does meanwhile is reported to the owner
-            if let Err(error) = engine.next_turn(engine.now() + FAR).await
-                && error.is_final()
-            {
-                return;
-            }
+        // what the wire does meanwhile is reported to the owner
+        let ends = || self.ending.is_reported() || engine.is_closing();
+        if !engine.until(ends).await {
+            return;
         }
         let result = self.shut_down().await;
         self.ending.open().result = Some(result);
@@ -331,6 +326,7 @@ impl Axis {
     pub async fn release_and_look(mut self) -> Released {
         let _meanwhile = self.session.unstoppable();
         self.ending.report();
+        self.session.engine().stir();
         loop {
             if let Some(result) = self.ending.take_result() {
                 return result;
