@@ -27,13 +27,14 @@
 //! ```
 
 use std::net::Ipv4Addr;
+use std::time::Duration;
 
 use client::{Drive, DriveAddress, Error, ErrorKind, Session, describe};
 use network::system::{Error as SystemError, InterfaceInfo};
 use profinet::IpSuite;
 use profinet::wire::dcp::{check_name, legal_name};
 
-use crate::report::{IpReport, NameReport, ResetReport};
+use crate::report::{BlinkReport, IpReport, NameReport, ResetReport};
 
 /// Why a station was not named, addressed or reset.
 #[derive(Debug, thiserror::Error)]
@@ -265,6 +266,39 @@ pub async fn set_ip(
         wanted.permanent,
         wanted.dry_run,
     ))
+}
+
+/// How long a station blinks for one signal.
+const BLINK: Duration = Duration::from_secs(3);
+
+/// Lets a station blink for at least `time`, by one signal after the other. `confirmed` is called once, when the station has
+/// answered the first one. A caller who requests a stop ends it early; that is no error.
+///
+/// # Errors
+/// When the station does not answer.
+pub async fn blink(
+    session: &mut Session,
+    drive: &Drive,
+    time: Duration,
+    confirmed: impl FnOnce(),
+) -> Result<BlinkReport, AddressingError> {
+    let report = BlinkReport {
+        mac: drive.station.mac.to_string(),
+    };
+    let end = session.now() + time;
+    session.blink(drive).await?;
+    confirmed();
+    loop {
+        let next = (session.now() + BLINK).min(end);
+        match session.pass(next - session.now()).await {
+            Err(Error::Interrupted) => return Ok(report),
+            passed => passed?,
+        }
+        if session.now() >= end {
+            return Ok(report);
+        }
+        session.blink(drive).await?;
+    }
 }
 
 /// Checks whether a station may be reset, which makes sense before a person is asked: its axis is at rest, its power stage

@@ -20,7 +20,11 @@
 //! let end = network.now() + Duration::from_secs(2);
 //! let mut faults = Vec::new();
 //! loop {
-//!     faults.extend(monitor.read(&mut network, &mut drive).wait()?.faults);
+//!     let silent = || println!("the drive does not answer; waiting for it");
+//!     match monitor.read_reporting_silence(&mut network, &mut drive, silent).wait()? {
+//!         Some(observation) => faults.extend(observation.faults),
+//!         None => break,
+//!     }
 //!     if !monitor.pause(&mut network, end).wait()? {
 //!         break;
 //!     }
@@ -33,7 +37,7 @@
 
 use std::time::Duration;
 
-use client::{Drive, Error, FaultEntry, Session, Snapshot};
+use client::{Advice, Drive, Error, ErrorKind, FaultEntry, Session, Snapshot};
 use profile::value::Selection;
 use profinet::Instant;
 
@@ -41,6 +45,52 @@ use crate::report::DriveWords;
 
 /// The shortest time between two readings: faster than that the parameter channel of the drive is blocked for others.
 pub const SHORTEST_INTERVAL: Duration = Duration::from_millis(10);
+
+/// A drive usually answers within milliseconds; after this time without an answer it counts as silent.
+pub const SILENCE: Duration = Duration::from_secs(1);
+
+/// Why a drive is no longer watched.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum MonitorError {
+    /// The caller requested a stop while the drive was silent.
+    #[error("{drive} has not answered for {:.1} s", .waited.as_secs_f64())]
+    Silent {
+        /// The drive.
+        drive: String,
+        /// For how long.
+        waited: Duration,
+    },
+    /// The drive cannot be reached.
+    #[error(transparent)]
+    Client(#[from] Error),
+}
+
+impl MonitorError {
+    /// The kind of the error.
+    #[must_use]
+    pub fn kind(&self) -> ErrorKind {
+        match self {
+            Self::Silent { .. } => ErrorKind::Unreachable,
+            Self::Client(error) => error.kind(),
+        }
+    }
+
+    /// What to do; empty where there is nothing to add.
+    #[must_use]
+    pub fn advice(&self) -> Advice {
+        match self {
+            Self::Client(error) if !Self::is_of_drive(error) => error.advice().unwrap_or_default(),
+            _ => Advice::from("check power and cable of the drive; {scan} lists who answers"),
+        }
+    }
+
+    /// Returns true where the drive does not answer, and not for a fault of what carries the frames.
+    #[must_use]
+    pub fn is_of_drive(error: &Error) -> bool {
+        error.kind() == ErrorKind::Unreachable && !matches!(error, Error::Medium(_))
+    }
+}
 
 /// Readings were to follow each other faster than [`SHORTEST_INTERVAL`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
@@ -125,14 +175,45 @@ impl Monitor {
         })
     }
 
-    /// Lets the time pass until the next reading is due, which is at once after one that took longer than the interval.
-    /// Returns false when `end` came first.
+    /// As [`read`](Self::read), for a person who waits: `notify` is called once when the drive is silent for [`SILENCE`]. Returns
+    /// `None` when the caller requests a stop of a drive that is not silent. After an error the connections to the drive are
+    /// dropped, as it would not answer a release.
     ///
     /// # Errors
-    /// When the medium fails or the caller requests a stop.
+    /// When the drive cannot be reached, or the caller requests a stop while it is silent.
+    pub async fn read_reporting_silence(
+        &mut self,
+        session: &mut Session,
+        drive: &mut Drive,
+        notify: impl FnMut() + Send + 'static,
+    ) -> Result<Option<Observation>, MonitorError> {
+        let begin = session.now();
+        let read = async |session: &mut Session| self.read(session, drive).await;
+        let result = session.reporting_silence(SILENCE, read, notify).await;
+        let waited = session.now() - begin;
+        let error = match result {
+            Ok(seen) => return Ok(Some(seen)),
+            Err(Error::Interrupted) if waited < SILENCE => return Ok(None),
+            Err(Error::Interrupted) => MonitorError::Silent {
+                drive: drive.label(),
+                waited,
+            },
+            Err(error) => error.into(),
+        };
+        session.forget(drive);
+        Err(error)
+    }
+
+    /// Lets the time pass until the next reading is due, which is at once after one that took longer than the interval.
+    /// Returns false when `end` came first or the caller requests a stop.
+    ///
+    /// # Errors
+    /// When the medium fails.
     pub async fn pause(&self, session: &mut Session, end: Instant) -> Result<bool, Error> {
         let due = self.last + self.interval;
-        session.pass(due.min(end) - session.now()).await?;
-        Ok(session.now() < end)
+        match session.pass(due.min(end) - session.now()).await {
+            Err(Error::Interrupted) => Ok(false),
+            passed => passed.map(|()| session.now() < end),
+        }
     }
 }

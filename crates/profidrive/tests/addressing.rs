@@ -2,12 +2,14 @@
 #![cfg(feature = "simulate")]
 
 use std::net::Ipv4Addr;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use profidrive::addressing::{
-    AddressingError, FactoryReset, NewAddress, NewName, check_reset, reset, set_ip, set_name,
+    AddressingError, FactoryReset, NewAddress, NewName, blink, check_reset, reset, set_ip, set_name,
 };
-use profidrive::client::{AtWork, Drive, Error};
+use profidrive::client::{AtWork, Drive, Error, ErrorKind};
 use profidrive::{Network, Wait};
 use profinet::IpSuite;
 
@@ -134,4 +136,50 @@ fn a_reset_takes_the_name_back() {
     );
     network.pass(Duration::from_secs(5)).wait().unwrap();
     assert!(network.find(&"akd-1".parse().unwrap()).wait().is_err());
+}
+
+#[test]
+fn a_station_blinks_for_the_requested_time_and_is_confirmed_once() {
+    let mut network = open();
+    let drive = find(&mut network, "akd-1");
+    for (time, most) in [(0, 1), (1, 2), (7, 8)] {
+        let (begin, mut confirmed) = (network.now(), 0);
+        let report = blink(&mut network, &drive, Duration::from_secs(time), || confirmed += 1)
+            .wait()
+            .unwrap();
+        assert_eq!((report.mac, confirmed), (drive.station.mac.to_string(), 1));
+        let took = network.now() - begin;
+        assert!(
+            took >= Duration::from_secs(time) && took < Duration::from_secs(most),
+            "{took:?}"
+        );
+    }
+}
+
+#[test]
+fn blinking_ends_early_without_an_error_when_the_caller_requests_it() {
+    let mut network = open();
+    let drive = find(&mut network, "akd-1");
+    let answered = Arc::new(AtomicBool::new(false));
+    let flag = answered.clone();
+    network.interrupt_with(move || flag.load(Ordering::Relaxed));
+    let begin = network.now();
+    let confirmed = || answered.store(true, Ordering::Relaxed);
+    blink(&mut network, &drive, Duration::from_secs(60), confirmed)
+        .wait()
+        .unwrap();
+    assert!(network.now() - begin < Duration::from_secs(1));
+}
+
+#[test]
+fn a_station_that_does_not_answer_is_not_confirmed_to_blink() {
+    let plant = "[[drive]]\nname = \"akd-1\"\nevent = [{ at = \"1s\", do = \"cable=pulled\" }]";
+    let mut network = profidrive::open_scenario(plant.parse().unwrap()).unwrap();
+    let drive = find(&mut network, "akd-1");
+    network.pass(Duration::from_secs(2)).wait().unwrap();
+    let silent = blink(&mut network, &drive, Duration::from_secs(3), || {
+        panic!("no station has answered")
+    })
+    .wait();
+    assert_eq!(silent.unwrap_err().kind(), ErrorKind::Unreachable);
 }

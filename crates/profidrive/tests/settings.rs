@@ -5,7 +5,7 @@ use profidrive::client::backup::Backup;
 use profidrive::client::change::Choice;
 use profidrive::client::{Drive, ErrorKind, WriteMode};
 use profidrive::settings::{
-    self, BackupFile, Comparison, FileError, Restore, RestoreError, Shortfall, carry_out,
+    self, BackupFile, CompareError, Comparison, FileError, Restore, RestoreError, Shortfall, carry_out,
 };
 use profidrive::{Network, Outcome, Wait};
 
@@ -39,7 +39,9 @@ fn open(name: &str) -> (Network, Drive) {
 }
 
 fn saved(network: &mut Network, drive: &mut Drive) -> Backup {
-    network.backup(drive, &mut |_, _| {}).wait().expect("read")
+    let read = settings::backup(network, drive, |_, _| {}).wait().expect("read");
+    assert_eq!(read.outcome, settings::outcome(&read.report));
+    read.report
 }
 
 fn write(network: &mut Network, drive: &mut Drive, assignment: &str) {
@@ -139,9 +141,14 @@ fn settings_of_another_kind_of_drive_are_refused_unless_forced() {
     assert!(matches!(error, RestoreError::Misfit(_)), "{error}");
     assert_eq!(error.kind(), ErrorKind::Safety);
     let compared = settings::as_in(&mut network, &mut vlt, &of_akd).wait();
-    assert!(matches!(compared, Err(RestoreError::Misfit(_))));
+    assert!(matches!(compared, Err(CompareError::Misfit(_))));
     let of_vlt = saved(&mut network, &mut vlt);
-    assert!(Comparison::new(&of_akd, &of_vlt).is_err());
+    let error = Comparison::new(&of_akd, &of_vlt).unwrap_err();
+    assert_eq!(error.kind(), ErrorKind::Usage);
+    assert_eq!(
+        error.to_string(),
+        "AKD and VLT are two models: their parameters cannot be compared"
+    );
     let forced = Restore {
         force: true,
         dry_run: true,
@@ -222,6 +229,14 @@ fn what_is_not_a_backup_is_not_replaced() {
     std::fs::write(&path, "Dear colleague").expect("written");
     let error = BackupFile::at(&path, false).unwrap_err();
     assert!(matches!(error, FileError::OtherContent(_)), "{error}");
+    // nor is a file written of a drive that reported nothing
+    let empty = Backup::read("profidrive backup 1\nmodel: AKD\nvendor: 0x0105\ndevice: 0x0001\n").unwrap();
+    let error = BackupFile::at(&folder.join("empty.backup"), false)
+        .unwrap()
+        .write(&empty)
+        .unwrap_err();
+    assert!(matches!(error, FileError::NoSettings(_)), "{error}");
+    assert!(!folder.join("empty.backup").exists());
     assert_eq!(error.kind(), ErrorKind::Local);
     assert!(matches!(settings::read(&path), Err(FileError::Wrong { .. })));
     let (mut network, mut drive) = open("akd-1");

@@ -294,6 +294,13 @@ fn settings_are_saved_compared_and_brought_back() {
         ],
     )
     .ok();
+    // a file name without a folder could be the name of a drive
+    let neither = client(&lab, &["diff", "akd-2.backup", "akd-1"]);
+    assert_eq!(neither.code, Some(4), "{neither:?}");
+    assert!(
+        neither.err.contains("there is no file akd-2.backup either"),
+        "{neither:?}"
+    );
     let differs = client(&lab, &["diff", &first, "akd-1"]);
     assert_eq!(differs.code, Some(5), "{differs:?}");
     for words in ["DRV.ACC", "3000", "5000", "rpm/s", "USER.INT1"] {

@@ -7,7 +7,6 @@ use std::time::Duration;
 
 use client::{AtWork, Error, ErrorKind, Wait, describe};
 use profidrive::addressing::{self, AddressingError, FactoryReset, NewAddress, NewName, check_station_name};
-use profidrive::report::BlinkReport;
 use profinet::IpSuite;
 
 use crate::args::{Blink, Interface, Ip, Name, Reset, ResetMode};
@@ -130,33 +129,10 @@ fn suite(ip: IpSuite, prefix: u8) -> String {
 }
 
 pub fn blink(args: &Blink, interface: &Interface, output: &Output) -> Result<(), Failure> {
-    /// One signal lasts about three seconds.
-    const EVERY: Duration = Duration::from_secs(3);
     let (mut session, drive) = connect::drive(&interface.target(&args.drive), Need::Discovery, output)?;
-    let end = session.now() + args.time;
-    let mut printed = false;
-    loop {
-        session.blink(&drive).wait()?;
-        // only the answer confirms it
-        if !std::mem::replace(&mut printed, true) {
-            output.say(&format!("{} blinks", describe(&drive.station)));
-        }
-        let next = (session.now() + EVERY).min(end);
-        let pause = next - session.now();
-        if pause.is_zero() {
-            break;
-        }
-        match session.pass(pause).wait() {
-            Err(Error::Interrupted) => break,
-            other => other?,
-        }
-        if session.now() >= end {
-            break;
-        }
-    }
-    output.json_report(&BlinkReport {
-        mac: drive.station.mac.to_string(),
-    });
+    let confirmed = || output.say(&format!("{} blinks", describe(&drive.station)));
+    let report = addressing::blink(&mut session, &drive, args.time, confirmed).wait()?;
+    output.json_report(&report);
     Ok(())
 }
 

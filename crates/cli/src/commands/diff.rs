@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use client::backup::{Backup, Difference, Side, TaskCoverage};
-use client::{DriveAddress, Wait};
-use profidrive::settings::{self, Comparison, RestoreError};
+use client::backup::{Backup, Difference, Side};
+use client::{DriveAddress, ErrorKind, Wait};
+use profidrive::settings::{self, CompareError, Comparison};
 use profile::value::Reading;
 
 use super::backup;
@@ -18,25 +18,30 @@ use crate::render::value;
 
 pub fn run(args: &Diff, options: &DriveOptions, output: &Output) -> Result<(), Failure> {
     let (left, right) = (source(&args.left)?, source(&args.right)?);
+    let drive = |name: &str| {
+        let read = backup::whole(&options.target(name), output);
+        read.map(|(backup, _)| backup.report)
+            .map_err(|failure| no_file(failure, name))
+    };
+    // of a drive, the contents of the file count: it may hold a part only
+    let in_drive = |file: &Backup, name: &str| {
+        like(file, &options.target(name), output).map_err(|failure| no_file(failure, name))
+    };
     let (left, right) = match (left, right) {
         (Some(left), Some(right)) => (left, right),
-        // of a drive, the contents of the file count: it may hold a part only
         (Some(file), None) => {
-            let drive = like(&file, &options.target(&args.right), output)?;
+            let drive = in_drive(&file, &args.right)?;
             (file, drive)
         }
-        (None, Some(file)) => (like(&file, &options.target(&args.left), output)?, file),
-        (None, None) => {
-            let (left, _) = backup::whole(&options.target(&args.left), output)?;
-            let (right, _) = backup::whole(&options.target(&args.right), output)?;
-            (left, right)
-        }
+        (None, Some(file)) => (in_drive(&file, &args.left)?, file),
+        (None, None) => (drive(&args.left)?, drive(&args.right)?),
     };
-    let comparison = Comparison::new(&left, &right).map_err(|error| {
-        Failure::usage(format!(
-            "{} is of model {}, {} of model {}: parameters of two models cannot be compared",
-            args.left, error.left, args.right, error.right
-        ))
+    let comparison = Comparison::new(&left, &right).map_err(|error| match error {
+        CompareError::OtherModel { left, right } => Failure::usage(format!(
+            "{} is of model {left}, {} of model {right}: parameters of two models cannot be compared",
+            args.left, args.right
+        )),
+        other => other.into(),
     })?;
     for remark in left.header.remarks(&right.header) {
         output.say(
@@ -45,8 +50,11 @@ pub fn run(args: &Diff, options: &DriveOptions, output: &Output) -> Result<(), F
                 .replace("in the drive", "on the right"),
         );
     }
-    for (name, one, other) in [(&args.left, &left, &right), (&args.right, &right, &left)] {
-        if let (TaskCoverage::LeftOut(why), false) = (&one.header.tasks, other.task_numbers().is_empty()) {
+    for (name, why) in [&args.left, &args.right]
+        .into_iter()
+        .zip(comparison.tasks_left_out())
+    {
+        if let Some(why) = why {
             output.warn(&format!(
                 "motion tasks are not compared: they are left out of {name}: {why}"
             ));
@@ -160,16 +168,32 @@ fn source(text: &str) -> Result<Option<Backup>, Failure> {
     }
 }
 
+/// Adds to the failure of a drive that was not found that its name is not a file's either.
+fn no_file(failure: Failure, name: &str) -> Failure {
+    let is_name = matches!(name.parse(), Ok(DriveAddress::Name(_)));
+    if failure.kind == ErrorKind::Unreachable && is_name {
+        failure.and_hint(format!("there is no file {name} either"))
+    } else {
+        failure
+    }
+}
+
+impl From<CompareError> for Failure {
+    fn from(error: CompareError) -> Self {
+        match error {
+            CompareError::Client(error) => error.into(),
+            other => Self::new(other.kind(), other.to_string()),
+        }
+    }
+}
+
 /// Returns the parameters of a file, as the drive has them.
 fn like(file: &Backup, target: &Target, output: &Output) -> Result<Backup, Failure> {
     let (mut session, mut drive) = connect::drive(target, Need::Records, output)?;
     let spinner = connect::spinner(output, format!("reading {}", drive.label()));
     let backup = settings::as_in(&mut session, &mut drive, file).wait();
     spinner.finish_and_clear();
-    let backup = backup.map_err(|error| match error {
-        RestoreError::Misfit(misfit) => Failure::usage(misfit),
-        other => other.into(),
-    })?;
+    let backup = backup?;
     session.close().wait()?;
     let more = file.lacks(&drive.model);
     if more > 0 {

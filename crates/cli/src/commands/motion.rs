@@ -1,9 +1,7 @@
 //! `profidrive ack`, `profidrive monitor`
 
-use std::time::Duration;
-
-use client::{Drive, Error, ErrorKind, Session, Wait};
-use profidrive::monitor::{Monitor, Observation};
+use client::Wait;
+use profidrive::monitor::{Monitor, MonitorError, Observation};
 use profidrive::motion;
 use profidrive::report::MonitorReading;
 use profile::notation::ParameterReference;
@@ -12,7 +10,7 @@ use profile::value::{ParameterProblem, Selection};
 use super::axis::{self, FOR_EVER, fault_text};
 use crate::advice::Commands;
 use crate::args::{self, Ack, Target};
-use crate::connect::{self, Live, Need};
+use crate::connect::{self, Need};
 use crate::failure::Failure;
 use crate::output::Output;
 use crate::render::{hex16, value};
@@ -61,69 +59,35 @@ pub fn monitor(args: &args::Monitor, target: &Target, output: &Output) -> Result
     let mut monitor = monitor.with(more);
     output.say(&format!("watching {}, reads only; Ctrl-C ends", drive.label()));
     let end = session.now() + args.time.unwrap_or(FOR_EVER);
+    let label = drive.label();
     loop {
-        let seen = match answered(&mut session, &mut drive, &mut monitor, output) {
-            Ok(None) => break,
-            Ok(Some(seen)) => seen,
-            Err(failure) => {
-                // the device does not answer, so there is no orderly release
-                session.forget(&drive);
-                return Err(failure);
-            }
+        let (printer, silent) = (output.clone(), label.clone());
+        let silent = move || printer.warn(&format!("{silent} does not answer; waiting for it"));
+        let Some(seen) = monitor
+            .read_reporting_silence(&mut session, &mut drive, silent)
+            .wait()?
+        else {
+            break;
         };
         show(&seen, args.raw, output);
         for fault in &seen.faults {
             output.warn(&fault_text(fault));
         }
-        match monitor.pause(&mut session, end).wait() {
-            Ok(true) => {}
-            Ok(false) | Err(Error::Interrupted) => break,
-            Err(error) => return Err(error.into()),
+        if !monitor.pause(&mut session, end).wait()? {
+            break;
         }
     }
     Ok(session.close().wait()?)
 }
 
-/// A drive usually answers within milliseconds; a longer silence is reported.
-const SILENCE: Duration = Duration::from_secs(1);
-
-/// Returns the answer of the drive; `None` when the user ends the command. A silent drive is reported at once.
-fn answered(
-    session: &mut Live,
-    drive: &mut Drive,
-    monitor: &mut Monitor,
-    output: &Output,
-) -> Result<Option<Observation>, Failure> {
-    let begin = session.now();
-    let label = drive.label();
-    let (printer, silent) = (output.clone(), label.clone());
-    let result = session
-        .reporting_silence(
-            SILENCE,
-            async |session: &mut Session| monitor.read(session, drive).await,
-            move || printer.warn(&format!("{silent} does not answer; waiting for it")),
-        )
-        .wait();
-    let waited = session.now() - begin;
-    match result {
-        Ok(seen) => Ok(Some(seen)),
-        Err(Error::Interrupted) if waited < SILENCE => Ok(None),
-        Err(Error::Interrupted) => Err(gone(Failure::new(
-            ErrorKind::Unreachable,
-            format!("{label} has not answered for {:.1} s", waited.as_secs_f64()),
-        ))),
-        Err(error) => {
-            let failure = Failure::from(error);
-            Err(match failure.kind {
-                ErrorKind::Unreachable => gone(failure),
-                _ => failure,
-            })
+impl From<MonitorError> for Failure {
+    fn from(error: MonitorError) -> Self {
+        let advice = error.advice();
+        match error {
+            MonitorError::Client(error) if !MonitorError::is_of_drive(&error) => error.into(),
+            other => Self::new(other.kind(), other.to_string()).hint(advice),
         }
     }
-}
-
-fn gone(failure: Failure) -> Failure {
-    failure.hint("check power and cable of the drive; {scan} lists who answers")
 }
 
 fn show(seen: &Observation, raw: bool, output: &Output) {

@@ -1,19 +1,52 @@
 //! Comparing settings.
 
-use client::backup::{self, Backup, Difference, TaskDifference};
+use client::backup::{self, Backup, Difference, TaskCoverage, TaskDifference};
+use client::{Drive, Error, ErrorKind, Session};
 use profile::catalogue::Role;
 
 use crate::Outcome;
 use crate::report::{self, DiffReport, MotionTask, Wording};
 
-/// The settings are of two models: names and numbers mean different things.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("{left} and {right} are two models: their parameters cannot be compared")]
-pub struct OtherModel {
-    /// The model on the left.
-    pub left: String,
-    /// The model on the right.
-    pub right: String,
+/// Why settings are not compared.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum CompareError {
+    /// The settings are of two models: names and numbers mean different things.
+    #[error("{left} and {right} are two models: their parameters cannot be compared")]
+    OtherModel {
+        /// The model on the left.
+        left: String,
+        /// The model on the right.
+        right: String,
+    },
+    /// The settings are of another kind of drive than the one that they are compared with.
+    #[error("{0}")]
+    Misfit(String),
+    /// The drive cannot be reached, or refuses.
+    #[error(transparent)]
+    Client(#[from] Error),
+}
+
+impl CompareError {
+    /// The kind of the error.
+    #[must_use]
+    pub fn kind(&self) -> ErrorKind {
+        match self {
+            Self::OtherModel { .. } | Self::Misfit(_) => ErrorKind::Usage,
+            Self::Client(error) => error.kind(),
+        }
+    }
+}
+
+/// The settings of a drive that a file has, to compare them.
+///
+/// # Errors
+/// [`CompareError::Misfit`] where the file is of another kind of drive, and when the drive cannot be reached.
+pub async fn as_in(session: &mut Session, drive: &mut Drive, file: &Backup) -> Result<Backup, CompareError> {
+    if let Some(misfit) = file.header.misfit(drive) {
+        return Err(CompareError::Misfit(misfit));
+    }
+    Ok(session.backup_like(drive, file).await?)
 }
 
 /// What two sets of settings differ in.
@@ -45,10 +78,10 @@ impl<'b> Comparison<'b> {
     /// Compares two sets of settings of one model.
     ///
     /// # Errors
-    /// When they are of two models.
-    pub fn new(left: &'b Backup, right: &'b Backup) -> Result<Self, OtherModel> {
+    /// [`CompareError::OtherModel`]
+    pub fn new(left: &'b Backup, right: &'b Backup) -> Result<Self, CompareError> {
         if left.header.model != right.header.model {
-            return Err(OtherModel {
+            return Err(CompareError::OtherModel {
                 left: left.header.model.clone(),
                 right: right.header.model.clone(),
             });
@@ -80,6 +113,17 @@ impl<'b> Comparison<'b> {
     pub fn of_connection(&self) -> usize {
         let settings = self.settings.iter();
         settings.filter(|one| self.is_of_connection(one)).count()
+    }
+
+    /// Why motion tasks of the left and of the right side are not compared though the other side has some: they are left out
+    /// there.
+    #[must_use]
+    pub fn tasks_left_out(&self) -> [Option<&'b str>; 2] {
+        let why = |one: &'b Backup, other: &Backup| match &one.header.tasks {
+            TaskCoverage::LeftOut(why) if !other.task_numbers().is_empty() => Some(why.as_str()),
+            _ => None,
+        };
+        [why(self.left, self.right), why(self.right, self.left)]
     }
 
     /// [`Outcome::Difference`] where anything differs.

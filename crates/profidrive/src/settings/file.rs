@@ -6,6 +6,9 @@ use client::ErrorKind;
 use client::backup::{Backup, BackupError};
 use network::files::{StateFile, StateFileError};
 
+use super::outcome;
+use crate::Outcome;
+
 /// How every backup begins.
 const HEAD: &[u8] = b"profidrive backup ";
 
@@ -36,6 +39,9 @@ pub enum FileError {
     /// The folder of the file does not exist.
     #[error("there is no folder {}", .0.display())]
     NoFolder(PathBuf),
+    /// The backup has no values: a file of it would look like settings that are saved.
+    #[error("nothing is written to {}: the backup has no settings", .0.display())]
+    NoSettings(PathBuf),
     /// The file holds something else.
     #[error("{} is not a backup and is not replaced", .0.display())]
     OtherContent(PathBuf),
@@ -113,8 +119,11 @@ impl BackupFile {
     /// Writes a backup; the file is whole at every moment. Returns false where its content is that already.
     ///
     /// # Errors
-    /// When the file cannot be written; the old content is then still there.
+    /// [`FileError::NoSettings`], and when the file cannot be written; the old content is then still there.
     pub fn write(&self, backup: &Backup) -> Result<bool, FileError> {
+        if outcome(backup) == Outcome::Difference {
+            return Err(FileError::NoSettings(self.path.clone()));
+        }
         let text = backup.to_string();
         if self.old.as_deref() == Some(text.as_bytes()) {
             return Ok(false);

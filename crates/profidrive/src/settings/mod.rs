@@ -12,58 +12,35 @@
 //! "#;
 //! let mut network = profidrive::open_scenario(plant.parse()?)?;
 //! let mut drive = network.find(&"akd-1".parse()?).wait()?;
-//! let saved = network.backup(&mut drive, &mut |_, _| {}).wait()?;
-//! assert_eq!(settings::outcome(&saved), profidrive::Outcome::Complete);
+//! let saved = settings::backup(&mut network, &mut drive, |_, _| {}).wait()?;
+//! assert_eq!(saved.outcome, profidrive::Outcome::Complete);
 //!
 //! // nothing has changed since, so there is nothing to write
 //! let wanted = Restore::default();
-//! let plan = settings::plan(&mut network, &mut drive, &saved, &wanted).wait()?;
+//! let plan = settings::plan(&mut network, &mut drive, &saved.report, &wanted).wait()?;
 //! assert_eq!((plan.set.total(), settings::shortfall(&plan, &wanted)), (0, None));
 //! # }
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod backup;
 mod comparison;
 mod file;
 
 use std::fs::File;
 use std::path::{Path, PathBuf};
 
-use client::backup::{Backup, TaskCoverage};
+use client::backup::Backup;
 use client::change::{ChangeSet, Choice, Plan, Saved, Step};
 use client::{Drive, Error, ErrorKind, Session, describe};
 use network::files::StateFile;
 
-use crate::Outcome;
-
-pub use comparison::{Comparison, OtherModel};
+pub use backup::{Missing, MissingSettings, backup, missing, outcome};
+pub use comparison::{CompareError, Comparison, as_in};
 pub use file::{BackupFile, FileError, read};
 
 /// Most ways back beside one file.
 const MOST_WAYS_BACK: u32 = 9_999;
-
-/// How complete a backup is: [`Outcome::Difference`] where it has no value at all, [`Outcome::Partial`] where settings or the
-/// motion tasks are missing.
-#[must_use]
-pub fn outcome(backup: &Backup) -> Outcome {
-    let tasks_left_out = matches!(backup.header.tasks, TaskCoverage::LeftOut(_));
-    if backup.readings().is_empty() && backup.task_count() == 0 {
-        Outcome::Difference
-    } else if tasks_left_out || !backup.refused().is_empty() {
-        Outcome::Partial
-    } else {
-        Outcome::Complete
-    }
-}
-
-/// The settings of a drive that a file has, to compare them.
-///
-/// # Errors
-/// [`RestoreError::Misfit`] where the file is of another kind of drive, and when the drive cannot be reached.
-pub async fn as_in(session: &mut Session, drive: &mut Drive, file: &Backup) -> Result<Backup, RestoreError> {
-    check_fit(file, drive)?;
-    Ok(session.backup_like(drive, file).await?)
-}
 
 /// How settings are restored.
 #[derive(Debug, Clone, Default)]
