@@ -1,6 +1,7 @@
 //! Parameters of drives in a plant in memory: read, listed, described and written by one call each.
 #![cfg(feature = "simulate")]
 
+use profidrive::client::change::Persistence;
 use profidrive::client::{Action, Drive, ErrorKind};
 use profidrive::parameters::{self, List, ParameterError, Write};
 use profidrive::report::PlainWording;
@@ -118,7 +119,13 @@ fn what_is_written_is_read_back_and_outlives_power_or_not() {
     );
     let written = parameters::write(&mut network, &mut drive, &assignments[..1], Write::default());
     let written = written.wait().expect("written");
-    assert_eq!(written.kept().with_set.len(), 1);
+    let kept = written.set.kept();
+    assert_eq!(kept.with_set.len(), 1);
+    assert!(
+        matches!(kept.persistence, Persistence::NotRequested(Some(command)) if command.name == "DRV.NVSAVE"),
+        "{:?}",
+        kept.persistence
+    );
     assert!(written.problems("akd-1").is_empty());
     assert_eq!(value(&mut network, &mut drive), Some(4000.0));
     // a parameter that can only be read

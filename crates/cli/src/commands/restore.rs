@@ -2,13 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use client::change::{Change, ChangeSet, Choice, Plan, Saved, Skip, Skipped, Step};
+use client::change::{Change, ChangeSet, Choice, Persistence, Plan, Skip, Skipped, Step};
 use client::{Drive, Wait};
 use profidrive::report::RestoreReport;
 use profidrive::settings::{self, RestoreError, Shortfall};
-use profile::catalogue::Role;
-use profile::model::Model;
-use profile::parameter::Saving;
 use profile::value::Reading;
 
 use crate::advice::Commands;
@@ -70,7 +67,7 @@ pub fn run(args: &Restore, target: &Target, output: &Output) -> Result<(), Failu
     if !output.json() {
         results(&plan.set, output);
     }
-    report(&plan.set, file, &drive, args, output);
+    report(&plan.set, file, &drive, output);
     result.map_err(|error| failed(error, &plan.set, file, &drive))?;
     closed?;
     ended(&plan, &drive, &request)
@@ -236,12 +233,12 @@ fn results(set: &ChangeSet, output: &Output) {
     }
 }
 
-/// Describes whether unsaved values persist: one line for those that the drive saves automatically and one for the
-/// others.
-fn unsaved(drive: &Drive, set: &ChangeSet) -> Vec<String> {
-    let written = set.changes().iter().filter(|change| change.is_done());
-    let texts = written.filter(|change| change.saving != set.saving()).count();
-    let others = set.count(|step| *step == Step::ReadBack) - texts;
+/// Describes whether values that were not to be saved persist: one line for those that the drive saves automatically and
+/// one for the others.
+fn unsaved(set: &ChangeSet, drive: &str) -> Vec<String> {
+    let kept = set.kept();
+    let texts = kept.by_itself.len();
+    let others = set.count(Step::is_written).saturating_sub(texts);
     let mut lines = Vec::new();
     if texts > 0 {
         let which = if others == 0 { "them" } else { "the texts" };
@@ -251,48 +248,48 @@ fn unsaved(drive: &Drive, set: &ChangeSet) -> Vec<String> {
     }
     if others > 0 {
         let which = if texts == 0 { "" } else { "the other values are " };
-        lines.push(format!("{which}{}", unsaved_words(&drive.model, &drive.label())));
+        lines.push(format!("{which}{}", unsaved_words(kept.persistence, drive)));
     }
     lines
 }
 
-/// What becomes of written values that the drive saves as its model does.
-fn unsaved_words(model: &Model, drive: &str) -> String {
-    let command = model.catalogue.and_then(|tables| tables.with_role(Role::Save));
-    match (model.dialect.saving, command) {
-        (Saving::Always, _) => "saved in the drive (it saves every write)".into(),
-        (Saving::Command, Some(command)) => format!(
+/// What becomes of written values that were not to be saved.
+fn unsaved_words(persistence: Persistence, drive: &str) -> String {
+    match persistence {
+        Persistence::EveryWrite => "saved in the drive (it saves every write)".into(),
+        Persistence::NotRequested(Some(command)) => format!(
             "not saved: `profidrive write {drive} {}=1` saves them",
             command.name
         ),
-        (Saving::Command | Saving::Request, _) => {
-            "not saved: lost at the next power cycle (use --save)".into()
-        }
+        _ => "not saved: lost at the next power cycle (use --save)".into(),
     }
 }
 
-fn report(set: &ChangeSet, file: Option<&Path>, drive: &Drive, args: &Restore, output: &Output) {
+fn report(set: &ChangeSet, file: Option<&Path>, drive: &Drive, output: &Output) {
     if set.total() > 0 {
         output.say(&set.summary());
     }
-    let lost = |change: &&Change| change.storable == Some(false) && change.is_done();
-    let lost = set.changes().iter().filter(lost).count();
-    match set.saved() {
-        Saved::Yes => output.say("saved in the drive"),
-        Saved::No if args.save => output.say("not saved, because not every value is as planned"),
-        Saved::No if set.count(|step| *step == Step::ReadBack) > 0 => {
-            for line in unsaved(drive, set) {
+    let kept = set.kept();
+    match kept.persistence {
+        Persistence::Saved { .. } => {
+            output.say("saved in the drive");
+            if !kept.lost.is_empty() {
+                let lost = kept.lost.len();
+                output.say(&format!(
+                    "{lost} of them are of a kind that the drive does not keep"
+                ));
+            }
+        }
+        Persistence::NotAsPlanned => output.say("not saved, because not every value is as planned"),
+        Persistence::InDoubt => {
+            output.warn("it is not known whether the drive saved: asked for, not answered");
+        }
+        Persistence::Refused(refusal) => output.warn(&format!("not saved: {}", refusal.outcome())),
+        Persistence::EveryWrite | Persistence::NotRequested(_) => {
+            for line in unsaved(set, &drive.label()) {
                 output.say(&line);
             }
         }
-        Saved::No => {}
-        Saved::InDoubt => output.warn("it is not known whether the drive saved: asked for, not answered"),
-        Saved::Refused(refusal) => output.warn(&format!("not saved: {}", refusal.outcome())),
-    }
-    if set.saved() == Saved::Yes && lost > 0 {
-        output.say(&format!(
-            "{lost} of them are of a kind that the drive does not keep"
-        ));
     }
     if let Some(file) = file {
         output.say(&format!(
@@ -375,15 +372,29 @@ fn document(drive: &Drive, args: &Restore, plan: &Plan, file: Option<&Path>) -> 
 #[allow(clippy::unwrap_used)]
 mod tests {
     use client::backup::Backup;
+    use profile::model::Model;
 
     use super::*;
 
     #[test]
     fn only_parameters_of_the_model_are_named_for_saving() {
-        let words_for = |name| unsaved_words(&Model::by_name(name).unwrap(), "d");
-        assert!(words_for("akd").contains("`profidrive write d DRV.NVSAVE=1`"));
-        assert!(words_for("vlt").contains("--save") && !words_for("vlt").contains("NVSAVE"));
-        assert!(words_for("vacon").starts_with("saved in the drive"));
+        let words_for = |name| {
+            let model = Model::by_name(name).unwrap();
+            let device = model.catalogue.unwrap().device;
+            let head = format!(
+                "model: {}\nvendor: 0x{:04X}\ndevice: 0x{:04X}",
+                model.name, device.vendor_id, device.device_id
+            );
+            let empty = Backup::read(format!("profidrive backup 1\n{head}\n")).unwrap();
+            let plan = Plan::new(&empty, &empty, &Choice::default());
+            unsaved_words(plan.set.kept().persistence, "d")
+        };
+        let akd = words_for("akd");
+        assert!(akd.contains("`profidrive write d DRV.NVSAVE=1`"), "{akd}");
+        let vlt = words_for("vlt");
+        assert!(vlt.contains("--save") && !vlt.contains("NVSAVE"), "{vlt}");
+        let vacon = words_for("vacon");
+        assert!(vacon.starts_with("saved in the drive"), "{vacon}");
     }
 
     fn backup(lines: &str) -> Backup {

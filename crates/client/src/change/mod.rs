@@ -13,6 +13,7 @@
 //! | [`Session::plan_values`](crate::Session::plan_values) | values read before |
 
 mod journal;
+mod kept;
 mod plan;
 mod set;
 #[cfg(test)]
@@ -22,6 +23,7 @@ use profile::catalogue::{Access, BackupRule, Phase, Role};
 use profile::parameter::{Dialect, Format, Saving};
 use profile::value::{CheckedValue, Content, Interpretation, Parameters, Reading, Selection, is_scaling};
 
+pub use kept::{Kept, Persistence, SavedBy};
 pub use plan::{Choice, Plan, Skip, Skipped, TaskSkipped};
 pub use set::ChangeSet;
 

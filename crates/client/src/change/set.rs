@@ -16,7 +16,7 @@ pub struct ChangeSet {
     pub(crate) tasks: Vec<TaskChange>,
     condition: Condition,
     /// The new values are to be saved.
-    saves: bool,
+    pub(super) saves: bool,
     /// The command that saves, where a command is necessary.
     pub(crate) save_command: Option<Change>,
     /// When the drive saves most of its values.

@@ -1,11 +1,12 @@
 //! Unit, limits, scaling, choices and values of one parameter.
 
+use client::change::SavedBy;
 use client::{Described, Drive, Refusal, Session};
 use profile::catalogue::{Catalogue, Parameter};
 use profile::notation::ParameterReference;
 use profile::value::{Reading, Selection};
 
-use super::{ParameterError, name_bits};
+use super::{Limits, ParameterError, name_bits};
 use crate::report::{DescribeReport, ParameterDescription, ReportedDescription, Wording, parameter};
 
 /// What is known of one parameter.
@@ -22,6 +23,31 @@ pub struct Description {
 }
 
 impl Description {
+    /// What is known of its limits.
+    #[must_use]
+    pub fn limits(&self, drive: &Drive) -> Limits {
+        match (self.row, &self.described) {
+            (Some((_, row)), described) => Limits::of(&drive.parameters, row, described.as_ref()),
+            (None, Some(described)) => Limits::of_description(described),
+            (None, None) => Limits::default(),
+        }
+    }
+
+    /// What lets the drive save its value; `None` for what is in no table.
+    #[must_use]
+    pub fn saved_by(&self, drive: &Drive) -> Option<SavedBy> {
+        self.row.map(|(_, row)| drive.saved_by(row))
+    }
+
+    /// The texts that the drive reports for values without a text in the tables.
+    pub fn other_texts(&self) -> impl Iterator<Item = (i32, &str)> {
+        let choices = self.row.map_or(&[][..], |(_, row)| row.choices);
+        let texts = self.described.iter().flat_map(|described| &described.texts);
+        texts
+            .filter(move |(value, _)| choices.iter().all(|choice| choice.value != *value))
+            .map(|(value, text)| (*value, text.as_str()))
+    }
+
     /// Returns it as a report.
     #[must_use]
     pub fn report(&self, drive: &Drive, wording: &dyn Wording) -> DescribeReport {
@@ -30,6 +56,7 @@ impl Description {
             drive: drive.label(),
             model: drive.model.name,
             parameter: row.map(|(tables, row)| ParameterDescription::new(tables, row, &drive.parameters)),
+            saved_by: self.saved_by(drive).map(SavedBy::name),
             scaling: row.map(|(_, row)| row.rule(&drive.parameters.scaling)),
             reported: self.described.as_ref().map(ReportedDescription::from),
             values: self

@@ -19,6 +19,7 @@
 
 mod describe;
 mod error;
+mod limits;
 mod list;
 mod write;
 
@@ -34,8 +35,9 @@ use crate::report::{ParametersReport, Wording, parameter};
 
 pub use describe::{Description, describe};
 pub use error::ParameterError;
+pub use limits::Limits;
 pub use list::{List, list, matching};
-pub use write::{Kept, Write, Written, write};
+pub use write::{Write, Written, write};
 
 /// Values that were read, in the order of the request.
 #[derive(Debug, Clone, PartialEq)]

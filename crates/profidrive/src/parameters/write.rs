@@ -28,17 +28,6 @@ pub struct Written {
     pub wanted: Write,
 }
 
-/// New values by what becomes of them at the next power cycle.
-#[derive(Debug, Clone, Default)]
-pub struct Kept<'a> {
-    /// They are saved as the set is: see [`ChangeSet::saved`].
-    pub with_set: Vec<&'a Change>,
-    /// The drive saved them by itself, whatever was requested.
-    pub by_itself: Vec<&'a Change>,
-    /// The drive has no place for them.
-    pub lost: Vec<&'a Change>,
-}
-
 impl Written {
     /// Every change, the command that saves among them.
     pub fn changes(&self) -> impl Iterator<Item = &Change> {
@@ -50,24 +39,6 @@ impl Written {
     pub fn affected_controller(&self) -> Option<&str> {
         let written = self.changes().any(|change| change.step.is_written());
         self.controller.as_ref()?.as_deref().filter(|_| written)
-    }
-
-    /// New values by what becomes of them at the next power cycle. A command leaves none behind.
-    #[must_use]
-    pub fn kept(&self) -> Kept<'_> {
-        let mut kept = Kept::default();
-        let new = self.set.changes().iter();
-        for change in new.filter(|change| change.step.is_written() && !change.acts) {
-            let list = if change.storable == Some(false) {
-                &mut kept.lost
-            } else if change.saving == self.set.saving() {
-                &mut kept.with_set
-            } else {
-                &mut kept.by_itself
-            };
-            list.push(change);
-        }
-        kept
     }
 
     /// Returns what went wrong with each change.

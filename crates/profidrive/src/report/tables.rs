@@ -149,6 +149,9 @@ pub struct DescribeReport {
     pub model: &'static str,
     /// The parameter as the tables have it; null where they do not.
     pub parameter: Option<ParameterDescription>,
+    /// What lets the drive save the value over a power cycle: `nothing`, `every-write`, `request` (a write that requests it) or
+    /// `command` (for all values at once); null where it is in no table.
+    pub saved_by: Option<&'static str>,
     /// How the number that travels becomes a value: `raw 1000 = 1 rpm/s`.
     pub scaling: Option<String>,
     /// How the drive describes it; null where it does not.

@@ -1,15 +1,14 @@
 //! `profidrive describe`
 
-use client::{Described, Drive, Refusal, Wait};
-use profidrive::parameters;
+use client::change::SavedBy;
+use client::{Described, Wait};
+use profidrive::parameters::{self, Description, Limits};
 use profidrive::report::{access, number as number_as_written};
-use profile::catalogue::{Access, Parameter, Role, Scaling, Word};
+use profile::catalogue::{Access, Parameter, Scaling, Word};
 use profile::notation::{Notation, Shown};
-use profile::parameter::Saving;
-use profile::value::{Reading, Selection};
+use profile::value::Selection;
 
-use super::limits::Limits;
-use super::parse_all;
+use super::{limits, parse_all};
 use crate::advice::Commands;
 use crate::args::{Describe, Target};
 use crate::connect::{self, Need};
@@ -28,33 +27,34 @@ pub fn describe(args: &Describe, target: &Target, output: &Output) -> Result<(),
     }
     let Some((tables, parameter)) = known.row else {
         let described = known.described.iter();
-        described.for_each(|described| in_no_table(&known.selection, described, output));
+        let limits = known.limits(&drive);
+        described.for_each(|described| in_no_table(&known.selection, described, &limits, output));
         return Ok(());
     };
-    let limits = Limits::of(&drive.parameters, parameter, known.described.as_ref());
     output.line(&output.paint(
         Colour::Strong,
         &format!("{} ({})", parameter.name, number_as_written(tables, parameter)),
     ));
     let scaling = &drive.parameters.scaling;
     let word = tables.word_at(parameter.pnu, parameter.base);
-    let saved = saved_words(&drive, parameter);
-    for line in description_lines(parameter, scaling, &limits, &known.readings, (word, &saved)) {
+    let saved = known.saved_by(&drive).map(saved_words).unwrap_or_default();
+    let limits = known.limits(&drive);
+    for line in description_lines(parameter, scaling, &limits, &known, (word, &saved)) {
         output.line(&line);
     }
     Ok(())
 }
 
 /// A parameter that only the drive describes.
-fn in_no_table(selection: &Selection, described: &Described, output: &Output) {
+fn in_no_table(selection: &Selection, described: &Described, limits: &Limits, output: &Output) {
     let title = format!("{} ({})", described.name, selection.label());
     output.line(&output.paint(Colour::Strong, title.trim_start()));
-    for line in reported_lines(described) {
+    for line in reported_lines(described, limits) {
         output.line(&line);
     }
 }
 
-fn reported_lines(description: &Described) -> Vec<String> {
+fn reported_lines(description: &Described, limits: &Limits) -> Vec<String> {
     let line = |name: &str, text: &str| format!("  {name:<10} {text}");
     let unit = if description.unit.is_empty() {
         "none"
@@ -72,10 +72,7 @@ fn reported_lines(description: &Described) -> Vec<String> {
     };
     let mut lines = vec![
         line("unit", unit),
-        line(
-            "limits",
-            &Limits::description(description).words(description.unit),
-        ),
+        line("limits", &limits::words(limits, description.unit)),
         line("access", access),
         line("size", &size),
     ];
@@ -88,8 +85,8 @@ fn reported_lines(description: &Described) -> Vec<String> {
 fn description_lines(
     parameter: &Parameter,
     scaling: &Scaling,
-    limits: &Limits<'_>,
-    readings: &[Result<Reading, Refusal>],
+    limits: &Limits,
+    known: &Description,
     (word, saved): (Option<&Word>, &str),
 ) -> Vec<String> {
     let unit = parameter.unit_in(scaling);
@@ -101,7 +98,7 @@ fn description_lines(
         }
     };
     line("meaning", parameter.description.to_owned());
-    match readings {
+    match known.readings.as_slice() {
         [Ok(reading)] => line("value", value::full(reading)),
         [Err(refusal)] if refusal.is_unsent() => line("value", refusal.words()),
         [Err(refusal)] => line("value", format!("not readable now: {}", refusal.words())),
@@ -120,7 +117,7 @@ fn description_lines(
         },
     );
     if parameter.length == 0 {
-        line("limits", limits.words(unit));
+        line("limits", limits::words(limits, unit));
     }
     let default = match parameter.text {
         "" => parameter
@@ -138,7 +135,7 @@ fn description_lines(
     for choice in parameter.choices {
         line("choice", format!("{} {}", choice.value, choice.text));
     }
-    for (value, text) in limits.other_texts(parameter) {
+    for (value, text) in known.other_texts() {
         line("choice", format!("{value} {text} (reported by the drive)"));
     }
     for bit in parameter.bits {
@@ -159,17 +156,12 @@ fn description_lines(
 }
 
 /// Whether the drive keeps the value over a power cycle, and what lets it do so.
-fn saved_words(drive: &Drive, parameter: &Parameter) -> String {
-    let model = &drive.model;
-    let command = model.catalogue.and_then(|tables| tables.with_role(Role::Save));
-    let kept = model
-        .catalogue
-        .map_or(parameter.saved, |tables| tables.is_kept(parameter));
-    match (kept, drive.saving(parameter)) {
-        (false, _) => "no".into(),
-        (true, Saving::Always) => "with every write".into(),
-        (true, Saving::Request) => "when it is written with --save".into(),
-        (true, Saving::Command) => {
+fn saved_words(saved_by: SavedBy) -> String {
+    match saved_by {
+        SavedBy::Nothing => "no".into(),
+        SavedBy::EveryWrite => "with every write".into(),
+        SavedBy::Request => "when it is written with --save".into(),
+        SavedBy::Command(command) => {
             command.map_or_else(|| "yes".into(), |command| format!("by {}", command.name))
         }
     }
@@ -212,6 +204,21 @@ mod tests {
     use profile::catalogue::AKD;
     use profile::value::Parameters;
 
+    /// What is known without a drive.
+    fn of_tables(name: &str) -> Description {
+        let drive = Parameters {
+            catalogue: Some(&AKD),
+            scaling: Scaling::default(),
+        };
+        let parameter = AKD.by_name(name).unwrap();
+        Description {
+            selection: drive.element(parameter.pnu, None),
+            row: Some((&AKD, parameter)),
+            described: None,
+            readings: Vec::new(),
+        }
+    }
+
     #[test]
     fn a_description_has_unit_and_limits() {
         let parameter = AKD.by_name("DRV.ACC").unwrap();
@@ -219,11 +226,9 @@ mod tests {
             catalogue: Some(&AKD),
             scaling: Scaling::default(),
         };
-        let describe = |scaling: &Scaling| {
-            let limits = Limits::of(&drive, parameter, None);
-            description_lines(parameter, scaling, &limits, &[], (None, "")).join("\n")
-        };
-        let text = describe(&Scaling::default());
+        let limits = Limits::of(&drive, parameter, None);
+        let known = of_tables("DRV.ACC");
+        let text = description_lines(parameter, &drive.scaling, &limits, &known, (None, "")).join("\n");
         assert!(text.contains("limits     1.86 rpm/s to 50000000 rpm/s"), "{text}");
         assert!(text.contains("scaling    raw 1000 = 1 rpm/s\n"), "{text}");
         assert!(text.contains("low half here, high half in p2109"), "{text}");
@@ -240,7 +245,14 @@ mod tests {
             scaling: Scaling::default(),
         };
         let limits = Limits::of(&drive, parameter, None);
-        let text = description_lines(parameter, &drive.scaling, &limits, &[], (word, "")).join("\n");
+        let text = description_lines(
+            parameter,
+            &drive.scaling,
+            &limits,
+            &of_tables("MT.CNTL"),
+            (word, ""),
+        )
+        .join("\n");
         assert!(
             text.contains("bit        4 A following task is executed"),
             "{text}"

@@ -1,9 +1,8 @@
 //! `profidrive write`
 
 use client::Wait;
-use client::change::{Change, ChangeSet, Saved, Step};
+use client::change::{Change, Persistence, Step};
 use profidrive::parameters::{self, Write as Wanted, Written};
-use profile::parameter::Saving;
 use profile::value::{Assignment, Content};
 
 use super::last_failure;
@@ -63,20 +62,23 @@ pub fn write(args: &Write, target: &Target, output: &Output) -> Result<(), Failu
 
 /// Reports which of the new values outlive the power of the drive, and which do not.
 fn report_saved(written: &Written, output: &Output) {
-    let (set, requested) = (&written.set, written.wanted.save);
-    let kept = written.kept();
+    let kept = written.set.kept();
     let names =
         |changes: &[&Change]| -> Vec<String> { changes.iter().map(|change| change.label()).collect() };
     let (as_written, by_itself, lost) = (names(&kept.with_set), names(&kept.by_itself), names(&kept.lost));
     let only = by_itself.is_empty() && lost.is_empty();
     if !as_written.is_empty() {
-        match set.saved() {
-            Saved::Refused(_) => output.warn(&unsaved_words("the drive refused to save", &as_written)),
-            Saved::No if requested => {
+        match kept.persistence {
+            Persistence::Refused(_) => output.warn(&unsaved_words("the drive refused to save", &as_written)),
+            Persistence::NotAsPlanned => {
                 let why = "the save command was not sent because a value was refused";
                 output.warn(&unsaved_words(why, &as_written));
             }
-            _ => output.say(&kept_words(set, if only { &[] } else { &as_written })),
+            Persistence::InDoubt => output.warn(&format!(
+                "it is not known whether the drive saved {}: asked for, not answered",
+                listed(&as_written)
+            )),
+            saved => output.say(&kept_words(saved, if only { &[] } else { &as_written })),
         }
     }
     if !by_itself.is_empty() {
@@ -87,7 +89,7 @@ fn report_saved(written: &Written, output: &Output) {
     }
     if !lost.is_empty() {
         let words = lost_words(&lost);
-        if requested {
+        if written.wanted.save {
             output.warn(&words);
         } else {
             output.say(&words);
@@ -104,17 +106,17 @@ fn unsaved_words(why: &str, which: &[String]) -> String {
 }
 
 /// What becomes of new values that the drive can save; `which` is empty for all of them.
-fn kept_words(set: &ChangeSet, which: &[String]) -> String {
+fn kept_words(persistence: Persistence, which: &[String]) -> String {
     let named = match which {
         [] => String::new(),
         names => format!(": {}", listed(names)),
     };
-    match (set.saving(), set.saved()) {
-        (Saving::Always, _) => format!("saved in the drive{named} (it saves every write)"),
-        (_, Saved::Yes) if set.save_command().is_some() => {
+    match persistence {
+        Persistence::EveryWrite => format!("saved in the drive{named} (it saves every write)"),
+        Persistence::Saved { by_command: true } => {
             format!("saved in the drive{named}, with everything else that it can save")
         }
-        (_, Saved::Yes) => format!("saved in the drive{named}"),
+        Persistence::Saved { by_command: false } => format!("saved in the drive{named}"),
         _ if which.is_empty() => "not saved: lost at the next power cycle (use --save)".to_owned(),
         _ => format!(
             "not saved: {} lost at the next power cycle (use --save)",
