@@ -43,12 +43,11 @@ pub fn run(args: &Diff, options: &DriveOptions, output: &Output) -> Result<(), F
         )),
         other => other.into(),
     })?;
-    for remark in left.header.remarks(&right.header) {
-        output.say(
-            &remark
-                .replace("in the settings", "on the left")
-                .replace("in the drive", "on the right"),
-        );
+    for one in left.header.differences(&right.header) {
+        output.say(&format!(
+            "{}: {} on the left, {} on the right",
+            one.what, one.left, one.right
+        ));
     }
     for (name, why) in [&args.left, &args.right]
         .into_iter()

@@ -35,8 +35,11 @@ pub fn run(args: &Restore, target: &Target, output: &Output) -> Result<(), Failu
     let plan = settings::plan(&mut session, &mut drive, &wanted, &request).wait();
     spinner.finish_and_clear();
     let mut plan = plan?;
-    for remark in plan.remarks(&wanted) {
-        output.say(&remark);
+    for one in plan.identity_differences(&wanted) {
+        output.say(&format!(
+            "{}: {} in the settings, {} in the drive",
+            one.what, one.left, one.right
+        ));
     }
     if !output.json() {
         show(&plan, output);

@@ -3,6 +3,7 @@
 use client::Wait;
 use profidrive::report::{Controller, LossReaction, Quantity, StatusReport, Word};
 use profidrive::{Reported, inspection};
+use profile::catalogue::Part;
 use profile::state::Profile;
 
 use crate::advice::Commands;
@@ -25,7 +26,8 @@ pub fn run(args: &Status, target: &Target, output: &Output) -> Result<(), Failur
     session.close().wait()?;
     output.report(&report);
     if !args.short && !output.json() {
-        for line in lines(&report) {
+        let named = |part| drive.named(&[part]).pop();
+        for line in lines(&report, &named) {
             output.line(&line);
         }
     }
@@ -57,8 +59,8 @@ impl Page for StatusReport {
     }
 }
 
-/// The facts, one a line.
-fn lines(report: &StatusReport) -> Vec<String> {
+/// The facts, one a line. `named` has the drive's name of the parameter with a part.
+fn lines(report: &StatusReport, named: &dyn Fn(Part) -> Option<String>) -> Vec<String> {
     let mut lines = Vec::new();
     let mut line = |name: &str, text: Option<String>| {
         if let Some(text) = text {
@@ -84,7 +86,8 @@ fn lines(report: &StatusReport) -> Vec<String> {
         "setpoints",
         report.command_source.as_ref().map(|source| {
             let text = source.meaning.as_deref().unwrap_or("not in the tables");
-            format!("from {}, {text} (DRV.CMDSOURCE)", source.number)
+            let of = named(Part::CommandSource).map_or_else(String::new, |name| format!(" ({name})"));
+            format!("from {}, {text}{of}", source.number)
         }),
     );
     let torque = |allowed| {
@@ -98,7 +101,7 @@ fn lines(report: &StatusReport) -> Vec<String> {
     line("disabled by", set(&report.disable_sources));
     line("motion held", set(&report.motion_disable_sources));
     line("DC bus", number(&report.bus_voltage, 0));
-    line("limits", limits(report));
+    line("limits", limits(report, named));
     let homed = |homed| {
         if homed {
             "yes (ZSW1 bit 11)"
@@ -149,7 +152,7 @@ fn mode_text(mode: u16) -> String {
     }
 }
 
-fn limits(report: &StatusReport) -> Option<String> {
+fn limits(report: &StatusReport, named: &dyn Fn(Part) -> Option<String>) -> Option<String> {
     let mut hit = Vec::new();
     for (switch, name) in [
         (report.negative_switch, "negative switch"),
@@ -160,7 +163,8 @@ fn limits(report: &StatusReport) -> Option<String> {
         }
     }
     if let Some(limits) = report.software_limits.filter(|&limits| limits != 0) {
-        hit.push(format!("software limits (SWLS.STATE {limits})"));
+        let name = named(Part::SoftwareLimitState).unwrap_or_else(|| "state".to_owned());
+        hit.push(format!("software limits ({name} {limits})"));
     }
     (!hit.is_empty()).then(|| hit.join(", "))
 }
@@ -192,7 +196,8 @@ mod tests {
         };
         let diagnosis = diagnose(&status);
         let report = StatusReport::new(&status, &diagnosis, Some(&AKD), &Commands("akd-1"));
-        let text = lines(&report).join("\n");
+        let named = |part| AKD.part(part).map(|row| row.name.to_owned());
+        let text = lines(&report, &named).join("\n");
         for part in [
             "state        S4 operation",
             "ZSW1         0x2337 [READY_ON, READY_OP, OPERATION, IN_TOLERANCE, CTRL_REQ, STOPPED]",

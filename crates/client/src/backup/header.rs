@@ -29,6 +29,17 @@ pub struct Header {
     pub tasks: TaskCoverage,
 }
 
+/// What differs between two drives of a kind.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct IdentityDifference {
+    /// What it is: order number, software.
+    pub what: &'static str,
+    /// That of the first drive.
+    pub left: String,
+    /// That of the second drive.
+    pub right: String,
+}
+
 impl Header {
     /// Of a drive and what it says in I&M0.
     #[must_use]
@@ -80,16 +91,20 @@ impl Header {
         })
     }
 
-    /// Differences between two drives of a kind that a person should know before one gets the settings of the other.
+    /// Returns what differs between two drives of a kind, as a person should know before one gets the settings of the other.
     #[must_use]
-    pub fn remarks(&self, other: &Self) -> Vec<String> {
+    pub fn differences(&self, other: &Self) -> Vec<IdentityDifference> {
         [
             ("order number", &self.order_id, &other.order_id),
             ("software", &self.software, &other.software),
         ]
-        .iter()
-        .filter(|(_, a, b)| a != b && !a.is_empty() && !b.is_empty())
-        .map(|(what, a, b)| format!("{what}: {a} in the settings, {b} in the drive"))
+        .into_iter()
+        .filter(|(_, left, right)| left != right && !left.is_empty() && !right.is_empty())
+        .map(|(what, left, right)| IdentityDifference {
+            what,
+            left: left.clone(),
+            right: right.clone(),
+        })
         .collect()
     }
 

@@ -43,7 +43,7 @@ use std::collections::BTreeMap;
 use profile::catalogue::{BackupRule, Role};
 
 pub use compare::{Difference, Side, compare};
-pub use header::Header;
+pub use header::{Header, IdentityDifference};
 pub use parse::BackupError;
 pub use pattern::{Pattern, PatternError};
 pub(crate) use print::{FORM, value};

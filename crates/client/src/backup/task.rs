@@ -2,7 +2,7 @@
 
 use std::fmt::{self, Write as _};
 
-use profile::catalogue::{Catalogue, Parameter};
+use profile::catalogue::{Catalogue, Parameter, Part};
 use profile::notation::Notation;
 use profile::notation::setting::shorten;
 use profile::parameter::{CodeSpace, Format};
@@ -10,21 +10,16 @@ use profile::parameter::{CodeSpace, Format};
 use super::{Backup, Pattern, print};
 use profile::value::{Interpretation, Parameters, Reading, Selection};
 
-/// The number of the row in the window, and the commands that work on it.
-const NUMBER: &str = "MT.NUM";
-const LOAD: &str = "MT.LOAD";
-const SET: &str = "MT.SET";
-const CLEAR: &str = "MT.CLEAR";
-/// What a row has, in the order of a line. Source: AKD Parameter Guide 12/2009, MT.SET.
-const FIELDS: [&str; 8] = [
-    "MT.P",
-    "MT.V_32",
-    "MT.ACC",
-    "MT.DEC",
-    "MT.CNTL",
-    "MT.MTNEXT",
-    "MT.TNEXT",
-    "MT.TNUM",
+/// What a row has, in the order of a line.
+const FIELDS: [Part; 8] = [
+    Part::TaskPosition,
+    Part::TaskVelocity,
+    Part::TaskAcceleration,
+    Part::TaskDeceleration,
+    Part::TaskControl,
+    Part::TaskNext,
+    Part::TaskDwell,
+    Part::TaskProfile,
 ];
 /// Those of which one that is 0 makes a row an empty one, as places among the fields.
 const NEVER_ZERO: std::ops::RangeInclusive<usize> = 1..=3;
@@ -44,18 +39,23 @@ pub(crate) struct Window {
 impl Window {
     /// Of a model with these tables, if it has motion tasks.
     pub fn of(tables: &'static Catalogue) -> Option<Self> {
-        let number = tables.by_name(NUMBER)?;
+        let number = tables.part(Part::TaskNumber)?;
         let mut fields = [number; FIELDS.len()];
-        for (place, name) in fields.iter_mut().zip(FIELDS) {
-            *place = tables.by_name(name)?;
+        for (place, part) in fields.iter_mut().zip(FIELDS) {
+            *place = tables.part(part)?;
         }
         Some(Self {
             number,
             fields,
-            load: tables.by_name(LOAD)?,
-            set: tables.by_name(SET)?,
-            clear: tables.by_name(CLEAR)?,
+            load: tables.part(Part::LoadTask)?,
+            set: tables.part(Part::SetTask)?,
+            clear: tables.part(Part::ClearTask)?,
         })
+    }
+
+    /// The words of a line, each in front of its value.
+    fn words(&self) -> String {
+        self.fields.map(|field| word(field.name)).join(", ")
     }
 
     /// Every row there is.
@@ -101,7 +101,7 @@ impl TaskCoverage {
 pub enum Task {
     /// There is none of this number.
     Empty,
-    /// Its values (MT.P, MT.V, MT.ACC, MT.DEC, MT.CNTL, MT.MTNEXT, MT.TNEXT, MT.TNUM), in this order.
+    /// Its values: position, velocity, acceleration, deceleration, control word, next task, dwell, profile.
     Values(Vec<Reading>),
 }
 
@@ -206,10 +206,10 @@ pub(super) fn parse(
     for part in text.split(',') {
         let part = part.trim();
         let (first, value) = part.split_once(char::is_whitespace).unwrap_or((part, ""));
-        let at = FIELDS
-            .iter()
-            .position(|field| word(field) == first)
-            .ok_or_else(|| format!("{name}: `{}` is none of {}", shorten(first), words()))?;
+        let mut fields = window.fields.iter();
+        let at = fields
+            .position(|field| word(field.name) == first)
+            .ok_or_else(|| format!("{name}: `{}` is none of {}", shorten(first), window.words()))?;
         let (Some(place), Some(&parameter)) = (found.get_mut(at), window.fields.get(at)) else {
             continue;
         };
@@ -233,10 +233,6 @@ pub(super) fn parse(
         }
     }
     Ok(Task::Values(values))
-}
-
-fn words() -> String {
-    FIELDS.map(word).join(", ")
 }
 
 /// A number as the drive would show it.
@@ -361,7 +357,7 @@ mod tests {
                 parameter.name
             );
         }
-        assert_eq!(words(), "P, V, ACC, DEC, CNTL, MTNEXT, TNEXT, TNUM");
+        assert_eq!(window.words(), "P, V, ACC, DEC, CNTL, MTNEXT, TNEXT, TNUM");
     }
 
     fn file(lines: &str) -> Result<Backup, String> {

@@ -4,7 +4,7 @@ use profile::catalogue::{Parameter, Phase, Role, Scaling};
 
 use super::{Change, ChangeSet, Condition, Step, TaskChange};
 use crate::Refusal;
-use crate::backup::{Backup, Pattern, Task, TaskCoverage, rule, selection, task};
+use crate::backup::{Backup, IdentityDifference, Pattern, Task, TaskCoverage, rule, selection, task};
 use profile::value::take_scale;
 use profile::value::{Content, Interpretation, Parameters, Reading, Selection};
 
@@ -221,10 +221,10 @@ impl Plan {
         }
     }
 
-    /// What a person should know about the drive before it gets the settings of another.
+    /// What differs between the drive that the settings are of (left) and this one (right).
     #[must_use]
-    pub fn remarks(&self, wanted: &Backup) -> Vec<String> {
-        wanted.header.remarks(&self.set.header)
+    pub fn identity_differences(&self, wanted: &Backup) -> Vec<IdentityDifference> {
+        wanted.header.differences(&self.set.header)
     }
 
     /// Returns true when nothing of the file fits what was chosen.
