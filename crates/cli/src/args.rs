@@ -53,6 +53,9 @@ pub struct Cli {
     /// The words of the command: `read`, `gsdml show`
     #[arg(skip)]
     pub name: String,
+    /// `--verbose` was given before the command or after it
+    #[arg(skip)]
+    pub verbose: bool,
     /// The drive of the command, as the user called it
     #[arg(skip)]
     pub drive: Option<String>,
@@ -68,7 +71,16 @@ impl Cli {
         let cli = Self::from_arg_matches(&matches)?;
         let (words, innermost) = innermost(&matches);
         let drive = innermost.try_get_one::<String>("drive").ok().flatten();
+        let own = innermost.try_get_one::<bool>("verbose").ok().flatten();
+        if own.is_none() && cli.interface.verbose {
+            let message = format!(
+                "`{}` reaches no drive: --verbose has no meaning for it",
+                words.join(" ")
+            );
+            return Err(command.error(ErrorKind::UnknownArgument, message));
+        }
         Ok(Self {
+            verbose: cli.interface.verbose || own == Some(&true),
             name: words.join(" "),
             drive: drive.cloned(),
             ..cli
@@ -140,6 +152,9 @@ pub struct Interface {
     /// Network interface towards the drives; else that of the variable PROFIDRIVE_INTERFACE, else the only one
     #[arg(short, long, value_name = "IFACE")]
     pub interface: Option<String>,
+    /// Also print how the drive is reached: which connection it accepts and which it refuses
+    #[arg(short, long, conflicts_with = "quiet")]
+    pub verbose: bool,
 }
 
 impl Interface {
@@ -228,9 +243,6 @@ pub struct Global {
     /// Print data only, without messages
     #[arg(short, long, global = true)]
     pub quiet: bool,
-    /// Also print how the drive is reached: which connection it accepts and which it refuses
-    #[arg(short, long, global = true, conflicts_with = "quiet")]
-    pub verbose: bool,
 }
 
 #[derive(Debug, Subcommand)]

@@ -20,7 +20,7 @@ pub type Live = Network;
 /// Opens the network for a command.
 pub fn session(interface: &Interface, need: Need, output: &Output) -> Result<Live, Failure> {
     let (opening, stop) = opening(interface, need)?;
-    let session = opening.open().map_err(without_right)?;
+    let session = opening.open().map_err(without_permission)?;
     Ok(attended(session, &stop, output))
 }
 
@@ -37,7 +37,7 @@ pub fn drive(target: &Target, need: Need, output: &Output) -> Result<(Live, Driv
     if let Some(file) = &target.options.kind.gsdml {
         opening = opening.described_by(gsdml::read(file)?);
     }
-    let session = opening.open_to(&address).map_err(without_right)?;
+    let session = opening.open_to(&address).map_err(without_permission)?;
     let mut session = attended(session, &stop, output);
     let mut shown = None;
     let mut observer = |event: FindEvent<'_>| match event {
@@ -100,20 +100,20 @@ fn attended(mut session: Live, stop: &Stop, output: &Output) -> Live {
 }
 
 /// Returns the paths that work without permission for raw sockets.
-fn without_right(error: OpenError) -> Failure {
+fn without_permission(error: OpenError) -> Failure {
     let missing = matches!(error, OpenError::Network(NetworkError::NoPermission { .. }));
     let failure = Failure::from(error);
     if !missing {
         return failure;
     }
-    failure.and_hint("reading and writing a drive given by its IP needs no right")
+    failure.and_hint("reading and writing a drive given by its IP needs no permission")
 }
 
 /// Words the failure of a drive that was not found, or cannot be worked with.
 fn failed(error: DriveError, taken_for: &Kind) -> Failure {
     let kind = error.kind();
     match error {
-        DriveError::Open(error) => without_right(error),
+        DriveError::Open(error) => without_permission(error),
         DriveError::Client(error) => error.into(),
         DriveError::Far { error, subnets } => Failure::from(*error).hint(subnets),
         DriveError::Subnet(error) => error.into(),

@@ -25,7 +25,7 @@ fn main() -> ExitCode {
         Err(error) => return misunderstood(&error, args::named(std::env::args_os())),
     };
     let output = Output::new(cli.global.json, cli.global.quiet)
-        .with_details(cli.global.verbose)
+        .with_details(cli.verbose)
         .of_command(cli.name.clone())
         .about(cli.drive.as_deref());
     let result = commands::run(&cli, &output);
@@ -108,8 +108,38 @@ mod tests {
 
     fn of(line: &str) -> Failure {
         match Cli::read(line.split(' ')) {
-            Ok(_) => panic!("{line}"),
+            Ok(_) => panic!("{line} is accepted"),
             Err(error) => mistake(&error),
+        }
+    }
+
+    #[test]
+    fn verbose_is_an_option_of_what_reaches_a_drive() {
+        for line in [
+            "-v read akd-1 930",
+            "read akd-1 930 -v",
+            "-v simulate --name akd-1",
+        ] {
+            let cli = Cli::read(format!("profidrive {line}").split(' ')).expect(line);
+            assert!(cli.verbose, "{line}");
+        }
+        let cli = Cli::read("profidrive read akd-1 930".split(' ')).expect("a command");
+        assert!(!cli.verbose);
+        for line in ["explain 1 --as stw1", "gsdml check a.xml", "decode a.pcap"] {
+            let before = of(&format!("profidrive -v {line}"));
+            assert!(
+                before
+                    .message
+                    .ends_with("reaches no drive: --verbose has no meaning for it"),
+                "{}",
+                before.message
+            );
+            let after = of(&format!("profidrive {line} -v"));
+            assert!(
+                after.message.contains("unexpected argument '-v'"),
+                "{}",
+                after.message
+            );
         }
     }
 

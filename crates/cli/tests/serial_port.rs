@@ -105,7 +105,7 @@ fn a_simulation_without_its_port_is_never_called_ready() {
     assert_ne!(output.status.code(), Some(0));
     let printed = stdout(&output) + &stderr(&output);
     assert!(
-        printed.contains("there is not a serial port /dev/ttyNOWHERE"),
+        printed.contains("there is no serial port /dev/ttyNOWHERE"),
         "{printed}"
     );
     assert!(!printed.contains("ready"), "{printed}");
@@ -117,7 +117,7 @@ fn a_missing_drive_is_reported() {
     let output = profidrive(&["read", "fc:/dev/ttyNOWHERE/1", "930"]);
     assert_eq!(output.status.code(), Some(4));
     assert!(
-        stderr(&output).contains("there is not a serial port /dev/ttyNOWHERE"),
+        stderr(&output).contains("there is no serial port /dev/ttyNOWHERE"),
         "{}",
         stderr(&output)
     );

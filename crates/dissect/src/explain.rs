@@ -1,14 +1,14 @@
 //! One number explained: a control or status word, a state, a fault, an error, a format.
 
-use profile::catalogue::{AKD, Catalogue, VLT};
-use profile::model::Model;
+use profile::catalogue::{Catalogue, VLT};
+use profile::model::{self, Model};
 use profile::state::bits::{self as state_bits, Bit};
 use profile::state::{Mode, Profile};
 use profile::telegram::DANFOSS;
 use profinet::wire::status::PnioStatus;
 
 use crate::job::{self, JobDrive};
-use crate::meaning::{AlarmBit, Meaning, WordBits, WordInMode};
+use crate::meaning::{AlarmBit, FaultMeaning, Meaning, WordBits, WordInMode};
 use crate::{hex16, states, words};
 
 /// What a number to explain is.
@@ -20,7 +20,7 @@ pub enum Kind {
     Zsw1,
     /// State of the drive, from status word 1 or by its name.
     State,
-    /// Fault number (PNU 947) of the model, an AKD where none is given.
+    /// Fault number (PNU 947) of the model; where none is given, of each model.
     Fault,
     /// Error number of a refused parameter.
     Error,
@@ -67,7 +67,7 @@ pub const KINDS: [(&str, &str, Kind); 20] = [
     ),
     (
         "fault",
-        "Fault number (PNU 947) of the model, an AKD where none is given",
+        "Fault number (PNU 947) of the model; without one of each model",
         Kind::Fault,
     ),
     ("error", "Error number of a refused parameter", Kind::Error),
@@ -170,15 +170,10 @@ pub struct Explained {
     pub meaning: Meaning,
 }
 
-/// Returns the tables of the model that was named; of an AKD where none was.
-fn tables(model: Option<Model>) -> &'static Catalogue {
-    model.and_then(|model| model.catalogue).unwrap_or(&AKD)
-}
-
 /// Explains the number in `text`: hexadecimal with 0x, binary with 0b, else decimal; a state also by its name.
 ///
 /// `mode` is for words whose bits depend on it ([`Kind::has_modes`]): without it both modes are shown. Faults, errors and
-/// formats are those of the model, else of an AKD.
+/// formats are those of the model; without one, of each model.
 ///
 /// ```
 /// use profidrive_dissect::explain::{Kind, explain};
@@ -195,7 +190,6 @@ pub fn explain(
     mode: Option<Mode>,
     model: Option<Model>,
 ) -> Result<Explained, NotExplained> {
-    let tables = tables(model);
     let (lines, meaning) = match kind {
         Kind::Stw1 => in_modes(
             "STW1",
@@ -247,7 +241,7 @@ pub fn explain(
             };
             (lines, meaning)
         }
-        Kind::Fault => fault(text, tables)?,
+        Kind::Fault => fault(text, model)?,
         Kind::Pnio => pnio(text)?,
         Kind::Error => {
             let mut lines = Vec::new();
@@ -389,13 +383,38 @@ fn bits(text: &str, kind: &'static str, pnu: u16, warning: bool, first: u8) -> R
     Ok((lines, meaning))
 }
 
-fn fault(text: &str, tables: &Catalogue) -> Result<Parts, NotExplained> {
+fn fault(text: &str, model: Option<Model>) -> Result<Parts, NotExplained> {
     let (warning, digits) = match text.as_bytes().first() {
         Some(b'n' | b'N') => (true, text.get(1..).unwrap_or_default()),
         Some(b'f' | b'F') => (false, text.get(1..).unwrap_or_default()),
         _ => (false, text),
     };
     let number = word(digits).or_else(|_| word(text))?;
+    let all: Vec<&Catalogue> = match model {
+        Some(model) => model.catalogue.into_iter().collect(),
+        None => model::ALL
+            .into_iter()
+            .filter_map(|model| model.catalogue)
+            .collect(),
+    };
+    if all.is_empty() {
+        let message = "the profile has no fault numbers of its own: each model has others";
+        return Err(NotExplained::new(message));
+    }
+    let mut lines = Vec::new();
+    let faults = all.into_iter();
+    let faults = faults.map(|tables| fault_of(tables, number, warning, &mut lines));
+    let meaning = Meaning::Fault {
+        r#as: "fault",
+        number,
+        warning,
+        models: faults.collect(),
+    };
+    Ok((lines, meaning))
+}
+
+/// What a number means in a drive with these tables.
+fn fault_of(tables: &Catalogue, number: u16, warning: bool, lines: &mut Vec<String>) -> FaultMeaning {
     let letter = if warning { 'n' } else { 'F' };
     let known = tables.fault(number, warning);
     let name = tables.model;
@@ -403,7 +422,7 @@ fn fault(text: &str, tables: &Catalogue) -> Result<Parts, NotExplained> {
         || format!("not in the table of the {name}"),
         |fault| fault.meaning.into(),
     );
-    let mut lines = vec![format!("{name} {letter}{number}: {meaning}")];
+    lines.push(format!("{name} {letter}{number}: {meaning}"));
     if let Some(fault) = known {
         lines.push(format!("  reaction {}", fault.reaction));
         lines.push(format!("  do       {}", fault.remedy));
@@ -415,19 +434,15 @@ fn fault(text: &str, tables: &Catalogue) -> Result<Parts, NotExplained> {
         };
         lines.push(format!("  source   {}{assumed}", fault.source));
     }
-    let meaning = Meaning::Fault {
-        r#as: "fault",
+    FaultMeaning {
         model: name.to_ascii_lowercase(),
-        number,
-        warning,
         meaning: known.map(|fault| fault.meaning),
         reaction: known.map(|fault| fault.reaction.text()),
         remedy: known.map(|fault| fault.remedy),
         cleared: known.map(|fault| tables.clearing(fault.cleared)),
         source: known.map(|fault| fault.source),
         recalled: known.map(|fault| fault.recalled),
-    };
-    Ok((lines, meaning))
+    }
 }
 
 fn pnio(text: &str) -> Result<Parts, NotExplained> {
@@ -510,9 +525,39 @@ mod tests {
             "{:?}",
             explained.lines
         );
-        assert_ne!(
-            explained.lines[0],
-            lines("13", Kind::Fault).lines().next().unwrap()
+        assert!(!explained.lines.join("\n").contains("AKD"));
+        let profile_alone = explain("13", Kind::Fault, None, Model::by_name("standard"));
+        assert!(profile_alone.is_err(), "{profile_alone:?}");
+    }
+
+    #[test]
+    fn without_a_model_a_fault_is_explained_for_each() {
+        let text = lines("13", Kind::Fault);
+        for name in ["AKD F13: ", "VLT F13: ", "VACON F13: "] {
+            assert!(text.contains(name), "{text}");
+        }
+        let explained = explain("F439", Kind::Fault, None, None).unwrap();
+        assert!(
+            explained.lines[0].starts_with("AKD F439: Following error"),
+            "{:?}",
+            explained.lines
+        );
+        let others = "VLT F439: not in the table of the VLT";
+        assert!(
+            explained.lines.iter().any(|line| line == others),
+            "{:?}",
+            explained.lines
+        );
+        let Meaning::Fault { number, models, .. } = explained.meaning else {
+            panic!("{:?}", explained.meaning);
+        };
+        let known: Vec<(&str, bool)> = models
+            .iter()
+            .map(|fault| (fault.model.as_str(), fault.meaning.is_some()))
+            .collect();
+        assert_eq!(
+            (number, known),
+            (439, vec![("akd", true), ("vlt", false), ("vacon", false)])
         );
     }
 

@@ -57,28 +57,16 @@ pub enum Meaning {
         /// The state in words.
         meaning: String,
     },
-    /// A fault or a warning of a model.
+    /// A fault or a warning.
     Fault {
         /// `fault`.
         r#as: &'static str,
-        /// The model.
-        model: String,
         /// The vendor's number.
         number: u16,
         /// Whether it is a warning.
         warning: bool,
-        /// What it means; null with the rest where it is not in the table.
-        meaning: Option<&'static str>,
-        /// What the drive does about it.
-        reaction: Option<&'static str>,
-        /// What to do.
-        remedy: Option<&'static str>,
-        /// What ends it once the cause is gone.
-        cleared: Option<String>,
-        /// Where this is written.
-        source: Option<&'static str>,
-        /// Whether it is from memory: there is no document at hand.
-        recalled: Option<bool>,
+        /// What it means in a drive of the model that was named; where none was, in a drive of each.
+        models: Vec<FaultMeaning>,
     },
     /// A PNIO status.
     Pnio {
@@ -144,6 +132,26 @@ pub enum Meaning {
         /// What it replies.
         reply: &'static str,
     },
+}
+
+/// What the number of a fault or a warning means in a drive of one model.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct FaultMeaning {
+    /// The model.
+    pub model: String,
+    /// What it means; null with the rest where it is not in the table.
+    pub meaning: Option<&'static str>,
+    /// What the drive does about it.
+    pub reaction: Option<&'static str>,
+    /// What to do.
+    pub remedy: Option<&'static str>,
+    /// What ends it once the cause is gone.
+    pub cleared: Option<String>,
+    /// Where this is written.
+    pub source: Option<&'static str>,
+    /// Whether it is from memory: there is no document at hand.
+    pub recalled: Option<bool>,
 }
 
 /// A word in one mode of the drive.

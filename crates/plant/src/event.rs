@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use network::host::Host;
 use network::impaired::Impaired;
-use profile::catalogue::Part;
+use profile::catalogue::{Part, name_distance};
 use profile::notation::Quantity;
 use virtual_drive::drive::{Injection, InjectionError};
 use virtual_drive::model::Model;
@@ -60,13 +60,13 @@ pub enum LinkFault {
 #[non_exhaustive]
 pub enum ScenarioEventError {
     /// No `=` in it.
-    #[error("`{text}`: write KEY=VALUE, for example fault=439; keys: {}", key_list())]
+    #[error("`{text}`: write KEY=VALUE, for example fault=439; {}", possible(.text))]
     NoValue {
         /// The text.
         text: String,
     },
     /// Nothing happens under this name.
-    #[error("`{key}` is nothing that can happen to a drive; keys: {}", key_list())]
+    #[error("`{key}` is not an event of a drive; {}", possible(.key))]
     UnknownKey {
         /// The key.
         key: String,
@@ -153,8 +153,17 @@ pub fn keys() -> impl Iterator<Item = Key> {
         .chain(EXTERNAL)
 }
 
-fn key_list() -> String {
-    keys().map(|key| key.key).collect::<Vec<_>>().join(", ")
+/// The key nearest to a misspelled one, then all keys.
+fn possible(text: &str) -> String {
+    let all: Vec<&str> = keys().map(|key| key.key).collect();
+    let list = format!("keys: {}", all.join(", "));
+    // one wrong letter in three is still a misspelling, more is another word
+    let bound = (text.len() / 3).max(1);
+    let near = all.into_iter().map(|key| (name_distance(key, text), key)).min();
+    match near {
+        Some((distance, key)) if distance <= bound => format!("nearest key: {key}; {list}"),
+        _ => list,
+    }
 }
 
 fn nearest(near: &[u16]) -> String {
@@ -369,6 +378,25 @@ mod tests {
     use super::*;
 
     #[test]
+    fn a_misspelled_key_comes_with_the_nearest_one() {
+        for (text, near) in [
+            ("fualt", Some("fault")),
+            ("fualt=439", Some("fault")),
+            ("warnin=3", Some("warning")),
+            ("motor-temp=80degC", None),
+            ("sto", Some("sto")),
+            ("x=1", None),
+        ] {
+            let message = text.parse::<ScenarioEvent>().unwrap_err().to_string();
+            let nearest = message
+                .split_once("nearest key: ")
+                .and_then(|(_, rest)| rest.split_once(';'));
+            assert_eq!(nearest.map(|(key, _)| key), near, "{message}");
+            assert!(message.contains("keys: fault, warning, "), "{message}");
+        }
+    }
+
+    #[test]
     fn every_example_is_read_written_and_ended() {
         for row in keys() {
             let event: ScenarioEvent = row.example.parse().unwrap();
@@ -419,7 +447,7 @@ mod tests {
             ("cable", "write KEY=VALUE"),
             (
                 "cabel=pulled",
-                "`cabel` is nothing that can happen to a drive; keys: fault",
+                "`cabel` is not an event of a drive; nearest key: cable; keys: fault",
             ),
             ("cable=cut", "pulled or plugged"),
             ("loss=120%", "0% to 100%"),

@@ -135,7 +135,7 @@ fn without_the_right_to_raw_sockets_records_go_by_udp_and_the_rest_is_explained(
     ] {
         let finished = client(verb);
         assert!(finished.code.is_some_and(|code| code != 0), "{finished:?}");
-        for words in ["cap_net_raw", "given by its IP needs no right"] {
+        for words in ["cap_net_raw", "given by its IP needs no permission"] {
             let err = finished.err.to_lowercase();
             assert!(err.contains(&words.to_lowercase()), "{verb:?}: {finished:?}");
         }

@@ -13,21 +13,21 @@ use super::{Network, duration};
 
 #[derive(Debug, Args)]
 pub struct Simulate {
-    /// Scenario file: drives, what happens to them and when; instead of the options that describe drives
+    /// Plant file: drives, what happens to them and when; instead of the options that describe drives
     #[arg(value_name = "PLANT.toml", conflicts_with_all = ["name", "count", "ip", "mac", "model", "min_cycle"])]
     pub plant: Option<PathBuf>,
-    /// Plays the scenario in virtual time, as fast as possible, without a network; the trace goes to stdout
+    /// Runs the plant in virtual time, as fast as possible, without a network; the trace goes to stdout
     #[arg(long, requires = "plant", conflicts_with = "state")]
     pub virtual_time: bool,
-    /// Ends after this time; else the `duration` of the scenario, or Ctrl-C
+    /// Ends after this time; else the `duration` of the plant file, or Ctrl-C
     #[arg(long = "for", value_name = "TIME", value_parser = duration)]
     pub time: Option<Duration>,
     /// Drive model; default: that of the vendor of the given device description, else akd
     #[arg(long, value_parser = simulated(), value_name = "MODEL")]
     pub model: Option<&'static Model>,
-    /// Device description (GSDML) of the vendor: source of identity, modules and ident numbers. In a scenario it
+    /// Device description (GSDML) of the vendor: source of identity, modules and ident numbers. In a plant it
     /// applies to this vendor's drives. A vendor without a built-in model requires --model for the behaviour of the
-    /// drive. Not in virtual time, where the controllers of the scenario use the modules of the model
+    /// drive. Not in virtual time, where the controllers of the plant use the modules of the model
     #[arg(long, value_name = "FILE", conflicts_with = "virtual_time")]
     pub gsdml: Option<PathBuf>,
     /// Only this access point of the device description; all of them when left out

@@ -7,7 +7,7 @@ use std::io;
 #[non_exhaustive]
 pub enum Error {
     /// There is no such port.
-    #[error("there is not a serial port {port}")]
+    #[error("there is no serial port {port}")]
     NoSuchPort {
         /// As it was named.
         port: String,

@@ -259,7 +259,7 @@ mod tests {
     fn an_open_error_has_a_hint() {
         let open = |name: &str| Port::open(name, Settings::new(9600)).unwrap_err();
         let error = open("/dev/ttyNOWHERE7");
-        assert_eq!(error.to_string(), "there is not a serial port /dev/ttyNOWHERE7");
+        assert_eq!(error.to_string(), "there is no serial port /dev/ttyNOWHERE7");
         assert!(error.hint().is_some());
         assert!(matches!(open("/dev/null"), Error::NotSerial { .. }));
         let (_near, name) = Port::pair().unwrap();

@@ -27,7 +27,7 @@ pub enum ServerPort {
     None,
 }
 
-/// Carries an endpoint by UDP alone, which needs no right: records are read and written, nothing is discovered and
+/// Carries an endpoint by UDP alone, which needs no permission: records are read and written, nothing is discovered and
 /// nothing is cyclic. PROFINET frames of the endpoint are dropped.
 ///
 /// ```

@@ -21,8 +21,8 @@ pub struct ForeignDescription {
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum DescriptionError {
-    /// No drive of the scenario is of this vendor.
-    #[error("the device description is of vendor 0x{0:04X}; no drive of the scenario is")]
+    /// No drive of the plant is of this vendor.
+    #[error("the device description is of vendor 0x{0:04X}; no drive of the plant is")]
     NotInScenario(u16),
     /// No model is of this vendor, and none was chosen.
     #[error("the device description is of vendor 0x{vendor:04X} ({name}), of which no drive is simulated")]

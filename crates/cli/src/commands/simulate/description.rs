@@ -50,7 +50,7 @@ pub fn read(
 fn failure(name: &str, error: &DescriptionError) -> Failure {
     match error {
         DescriptionError::NotInScenario(vendor) => {
-            let message = format!("{name} is of vendor 0x{vendor:04X}; no drive of the scenario is");
+            let message = format!("{name} is of vendor 0x{vendor:04X}; no drive of the plant is");
             Failure::new(ErrorKind::Local, message)
         }
         DescriptionError::NoModel {

@@ -80,7 +80,7 @@ fn on_network(
         .as_ref()
         .is_some_and(|scenario| !scenario.controllers.is_empty())
     {
-        output.warn("the controllers of the scenario are left out: they exist in virtual time only");
+        output.warn("the controllers of the plant are left out: they exist in virtual time only");
     }
     let model = description.as_ref().map(|description| description.model);
     Ok(HostConfig {

@@ -25,12 +25,12 @@ pub fn run(
 ) -> Result<(), Failure> {
     let Some(time) = time.or(scenario.duration) else {
         return Err(Failure::usage("how long? Virtual time has no end of its own")
-            .hint("give `duration` in the scenario, or --for TIME"));
+            .hint("give `duration` in the plant file, or --for TIME"));
     };
     let failed = |what: &str, error: &dyn std::fmt::Display| {
         Failure::new(ErrorKind::Local, format!("{what}: {error}"))
     };
-    let mut world = World::new(scenario).map_err(|error| failed("the scenario cannot start", &error))?;
+    let mut world = World::new(scenario).map_err(|error| failed("the plant cannot start", &error))?;
     if let Some(path) = pcap {
         let name = path.display().to_string();
         let file = create(path).map_err(|error| Failure::new(ErrorKind::Local, error.to_string()))?;
