@@ -4,7 +4,7 @@
 use std::fmt::Write;
 use std::time::{Duration, Instant as Wall};
 
-use plant::{Scenario, World};
+use plant::{PlantPlan, World};
 use profinet::Instant;
 use virtual_drive::drive::Drive;
 use virtual_drive::model;
@@ -31,7 +31,7 @@ const TWO: f64 = 1.8;
 
 /// Both, each the best of a few rounds: what disturbs a round makes it slower, never faster.
 pub fn compare() -> Vec<Row> {
-    let scenario: Scenario = plant(1, SPAN).parse().unwrap();
+    let plant: PlantPlan = plant(1, SPAN).parse().unwrap();
     let best = |round: &dyn Fn() -> f64| (0..ROUNDS).map(|_| round()).fold(0.0, f64::max);
     let row = |what: &str, factor: f64, limit: f64| {
         Row::new(what, format!("{factor:.0} times real time"))
@@ -40,7 +40,7 @@ pub fn compare() -> Vec<Row> {
     vec![
         row(
             "positioning with every frame on the wire",
-            best(&|| on_the_wire(&scenario)),
+            best(&|| on_the_wire(&plant)),
             WITH_WIRE,
         ),
         row("positioning, the drive alone", best(&single), SINGLE_LIMIT),
@@ -53,8 +53,8 @@ pub fn compare() -> Vec<Row> {
 fn linear() -> Row {
     let span = SPAN / 10;
     let [few, many] = [FEW, MANY].map(|count| {
-        let scenario = plant(count, span).parse().unwrap();
-        let best = (0..ROUNDS).map(|_| run(&scenario, span).1).min().unwrap();
+        let plant = plant(count, span).parse().unwrap();
+        let best = (0..ROUNDS).map(|_| run(&plant, span).1).min().unwrap();
         best.as_secs_f64() * 1e6 * CYCLE.as_secs_f64() / (span.as_secs_f64() * count as f64)
     });
     Row::new(
@@ -67,17 +67,17 @@ fn linear() -> Row {
 
 /// Two plants on two threads, and the same two one after the other.
 fn two_cores() -> Row {
-    let scenario: Scenario = plant(1, SPAN).parse().unwrap();
+    let plant: PlantPlan = plant(1, SPAN).parse().unwrap();
     let rounds = (0..ROUNDS).map(|_| {
         let begin = Wall::now();
         for _ in 0..2 {
-            run(&scenario, SPAN);
+            run(&plant, SPAN);
         }
         let one_after_the_other = begin.elapsed();
         let begin = Wall::now();
         std::thread::scope(|scope| {
             for _ in 0..2 {
-                scope.spawn(|| run(&scenario, SPAN));
+                scope.spawn(|| run(&plant, SPAN));
             }
         });
         one_after_the_other.as_secs_f64() / begin.elapsed().as_secs_f64()
@@ -123,8 +123,8 @@ step = [
     text + "]\n"
 }
 
-fn on_the_wire(scenario: &Scenario) -> f64 {
-    let (world, took) = run(scenario, SPAN);
+fn on_the_wire(plant: &PlantPlan) -> f64 {
+    let (world, took) = run(plant, SPAN);
     let drive = world.drive(0).unwrap().drive();
     assert!(
         drive.is_enabled() && !drive.has_fault(),
@@ -136,8 +136,8 @@ fn on_the_wire(scenario: &Scenario) -> f64 {
 }
 
 /// Returns a plant at its end, and how long it took.
-fn run(scenario: &Scenario, span: Duration) -> (World, Duration) {
-    let mut world = World::new(scenario).unwrap();
+fn run(plant: &PlantPlan, span: Duration) -> (World, Duration) {
+    let mut world = World::new(plant).unwrap();
     let begin = Wall::now();
     world.run_until(Instant::ZERO + span, &mut drop);
     (world, begin.elapsed())

@@ -93,7 +93,7 @@ pub struct Client {
     line: Option<Line>,
     connections: HashMap<ArId, Connection>,
     axes: Vec<AxisLink>,
-    heard: HashMap<DcpId, Vec<Station>>,
+    stations: HashMap<DcpId, Vec<Station>>,
     identified: VecDeque<DcpId>,
     dcp: HashMap<DcpId, Result<DcpReply, DcpError>>,
     records: HashMap<CallId, Result<Vec<u8>, ServiceError>>,
@@ -240,7 +240,7 @@ impl Client {
             line: None,
             connections: HashMap::new(),
             axes: Vec::new(),
-            heard: HashMap::new(),
+            stations: HashMap::new(),
             identified: VecDeque::new(),
             dcp: HashMap::new(),
             records: HashMap::new(),
@@ -261,8 +261,8 @@ impl Client {
 
     /// Returns the counters of the serial line, telegrams and noise; `None` on a network.
     #[must_use]
-    pub fn heard(&self) -> Option<&ReceiverStatistics> {
-        self.line.as_ref().map(Line::heard)
+    pub fn line_counters(&self) -> Option<&ReceiverStatistics> {
+        self.line.as_ref().map(Line::counters)
     }
 
     pub(crate) fn line(&mut self) -> Option<&mut Line> {
@@ -346,19 +346,19 @@ impl Client {
     pub fn take_stations(&mut self, id: DcpId) -> Option<Vec<Station>> {
         let position = self.identified.iter().position(|done| *done == id)?;
         self.identified.remove(position);
-        Some(self.heard.remove(&id).unwrap_or_default())
+        Some(self.stations.remove(&id).unwrap_or_default())
     }
 
     /// Returns the stations that answered so far.
     #[must_use]
     pub fn stations_so_far(&self, id: DcpId) -> usize {
-        self.heard.get(&id).map_or(0, Vec::len)
+        self.stations.get(&id).map_or(0, Vec::len)
     }
 
     /// Returns the stations that answered so far, for a request that was cancelled.
     pub fn take_stations_so_far(&mut self, id: DcpId) -> Vec<Station> {
         self.identified.retain(|done| *done != id);
-        self.heard.remove(&id).unwrap_or_default()
+        self.stations.remove(&id).unwrap_or_default()
     }
 
     /// Returns the end of a DCP Get or Set.
@@ -635,12 +635,12 @@ impl Client {
 
     fn take(&mut self, event: Event) {
         match event {
-            Event::Identified { id, station } => self.heard.entry(id).or_default().push(station),
+            Event::Identified { id, station } => self.stations.entry(id).or_default().push(station),
             Event::IdentifyDone { id, .. } => {
                 if self.identified.len() >= MAX_RESULTS
                     && let Some(old) = self.identified.pop_front()
                 {
-                    self.heard.remove(&old);
+                    self.stations.remove(&old);
                 }
                 self.identified.push_back(id);
             }
@@ -766,7 +766,7 @@ mod tests {
                 while client.poll_transmit(now, &mut buffer).is_some() {}
             }
         }
-        assert_eq!(client.heard.len(), MAX_RESULTS);
+        assert_eq!(client.stations.len(), MAX_RESULTS);
         let (gone, kept) = ids.split_at(ids.len() - MAX_RESULTS);
         assert!(gone.iter().all(|id| client.take_stations(*id).is_none()));
         assert!(kept.iter().all(|id| client.take_stations(*id).is_some()));

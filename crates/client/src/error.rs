@@ -66,12 +66,12 @@ pub enum Error {
         seen: String,
     },
     /// No station with this name or address answered.
-    #[error("no answer from {drive}{}", others(.drive, .heard))]
+    #[error("no answer from {drive}{}", others(.drive, .answered))]
     NotFound {
         /// Who was looked for.
         drive: DriveAddress,
         /// Who answered instead.
-        heard: Vec<Station>,
+        answered: Vec<Station>,
     },
     /// More than one station has this name or address.
     #[error("{} stations are {drive}: {}", .macs.len(), join(.macs))]
@@ -114,7 +114,7 @@ pub enum Error {
     NoAnswer {
         /// The drive that was requested.
         drive: DriveAddress,
-        /// Telegrams heard of others.
+        /// Telegrams received from others.
         telegrams: u64,
         /// Invalid octets and telegrams.
         noise: u64,

@@ -30,7 +30,7 @@ struct Station {
     to: Option<(SocketAddrV4, usize)>,
     cycle: Option<Duration>,
     next: Instant,
-    heard: u64,
+    received: u64,
     due: bool,
     got: bool,
 }
@@ -51,7 +51,7 @@ impl Station {
             to: None,
             cycle,
             next,
-            heard: 0,
+            received: 0,
             due: false,
             got: false,
         }
@@ -66,7 +66,7 @@ impl Endpoint for Station {
         self.ip
     }
     fn handle_frame(&mut self, _: Instant, _: &[u8]) {
-        self.heard += 1;
+        self.received += 1;
     }
     fn handle_datagram(&mut self, _: Instant, source: SocketAddrV4, _: u16, payload: &[u8]) {
         self.got = true;
@@ -290,15 +290,15 @@ fn client() {
     println!("CPU time per 1,000 cycles of one station, one frame in and one out per cycle (limit 0.040 s),");
     println!("beside a process that only sleeps and sends one datagram per cycle:");
     for cycle in [1u64, 4, 16] {
-        let [(floor, _), (station, heard)] =
+        let [(floor, _), (station, received)] =
             [format!("sleep-{cycle}"), cycle.to_string()].map(|role| cycles(&role, cycle));
         println!(
-            "  {cycle:>2} ms: station {station:.4} s ({heard} frames heard), only sleep and send {floor:.4} s"
+            "  {cycle:>2} ms: station {station:.4} s ({received} frames received), only sleep and send {floor:.4} s"
         );
     }
 }
 
-/// CPU time of the other process during 1,000 cycles, and the frames heard from it.
+/// CPU time of the other process during 1,000 cycles, and the frames received from it.
 fn cycles(role: &str, cycle: u64) -> (f64, u64) {
     let mut peer = server(role);
     let mut runner = Runner::open("va").unwrap();
@@ -319,6 +319,6 @@ fn cycles(role: &str, cycle: u64) -> (f64, u64) {
     peer.wait().unwrap();
     (
         spent as f64 / 1e9,
-        runner.station::<Host<Station>>(id).unwrap().endpoint().heard,
+        runner.station::<Host<Station>>(id).unwrap().endpoint().received,
     )
 }

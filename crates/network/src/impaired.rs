@@ -245,7 +245,7 @@ mod tests {
     /// Gives back every frame it gets.
     #[derive(Debug, Default)]
     struct Echo {
-        heard: Vec<Vec<u8>>,
+        received: Vec<Vec<u8>>,
         to_send: VecDeque<Vec<u8>>,
     }
 
@@ -254,7 +254,7 @@ mod tests {
             MacAddress([2, 0, 0, 0, 0, 1])
         }
         fn handle_frame(&mut self, _: Instant, frame: &[u8]) {
-            self.heard.push(frame.to_vec());
+            self.received.push(frame.to_vec());
             self.to_send.push_back(frame.to_vec());
         }
         fn handle_timeout(&mut self, _: Instant) {}
@@ -314,7 +314,7 @@ mod tests {
         // a better cable does not let later frames overtake
         station.set_conditions(GOOD);
         station.handle_frame(at(0), &[3]);
-        assert!(station.inner().heard.is_empty());
+        assert!(station.inner().received.is_empty());
         assert_eq!(sent(&mut station, at(20)), [(at(5), 1), (at(5), 2), (at(5), 3)]);
         station.set_conditions(Conditions {
             delay: Duration::from_millis(5),

@@ -84,7 +84,7 @@ impl<S: Station> Probe<S> {
         &self.found
     }
 
-    fn hear(&mut self, frame: &[u8]) -> Option<()> {
+    fn receive(&mut self, frame: &[u8]) -> Option<()> {
         let (kind, start) = ethertype(frame)?;
         if EthernetProtocol::from(kind) != EthernetProtocol::Arp {
             return None;
@@ -140,7 +140,7 @@ impl<S: Station> Station for Probe<S> {
     }
 
     fn handle_frame(&mut self, now: Instant, frame: &[u8]) {
-        let _ = self.hear(frame);
+        let _ = self.receive(frame);
         self.inner.handle_frame(now, frame);
     }
 

@@ -14,7 +14,7 @@ struct Cyclic {
     peer: MacAddress,
     next: Instant,
     due: bool,
-    heard: u64,
+    received: u64,
 }
 
 const CYCLE: Duration = Duration::from_millis(16);
@@ -27,7 +27,7 @@ impl Endpoint for Cyclic {
         IpSuite::NONE
     }
     fn handle_frame(&mut self, _: Instant, _: &[u8]) {
-        self.heard += 1;
+        self.received += 1;
     }
     fn handle_datagram(&mut self, _: Instant, _: SocketAddrV4, _: u16, _: &[u8]) {}
     fn handle_timeout(&mut self, now: Instant) {
@@ -57,7 +57,7 @@ fn cyclic(own: u8, peer: u8) -> Host<Cyclic> {
         peer: mac(peer),
         next,
         due: false,
-        heard: 0,
+        received: 0,
     })
 }
 
@@ -75,7 +75,7 @@ fn a_host_passes_cyclic_frames_without_allocation() {
             assert!(a.poll_timeout() > Some(now));
         }
     });
-    assert_eq!((count, b.endpoint().heard), (0, 10_000));
+    assert_eq!((count, b.endpoint().received), (0, 10_000));
 }
 
 #[test]
@@ -94,6 +94,6 @@ fn the_segment_carries_cyclic_frames_without_allocation() {
     // The queue and the buffers grow to their size first.
     segment.run_until(Instant::from_millis(60_000));
     let count = allocations::made_by(|| segment.run_until(Instant::from_millis(600_000)));
-    assert!(segment.station::<Host<Cyclic>>(id).unwrap().endpoint().heard > 36_000);
+    assert!(segment.station::<Host<Cyclic>>(id).unwrap().endpoint().received > 36_000);
     assert_eq!(count, 0);
 }

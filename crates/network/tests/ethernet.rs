@@ -252,8 +252,8 @@ fn a_client_and_stations_exchange_frames_and_datagrams() {
     // the kernel takes tags out on the way; nothing else changes
     assert_eq!(client.frames[0][12..14], [0x88, 0x92]);
     run_for(&mut runner, Duration::from_millis(20));
-    let heard = |id: StationId| runner.station::<Host<Echo>>(id).unwrap().endpoint().frames.len();
-    assert_eq!((heard(one), heard(two)), (2, 1));
+    let received = |id: StationId| runner.station::<Host<Echo>>(id).unwrap().endpoint().frames.len();
+    assert_eq!((received(one), received(two)), (2, 1));
     // the tap shows what was on the wire, tag included
     let tagged = cyclic(mac(1), client.mac, true);
     assert!(
@@ -351,14 +351,17 @@ fn cycles_are_kept_by_many_stations() {
     // The listener was not run meanwhile: its ring kept the first 512 (64 announcements among them), the kernel
     // counted the others.
     let counted = listener.statistics();
-    let heard = listener
+    let received = listener
         .station::<Host<Echo>>(sink)
         .unwrap()
         .endpoint()
         .frames
         .len();
-    assert!(heard >= 400, "{heard}");
-    assert!(counted.missed as usize + heard >= sent, "{counted:?} of {sent}");
+    assert!(received >= 400, "{received}");
+    assert!(
+        counted.missed as usize + received >= sent,
+        "{counted:?} of {sent}"
+    );
 }
 
 #[test]

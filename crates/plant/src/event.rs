@@ -18,15 +18,15 @@ pub type Unit = Impaired<Host<Station>>;
 /// Something that happens to a drive, in the notation `key=value`; [`keys`] lists all of it.
 ///
 /// ```
-/// use profidrive_plant::ScenarioEvent;
-/// let pulled: ScenarioEvent = "cable=pulled".parse()?;
+/// use profidrive_plant::PlantEvent;
+/// let pulled: PlantEvent = "cable=pulled".parse()?;
 /// assert_eq!(pulled.undo().unwrap().to_string(), "cable=plugged");
-/// let lasting: ScenarioEvent = "fault=439!".parse()?;
+/// let lasting: PlantEvent = "fault=439!".parse()?;
 /// assert_eq!(lasting.undo().unwrap().to_string(), "clear=439");
-/// # Ok::<(), profidrive_plant::ScenarioEventError>(())
+/// # Ok::<(), profidrive_plant::PlantEventError>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum ScenarioEvent {
+pub enum PlantEvent {
     /// To motor, load, wiring and power of the drive.
     Drive(Injection),
     /// `cable=pulled`, `cable=plugged`.
@@ -58,7 +58,7 @@ pub enum LinkFault {
 /// The text is nothing that can happen.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
-pub enum ScenarioEventError {
+pub enum PlantEventError {
     /// No `=` in it.
     #[error("`{text}`: write KEY=VALUE, for example fault=439; {}", possible(.text))]
     NoValue {
@@ -178,19 +178,19 @@ fn inputs(most: usize) -> String {
     }
 }
 
-impl ScenarioEvent {
+impl PlantEvent {
     /// Whether it can happen to a drive of this model: it must have the fault, warning or digital input that is
     /// named.
     ///
     /// # Errors
-    /// [`ScenarioEventError::UnknownNumber`] with the numbers next to it, [`ScenarioEventError::NoInput`].
-    pub fn fits(&self, model: &Model) -> Result<(), ScenarioEventError> {
+    /// [`PlantEventError::UnknownNumber`] with the numbers next to it, [`PlantEventError::NoInput`].
+    pub fn fits(&self, model: &Model) -> Result<(), PlantEventError> {
         let (kind, number, meant): (_, _, &[bool]) = match *self {
             Self::Drive(Injection::Fault { number, .. }) => ("fault", number, &[false]),
             Self::Drive(Injection::Warning { number }) => ("warning", number, &[true]),
             Self::Drive(Injection::ClearCause { number }) => ("fault or warning", number, &[false, true]),
             Self::Drive(Injection::ButtonB1(_)) if model.number(Part::AddressMode).is_none() => {
-                return Err(ScenarioEventError::Value {
+                return Err(PlantEventError::Value {
                     text: self.to_string(),
                     expected: "this drive has no button B1",
                 });
@@ -200,7 +200,7 @@ impl ScenarioEvent {
                 if usize::from(number) <= most {
                     return Ok(());
                 }
-                return Err(ScenarioEventError::NoInput {
+                return Err(PlantEventError::NoInput {
                     text: self.to_string(),
                     drive: model.catalogue.device.station_type,
                     most,
@@ -222,7 +222,7 @@ impl ScenarioEvent {
         };
         let below = there().filter(|other| *other < number).max();
         let above = there().filter(|other| *other > number).min();
-        Err(ScenarioEventError::UnknownNumber {
+        Err(PlantEventError::UnknownNumber {
             text: self.to_string(),
             drive: catalogue.device.station_type,
             kind,
@@ -302,15 +302,15 @@ fn undo(injection: Injection) -> Option<Injection> {
     })
 }
 
-impl FromStr for ScenarioEvent {
-    type Err = ScenarioEventError;
+impl FromStr for PlantEvent {
+    type Err = PlantEventError;
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
-        let (key, value) = text.split_once('=').ok_or_else(|| ScenarioEventError::NoValue {
+        let (key, value) = text.split_once('=').ok_or_else(|| PlantEventError::NoValue {
             text: text.to_owned(),
         })?;
         let (key, value) = (key.trim(), value.trim());
-        let wrong = |expected| ScenarioEventError::Value {
+        let wrong = |expected| PlantEventError::Value {
             text: text.trim().to_owned(),
             expected,
         };
@@ -345,7 +345,7 @@ impl FromStr for ScenarioEvent {
             "answers" => Self::Answers(value.parse().map_err(|_| wrong(ANSWERS))?),
             key if Injection::keys().any(|row| row.key == key) => Self::Drive(text.trim().parse()?),
             key => {
-                return Err(ScenarioEventError::UnknownKey { key: key.to_owned() });
+                return Err(PlantEventError::UnknownKey { key: key.to_owned() });
             }
         })
     }
@@ -355,7 +355,7 @@ const SHARE: &str = "a share is 0% to 100%";
 const TIME: &str = "a time of a frame is 0s to 60s, with its unit";
 const ANSWERS: &str = "answers are none, silent, late TIME, reference, cut or error NUMBER";
 
-impl fmt::Display for ScenarioEvent {
+impl fmt::Display for PlantEvent {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let percent = |share: f64| (share * 1e6).round() / 1e4;
         let millis = |time: Duration| time.as_secs_f64() * 1000.0;
@@ -387,7 +387,7 @@ mod tests {
             ("sto", Some("sto")),
             ("x=1", None),
         ] {
-            let message = text.parse::<ScenarioEvent>().unwrap_err().to_string();
+            let message = text.parse::<PlantEvent>().unwrap_err().to_string();
             let nearest = message
                 .split_once("nearest key: ")
                 .and_then(|(_, rest)| rest.split_once(';'));
@@ -399,7 +399,7 @@ mod tests {
     #[test]
     fn every_example_is_read_written_and_ended() {
         for row in keys() {
-            let event: ScenarioEvent = row.example.parse().unwrap();
+            let event: PlantEvent = row.example.parse().unwrap();
             assert_eq!(event.to_string(), row.example, "{}", row.key);
             assert_eq!(event.to_string().parse(), Ok(event));
             if let Some(end) = event.undo() {
@@ -422,7 +422,7 @@ mod tests {
             "sto=on",
             "input=7:on",
         ] {
-            assert_eq!(text.parse::<ScenarioEvent>().unwrap().fits(akd), Ok(()), "{text}");
+            assert_eq!(text.parse::<PlantEvent>().unwrap().fits(akd), Ok(()), "{text}");
         }
         for (text, words) in [
             ("fault=999", "has no fault 999; next to it there are "),
@@ -432,7 +432,7 @@ mod tests {
             ("input=8:on", "has the digital inputs 1 to 7"),
         ] {
             let error = text
-                .parse::<ScenarioEvent>()
+                .parse::<PlantEvent>()
                 .unwrap()
                 .fits(akd)
                 .unwrap_err()
@@ -461,7 +461,7 @@ mod tests {
             if words.is_empty() {
                 continue;
             }
-            let error = text.parse::<ScenarioEvent>().unwrap_err().to_string();
+            let error = text.parse::<PlantEvent>().unwrap_err().to_string();
             assert!(error.contains(words), "{text}: {error}");
         }
     }

@@ -1,4 +1,4 @@
-//! The scenario file.
+//! The plant file.
 
 use std::collections::{BTreeMap, HashMap};
 use std::fs::File;
@@ -17,8 +17,8 @@ use virtual_drive::axis::{Plant, Travel};
 use virtual_drive::model::{self, Model};
 use virtual_drive::station::{Station, StationConfig};
 
-use crate::event::ScenarioEvent;
-use crate::plan::{Cue, DrivePlan, Scenario, Trigger, set};
+use crate::event::PlantEvent;
+use crate::plan::{Cue, DrivePlan, PlantPlan, Trigger, set};
 use crate::program::RawController;
 use crate::text::{derived_mac, place, suite, time};
 
@@ -29,20 +29,20 @@ const MAX_READ: u64 = 4 << 20;
 /// Most cues of one drive.
 const MOST_CUES: usize = 10_000;
 
-/// What is wrong with a scenario file, and where.
+/// What is wrong with a plant file, and where.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("line {line}: {message}")]
-pub struct ScenarioError {
+pub struct PlantError {
     /// Line, from 1.
     pub line: usize,
     /// What is wrong.
     pub message: String,
 }
 
-/// Why a scenario file cannot be used.
+/// Why a plant file cannot be used.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-pub enum ScenarioFileError {
+pub enum PlantFileError {
     /// It cannot be read.
     #[error("{}: {source}", path.display())]
     Read {
@@ -51,9 +51,9 @@ pub enum ScenarioFileError {
         /// Why.
         source: io::Error,
     },
-    /// It is longer than a scenario can be, or no text.
+    /// It is longer than a plant file can be, or no text.
     #[error("{}: {why}", path.display())]
-    NoScenario {
+    NoPlant {
         /// The file.
         path: PathBuf,
         /// What is wrong.
@@ -61,11 +61,11 @@ pub enum ScenarioFileError {
     },
     /// Something in it is not valid.
     #[error("{}, {error}", path.display())]
-    Scenario {
+    PlantPlan {
         /// The file.
         path: PathBuf,
         /// What, and where.
-        error: ScenarioError,
+        error: PlantError,
     },
 }
 
@@ -80,31 +80,31 @@ pub(crate) fn located<T, U, E: ToString>(
     read(value.get_ref()).map_err(|error| Located(value.span(), error.to_string()))
 }
 
-impl Scenario {
-    /// Reads a scenario file, not more of it than one may have.
+impl PlantPlan {
+    /// Reads a plant file, not more of it than one may have.
     ///
     /// # Errors
     /// When it cannot be read, or when something in it is not valid.
-    pub fn read(path: &Path) -> Result<Self, ScenarioFileError> {
+    pub fn read(path: &Path) -> Result<Self, PlantFileError> {
         let mut octets = Vec::new();
         // one more than is used, so that a longer file is recognized
         File::open(path)
             .and_then(|file| file.take(MAX_READ + 1).read_to_end(&mut octets))
-            .map_err(|source| ScenarioFileError::Read {
+            .map_err(|source| PlantFileError::Read {
                 path: path.to_owned(),
                 source,
             })?;
-        let no_scenario = |why: String| ScenarioFileError::NoScenario {
+        let no_plant = |why: String| PlantFileError::NoPlant {
             path: path.to_owned(),
             why,
         };
         if octets.len() as u64 > MAX_READ {
-            return Err(no_scenario(format!(
+            return Err(no_plant(format!(
                 "longer than {MAX_READ} octets, not a plant file"
             )));
         }
-        let text = String::from_utf8(octets).map_err(|_| no_scenario("not UTF-8 text".to_owned()))?;
-        text.parse().map_err(|error| ScenarioFileError::Scenario {
+        let text = String::from_utf8(octets).map_err(|_| no_plant("not UTF-8 text".to_owned()))?;
+        text.parse().map_err(|error| PlantFileError::PlantPlan {
             path: path.to_owned(),
             error,
         })
@@ -113,7 +113,7 @@ impl Scenario {
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
-struct RawScenario {
+struct RawPlant {
     #[serde(default = "first_seed")]
     seed: u64,
     duration: Option<Spanned<String>>,
@@ -190,21 +190,21 @@ struct RawEvent {
     what: Spanned<String>,
 }
 
-impl std::str::FromStr for Scenario {
-    type Err = ScenarioError;
+impl std::str::FromStr for PlantPlan {
+    type Err = PlantError;
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
         if text.len() > LONGEST_FILE {
-            return Err(ScenarioError {
+            return Err(PlantError {
                 line: 1,
                 message: format!("the file is longer than {LONGEST_FILE} octets"),
             });
         }
-        let raw: RawScenario = toml::from_str(text).map_err(|error| ScenarioError {
+        let raw: RawPlant = toml::from_str(text).map_err(|error| PlantError {
             line: line_of(text, error.span().map_or(0, |span| span.start)),
             message: error.message().to_owned(),
         })?;
-        read(&raw).map_err(|Located(span, message)| ScenarioError {
+        read(&raw).map_err(|Located(span, message)| PlantError {
             line: line_of(text, span.start),
             message,
         })
@@ -215,7 +215,7 @@ fn line_of(text: &str, at: usize) -> usize {
     1 + text.bytes().take(at).filter(|octet| *octet == b'\n').count()
 }
 
-fn read(raw: &RawScenario) -> Result<Scenario, Located> {
+fn read(raw: &RawPlant) -> Result<PlantPlan, Located> {
     let duration = raw.duration.as_ref().map(|text| located(text, |text| time(text)));
     let sample = raw.sample.as_ref().map(|text| {
         located(text, |text| {
@@ -229,7 +229,7 @@ fn read(raw: &RawScenario) -> Result<Scenario, Located> {
     if raw.drive.is_empty() {
         return Err(Located(
             0..0,
-            "a scenario has at least one drive ([[drive]])".to_owned(),
+            "a plant has at least one drive ([[drive]])".to_owned(),
         ));
     }
     let mut drives: Vec<DrivePlan> = Vec::new();
@@ -252,7 +252,7 @@ fn read(raw: &RawScenario) -> Result<Scenario, Located> {
         drives.push(plan);
     }
     let controllers = raw.controller.iter().map(|controller| controller.read(&drives));
-    Ok(Scenario {
+    Ok(PlantPlan {
         seed: raw.seed,
         duration: duration.transpose()?,
         sample: sample.transpose()?,
@@ -478,8 +478,8 @@ fn read_cue(raw: &Spanned<RawEvent>, model: &Model) -> Result<Cue, Located> {
             ));
         }
     };
-    let what: ScenarioEvent = located(&event.what, |text| {
-        let what = text.parse::<ScenarioEvent>()?;
+    let what: PlantEvent = located(&event.what, |text| {
+        let what = text.parse::<PlantEvent>()?;
         what.fits(model).map(|()| what)
     })?;
     let lasts = match &event.lasts {

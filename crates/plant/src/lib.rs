@@ -1,7 +1,7 @@
 //! Plants of virtual drives, and what happens to them.
 //!
-//! A [`Scenario`] is read from a TOML file: drives with model, name, address, motor, load and first parameters, a time
-//! line of what happens to each ([`ScenarioEvent`]: faults, STO, load steps, a pulled cable, late frames, wrong answers),
+//! A [`PlantPlan`] is read from a TOML file: drives with model, name, address, motor, load and first parameters, a time
+//! line of what happens to each ([`PlantEvent`]: faults, STO, load steps, a pulled cable, late frames, wrong answers),
 //! and controllers with a program. A [`World`] plays it in virtual time, as fast as the machine can, and gives the same
 //! trace for the same seed every time. On a real interface the owner of the stations plays each drive's [`Timeline`]
 //! itself ([`Timeline::play`]): [`host::Host`] does so, with everything else that a simulation on a network has.
@@ -22,9 +22,9 @@ mod timeline;
 mod trace;
 mod world;
 
-pub use event::{LinkFault, ScenarioEvent, ScenarioEventError, Unit, keys};
-pub use file::{ScenarioError, ScenarioFileError};
-pub use plan::{Action, ControllerPlan, Cue, DrivePlan, Scenario, Step, Trigger, WorldError};
+pub use event::{LinkFault, PlantEvent, PlantEventError, Unit, keys};
+pub use file::{PlantError, PlantFileError};
+pub use plan::{Action, ControllerPlan, Cue, DrivePlan, PlantPlan, Step, Trigger, WorldError};
 pub use text::derived_mac;
 pub use timeline::{Played, Timeline};
 pub use trace::{Entry, What};

@@ -12,13 +12,13 @@ use virtual_drive::axis::Plant;
 use virtual_drive::model::Model;
 use virtual_drive::station::{Station, StationConfig};
 
-use crate::event::{ScenarioEvent, ScenarioEventError, Unit};
+use crate::event::{PlantEvent, PlantEventError, Unit};
 use crate::text::derived_mac;
 
 /// A plant: drives, what happens to them, and the controllers that run them.
 ///
 /// ```
-/// let scenario: profidrive_plant::Scenario = r#"
+/// let plant: profidrive_plant::PlantPlan = r#"
 ///     seed = 7
 ///     [[drive]]
 ///     name = "press-1"
@@ -30,11 +30,11 @@ use crate::text::derived_mac;
 ///         { position = "10rev", do = "fault=439" },
 ///     ]
 /// "#.parse()?;
-/// assert_eq!(scenario.drives[0].cues.len(), 3);
-/// # Ok::<(), profidrive_plant::ScenarioError>(())
+/// assert_eq!(plant.drives[0].cues.len(), 3);
+/// # Ok::<(), profidrive_plant::PlantError>(())
 /// ```
 #[derive(Debug, Clone)]
-pub struct Scenario {
+pub struct PlantPlan {
     /// Seed of all random events.
     pub seed: u64,
     /// How long it goes on; `None` until it is ended.
@@ -47,7 +47,7 @@ pub struct Scenario {
     pub controllers: Vec<ControllerPlan>,
 }
 
-/// One drive of a [`Scenario`].
+/// One drive of a [`PlantPlan`].
 #[derive(Debug, Clone)]
 pub struct DrivePlan {
     /// Name of station.
@@ -76,7 +76,7 @@ pub struct Cue {
     /// When.
     pub trigger: Trigger,
     /// What.
-    pub what: ScenarioEvent,
+    pub what: PlantEvent,
     /// Duration; `None` until the next change.
     pub lasts: Option<Duration>,
 }
@@ -167,7 +167,7 @@ pub enum WorldError {
     },
     /// It cannot happen to this drive.
     #[error(transparent)]
-    Event(#[from] ScenarioEventError),
+    Event(#[from] PlantEventError),
 }
 
 impl DrivePlan {

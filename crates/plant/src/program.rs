@@ -43,7 +43,7 @@ impl RawController {
     pub(crate) fn read(&self, drives: &[DrivePlan]) -> Result<ControllerPlan, Located> {
         let drive = located(&self.drive, |name| {
             let found = drives.iter().position(|drive| drive.name == *name);
-            found.ok_or_else(|| format!("no drive `{name}` in this scenario"))
+            found.ok_or_else(|| format!("no drive `{name}` in this plant"))
         })?;
         let plan = drives
             .get(drive)

@@ -1,11 +1,11 @@
-//! Values as scenario files write them.
+//! Values as plant files write them.
 
 use std::time::Duration;
 
 use profile::notation::Quantity;
 use profinet::{IpSuite, MacAddress};
 
-/// Longest time allowed in a scenario: a year.
+/// Longest time allowed in a plant file: a year.
 const LONGEST: f64 = 366.0 * 86_400.0;
 
 /// One revolution in the positions of the axis.

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use profinet::Instant;
 
-use crate::event::{ScenarioEvent, Unit};
+use crate::event::{PlantEvent, Unit};
 use crate::plan::{Cue, Trigger};
 
 /// Most happenings that one call lets happen; what is left follows with the next one.
@@ -27,7 +27,7 @@ pub struct Timeline {
 struct Pending {
     when: When,
     lasts: Option<Duration>,
-    what: ScenarioEvent,
+    what: PlantEvent,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -40,7 +40,7 @@ enum When {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Played {
     /// What.
-    pub what: ScenarioEvent,
+    pub what: PlantEvent,
     /// Duration; `None` until the next change.
     pub lasts: Option<Duration>,
 }
@@ -70,7 +70,7 @@ impl Timeline {
     }
 
     /// Adds something that is to happen now. The caller checks [`has_room`](Self::has_room) before.
-    pub fn add(&mut self, now: Instant, what: ScenarioEvent, lasts: Option<Duration>) {
+    pub fn add(&mut self, now: Instant, what: PlantEvent, lasts: Option<Duration>) {
         self.pending.push(Pending {
             when: When::At(now),
             lasts,

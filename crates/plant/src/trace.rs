@@ -1,14 +1,14 @@
-//! The trace of a scenario: its entries and their text.
+//! The trace of a plant: its entries and their text.
 
 use std::fmt;
 
 use profile::state::{Stw1, Zsw1};
 use profinet::Instant;
 
-use crate::event::ScenarioEvent;
+use crate::event::PlantEvent;
 use crate::timeline::Played;
 
-/// One line of a trace. The same scenario gives the same lines every time.
+/// One line of a trace. The same plant gives the same lines every time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Entry {
     /// Virtual time.
@@ -85,7 +85,7 @@ impl fmt::Display for What {
 impl What {
     /// Creates an event that lasts until the next change.
     #[must_use]
-    pub const fn happened(what: ScenarioEvent) -> Self {
+    pub const fn happened(what: PlantEvent) -> Self {
         Self::Happened(Played { what, lasts: None })
     }
 }

@@ -1,4 +1,4 @@
-//! A scenario in virtual time.
+//! A plant in virtual time.
 
 use std::convert::Infallible;
 use std::time::Duration;
@@ -17,8 +17,8 @@ use virtual_drive::description::Description;
 use virtual_drive::model::Model;
 use virtual_drive::station::Station;
 
-use crate::event::{ScenarioEvent, Unit};
-use crate::plan::{Action, ControllerPlan, DrivePlan, Scenario, Step, WorldError};
+use crate::event::{PlantEvent, Unit};
+use crate::plan::{Action, ControllerPlan, DrivePlan, PlantPlan, Step, WorldError};
 use crate::text::derived_mac;
 use crate::timeline::Timeline;
 use crate::trace::{Entry, What};
@@ -26,12 +26,12 @@ use crate::trace::{Entry, What};
 /// How long a controller waits before it connects again.
 const RECONNECT_DELAY: Duration = Duration::from_millis(500);
 
-/// A scenario in virtual time: an in-memory segment with its drives and controllers.
+/// A plant in virtual time: an in-memory segment with its drives and controllers.
 ///
 /// ```
-/// use profidrive_plant::{Scenario, World};
+/// use profidrive_plant::{PlantPlan, World};
 /// use profinet::Instant;
-/// let scenario: Scenario = r#"
+/// let plant: PlantPlan = r#"
 ///     [[drive]]
 ///     name = "akd-1"
 ///     ip = "10.0.0.1/24"
@@ -45,13 +45,13 @@ const RECONNECT_DELAY: Duration = Duration::from_millis(500);
 ///     ]
 /// "#.parse()?;
 /// let mut lines = Vec::new();
-/// let mut world = World::new(&scenario)?;
+/// let mut world = World::new(&plant)?;
 /// world.run_until(Instant::from_millis(3000), &mut |entry| lines.push(entry.to_string()));
 /// assert!(lines.iter().any(|line| line.contains("fault F439")));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
-/// It is a [`Medium`] too: a client joins the plant and carries it along, see [`Scenario::client_address`].
+/// It is a [`Medium`] too: a client joins the plant and carries it along, see [`PlantPlan::client_address`].
 pub struct World {
     medium: SegmentMedium,
     drives: Vec<Seat>,
@@ -94,15 +94,15 @@ struct ControllerSeat {
 }
 
 impl World {
-    /// Returns the plant of a scenario at its start.
+    /// Returns the world of a plan at its start.
     ///
     /// # Errors
     /// When a drive refuses its first parameters.
-    pub fn new(scenario: &Scenario) -> Result<Self, WorldError> {
-        let mut segment = Segment::new(scenario.seed);
+    pub fn new(plant: &PlantPlan) -> Result<Self, WorldError> {
+        let mut segment = Segment::new(plant.seed);
         let mut drives = Vec::new();
-        for (number, plan) in scenario.drives.iter().enumerate() {
-            let seed = scenario.seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ number as u64;
+        for (number, plan) in plant.drives.iter().enumerate() {
+            let seed = plant.seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ number as u64;
             let unit = plan.build(plan.config(), seed)?;
             let status = unit.inner().endpoint().drive().status_word().0;
             drives.push(Seat {
@@ -114,14 +114,15 @@ impl World {
             });
         }
         let mut controllers = Vec::new();
-        for (number, plan) in scenario.controllers.iter().enumerate() {
-            let Some(drive) = scenario.drives.get(plan.drive) else {
+        for (number, plan) in plant.controllers.iter().enumerate() {
+            let Some(drive) = plant.drives.get(plan.drive) else {
                 continue;
             };
-            let ip = free_address(scenario, drive, number)?;
+            let ip = free_address(plant, drive, number)?;
             let name = format!("plc-{}", number + 1);
+            // the text decides the address: another would change every trace
             let mac = derived_mac(&format!("{name} of a scenario"));
-            let seed = scenario.seed ^ (number as u64) << 32;
+            let seed = plant.seed ^ (number as u64) << 32;
             let controller = Controller::new(ControllerConfig::new(mac, ip, &name, seed));
             let id = segment.attach(Box::new(Host::new(controller)));
             controllers.push(ControllerSeat::new(id, plan, drive));
@@ -130,7 +131,7 @@ impl World {
             medium: SegmentMedium::new(segment, Pace::Virtual),
             drives,
             controllers,
-            sample: scenario.sample.map(|sample| (sample, Instant::ZERO + sample)),
+            sample: plant.sample.map(|sample| (sample, Instant::ZERO + sample)),
             observer: None,
         })
     }
@@ -148,11 +149,11 @@ impl World {
     /// Lets something happen to the drive of this name now; `lasts` as `for` in the file.
     ///
     /// # Errors
-    /// When there is no such drive, or it cannot happen to it ([`ScenarioEvent::fits`]).
+    /// When there is no such drive, or it cannot happen to it ([`PlantEvent::fits`]).
     pub fn inject(
         &mut self,
         drive: &str,
-        what: ScenarioEvent,
+        what: PlantEvent,
         lasts: Option<Duration>,
     ) -> Result<(), WorldError> {
         let now = self.now();
@@ -190,7 +191,7 @@ impl World {
         self.medium.segment().trace_hash()
     }
 
-    /// Returns the drive of that number in the scenario.
+    /// Returns the drive of that number in the plant.
     #[must_use]
     pub fn drive(&self, number: usize) -> Option<&Station> {
         let unit: &Unit = self.medium.segment().station(self.drives.get(number)?.id)?;
@@ -368,7 +369,7 @@ impl Medium for World {
     }
 }
 
-impl Scenario {
+impl PlantPlan {
     /// Returns the IP address of a client in the plant: a free one beside the first drive that has an address, or
     /// 192.168.0.254/24 where none has.
     ///
@@ -403,13 +404,13 @@ fn values(now: Instant, seat: &Seat, station: &Station) -> Entry {
 }
 
 /// Returns an address in the subnet of a drive that no drive has, from its upper end down.
-fn free_address(scenario: &Scenario, beside: &DrivePlan, number: usize) -> Result<IpSuite, WorldError> {
+fn free_address(plant: &PlantPlan, beside: &DrivePlan, number: usize) -> Result<IpSuite, WorldError> {
     let mask = u32::from(beside.ip.mask);
     let broadcast = u32::from(beside.ip.address) | !mask;
     let network = broadcast & mask;
     let free = (network + 1..broadcast).rev().filter(|address| {
         let taken = |plan: &DrivePlan| u32::from(plan.ip.address) == *address;
-        !scenario.drives.iter().any(taken)
+        !plant.drives.iter().any(taken)
     });
     let address = free.take(1024).nth(number).ok_or_else(|| WorldError::NoAddress {
         drive: beside.name.clone(),

@@ -1,13 +1,13 @@
-//! Whole scenarios in virtual time.
+//! Whole plants in virtual time.
 #![allow(clippy::unwrap_used, clippy::panic)] // a test reports by panicking
 
 use std::time::Duration;
 
-use profidrive_plant::{Entry, Scenario, What, World};
+use profidrive_plant::{Entry, PlantPlan, What, World};
 use profinet::Instant;
 
 /// Returns a run at 60 rpm under telegram 1, with these events of the drive.
-fn plant(seed: u64, events: &str) -> Scenario {
+fn plant(seed: u64, events: &str) -> PlantPlan {
     format!(
         r#"
         seed = {seed}
@@ -32,8 +32,8 @@ fn plant(seed: u64, events: &str) -> Scenario {
 }
 
 /// Plays ten seconds; the trace and the hash of all frames.
-fn play(scenario: &Scenario) -> (Vec<Entry>, u64) {
-    let mut world = World::new(scenario).unwrap();
+fn play(plant: &PlantPlan) -> (Vec<Entry>, u64) {
+    let mut world = World::new(plant).unwrap();
     let mut trace = Vec::new();
     world.run_until(Instant::from_millis(10_000), &mut |entry| trace.push(entry));
     (trace, world.trace_hash())
@@ -167,7 +167,7 @@ fn a_refused_start_parameter_is_reported() {
         ip = "10.0.0.1/30"
         parameters = { 930 = 7 }
     "#;
-    let error = text.parse::<Scenario>().unwrap_err();
+    let error = text.parse::<PlantPlan>().unwrap_err();
     assert_eq!(error.line, 5);
     let error = error.to_string();
     assert!(error.contains("press-1") && error.contains("refused"), "{error}");
@@ -201,8 +201,8 @@ fn a_converter_is_run_at_a_speed() {
             ]
             "#
         );
-        let scenario = plant.parse().unwrap_or_else(|error| panic!("{plant}: {error}"));
-        let mut world = World::new(&scenario).unwrap();
+        let plan = plant.parse().unwrap_or_else(|error| panic!("{plant}: {error}"));
+        let mut world = World::new(&plan).unwrap();
         let mut trace = Vec::new();
         world.run_until(Instant::from_millis(6000), &mut |entry| trace.push(entry));
         let speed = world.drive(0).unwrap().drive().axis().speed();

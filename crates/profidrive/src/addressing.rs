@@ -14,7 +14,7 @@
 //!     [[drive]]
 //!     name = "akd-2"
 //! "#;
-//! let mut network = profidrive::open_scenario(plant.parse()?)?;
+//! let mut network = profidrive::open_plan(plant.parse()?)?;
 //! let drive = network.find(&"akd-1".parse()?).wait()?;
 //!
 //! let taken = set_name(&mut network, &drive, &NewName::new("akd-2")).wait();

@@ -13,7 +13,7 @@
 //!     ip = "192.168.0.11/24"
 //!     event = [{ at = "5s", do = "fault=439" }]
 //! "#;
-//! let mut network = profidrive::open_scenario(plant.parse()?)?;
+//! let mut network = profidrive::open_plan(plant.parse()?)?;
 //! let found = scan(&mut network, std::time::Duration::from_secs(1)).wait()?;
 //! assert_eq!(found.report.stations[0].name.as_deref(), Some("akd-1"));
 //!

@@ -12,7 +12,7 @@
 //! ```
 //!
 //! The same program runs without a network when its first line is another one. With the feature `simulate`,
-//! `open_plant("plant.toml")` opens a plant file, `open_scenario` a plant that is text in the program; its drives are virtual:
+//! `open_plant("plant.toml")` opens a plant file, `open_plan` a plant that is text in the program; its drives are virtual:
 //!
 //! ```
 //! # #[cfg(feature = "simulate")] {
@@ -24,7 +24,7 @@
 //!     ip = "192.168.0.11/24"
 //!     event = [{ at = "5s", do = "fault=439" }]
 //! "#;
-//! let mut network = profidrive::open_scenario(plant.parse()?)?;
+//! let mut network = profidrive::open_plan(plant.parse()?)?;
 //! let mut drive = network.find(&"akd-1".parse()?).wait()?;
 //! let selection = drive.select("DRV.ACC")?;
 //! let reading = network.read_one(&mut drive, &selection).wait()?;
@@ -39,7 +39,7 @@
 //! | to | use |
 //! |---|---|
 //! | open a network interface, UDP alone or a serial line | [`open`], [`Opening`], [`open_line`] |
-//! | open a plant in memory (feature `simulate`) | `open_plant`, `open_scenario`, `Opening::in_plant` |
+//! | open a plant in memory (feature `simulate`) | `open_plant`, `open_plan`, `Opening::in_plant` |
 //! | open a network and find a drive, in one call | [`Opening::drive`] |
 //! | end waiting calls and stop axes by Ctrl-C | [`Stop`] with [`Opening::stopped_by`] |
 //! | check whether both sides can reach each other | [`reach`](reach()) |
@@ -84,4 +84,4 @@ pub use outcome::{Outcome, Reported};
 pub use profile;
 pub use reach::{OtherSubnet, Reach, far, reach};
 #[cfg(feature = "simulate")]
-pub use simulate::{Joined, open_plant, open_scenario};
+pub use simulate::{Joined, open_plan, open_plant};

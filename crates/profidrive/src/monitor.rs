@@ -13,7 +13,7 @@
 //!     ip = "192.168.0.11/24"
 //!     event = [{ at = "1s", do = "fault=439" }]
 //! "#;
-//! let mut network = profidrive::open_scenario(plant.parse()?)?;
+//! let mut network = profidrive::open_plan(plant.parse()?)?;
 //! let mut drive = network.find(&"akd-1".parse()?).wait()?;
 //! let speed = drive.select("VL.FB")?;
 //! let mut monitor = Monitor::new(Duration::from_millis(100))?.with(vec![speed]);

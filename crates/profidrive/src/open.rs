@@ -141,7 +141,7 @@ pub enum OpenError {
     /// The plant file cannot be used.
     #[cfg(feature = "simulate")]
     #[error(transparent)]
-    PlantFile(#[from] plant::ScenarioFileError),
+    PlantFile(#[from] plant::PlantFileError),
     /// The plant cannot be made.
     #[cfg(feature = "simulate")]
     #[error("the plant cannot start: {0}")]
@@ -216,7 +216,7 @@ pub(crate) enum Place {
     Interface(Option<String>),
     /// A plant in memory.
     #[cfg(feature = "simulate")]
-    Plant(std::sync::Arc<plant::Scenario>),
+    Plant(std::sync::Arc<plant::PlantPlan>),
 }
 
 impl Opening {
@@ -279,7 +279,7 @@ impl Opening {
     pub fn open(self) -> Result<Network, OpenError> {
         let name = match &self.place {
             #[cfg(feature = "simulate")]
-            Place::Plant(scenario) => return crate::simulate::join(scenario, self.stop),
+            Place::Plant(plant) => return crate::simulate::join(plant, self.stop),
             Place::Interface(Some(name)) => Some(name.clone()),
             Place::Interface(None) => interface()?,
         };

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use client::World;
 use network::system::Stop;
-use plant::Scenario;
+use plant::PlantPlan;
 use profinet::controller::ControllerConfig;
 use profinet::{IpSuite, MacAddress};
 
@@ -21,7 +21,7 @@ const MAC: MacAddress = MacAddress([0x02, 0x50, 0x4E, 0, 0, 0xC0]);
 /// call waits, as fast as the computer can. The time line of the file plays meanwhile, its controllers run, and cables lose
 /// and delay frames as the file defines. One thread gets the same run every time; the seed in the file decides what happens by chance.
 ///
-/// This program has the address [`Scenario::client_address`].
+/// This program has the address [`PlantPlan::client_address`].
 ///
 /// ```no_run
 /// use profidrive::Wait;
@@ -34,23 +34,23 @@ const MAC: MacAddress = MacAddress([0x02, 0x50, 0x4E, 0, 0, 0xC0]);
 /// # Errors
 /// When the file cannot be read or something in it is not valid; with the file and the line.
 pub fn open_plant(path: impl AsRef<Path>) -> Result<Network, OpenError> {
-    open_scenario(Scenario::read(path.as_ref())?)
+    open_plan(PlantPlan::read(path.as_ref())?)
 }
 
-/// Opens a plant that was read before, or is in the program as text: `open_scenario(text.parse()?)`. See [`open_plant`].
+/// Opens a plant that was read before, or is in the program as text: `open_plan(text.parse()?)`. See [`open_plant`].
 ///
 /// # Errors
 /// When no IP address is left beside its drives for this program.
-pub fn open_scenario(scenario: Scenario) -> Result<Network, OpenError> {
-    Opening::new(Access::default()).in_plant(scenario).open()
+pub fn open_plan(plant: PlantPlan) -> Result<Network, OpenError> {
+    Opening::new(Access::default()).in_plant(plant).open()
 }
 
 impl Opening {
     /// In a plant in memory, in place of an interface; see [`open_plant`]. Of this and [`on`](Self::on) the last one applies. A
     /// plant carries everything, whatever the access and [`by_ip`](Self::by_ip).
     #[must_use]
-    pub fn in_plant(mut self, scenario: Scenario) -> Self {
-        self.place = Place::Plant(Arc::new(scenario));
+    pub fn in_plant(mut self, plant: PlantPlan) -> Self {
+        self.place = Place::Plant(Arc::new(plant));
         self
     }
 }
@@ -62,7 +62,7 @@ impl Opening {
 /// use profidrive::{Wait, Transport};
 ///
 /// let plant = "[[drive]]\nname = \"akd-1\"\nip = \"10.0.0.1/24\"";
-/// let mut network = profidrive::open_scenario(plant.parse()?)?;
+/// let mut network = profidrive::open_plan(plant.parse()?)?;
 /// if let Transport::Plant(plant) = network.transport() {
 ///     let lasts = Some(Duration::from_millis(300));
 ///     let pulled = "cable=pulled".parse()?;
@@ -85,10 +85,10 @@ impl Joined {
     }
 }
 
-pub(crate) fn join(scenario: &Scenario, stop: Option<Stop>) -> Result<Network, OpenError> {
-    let ip = scenario.client_address()?;
-    let config = ControllerConfig::new(MAC, ip, "profidrive", scenario.seed);
-    let (network, world) = client::Network::on(plant::World::new(scenario)?, config);
+pub(crate) fn join(plant: &PlantPlan, stop: Option<Stop>) -> Result<Network, OpenError> {
+    let ip = plant.client_address()?;
+    let config = ControllerConfig::new(MAC, ip, "profidrive", plant.seed);
+    let (network, world) = client::Network::on(plant::World::new(plant)?, config);
     let network = network.simulated();
     let transport = Transport::Plant(Joined { world, ip });
     Ok(Network { network, transport }.stopped_by(stop))
@@ -130,9 +130,9 @@ mod tests {
 
     /// Runs the axis of the plant over a place, and returns what happened, and the trace.
     fn ride(seed: u64) -> (Vec<String>, u64) {
-        let mut scenario: Scenario = TWO.parse().unwrap();
-        scenario.seed = seed;
-        let mut network = open_scenario(scenario).unwrap();
+        let mut plant: PlantPlan = TWO.parse().unwrap();
+        plant.seed = seed;
+        let mut network = open_plan(plant).unwrap();
         let plant = joined(&network);
         let (sender, entries) = std::sync::mpsc::channel();
         plant.with_world(|world| {
@@ -177,7 +177,7 @@ mod tests {
 
     #[test]
     fn something_can_happen_from_outside() {
-        let mut network = open_scenario(TWO.parse().unwrap()).unwrap();
+        let mut network = open_plan(TWO.parse().unwrap()).unwrap();
         let plant = joined(&network);
         let mut drive = network.find(&"akd-1".parse().unwrap()).wait().unwrap();
         let inject = |drive: &str, what: &str| {
@@ -229,6 +229,6 @@ mod tests {
             "{missing}"
         );
         let full = "[[drive]]\nname = \"a\"\nip = \"10.0.0.1/31\"".parse().unwrap();
-        assert_eq!(open_scenario(full).unwrap_err().kind(), ErrorKind::Usage);
+        assert_eq!(open_plan(full).unwrap_err().kind(), ErrorKind::Usage);
     }
 }

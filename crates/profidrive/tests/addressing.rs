@@ -26,7 +26,7 @@ telegram = 1
 "#;
 
 fn open() -> Network {
-    profidrive::open_scenario(PLANT.parse().expect("a plant")).expect("opens")
+    profidrive::open_plan(PLANT.parse().expect("a plant")).expect("opens")
 }
 
 fn find(network: &mut Network, name: &str) -> Drive {
@@ -174,7 +174,7 @@ fn blinking_ends_early_without_an_error_when_the_caller_requests_it() {
 #[test]
 fn a_station_that_does_not_answer_is_not_confirmed_to_blink() {
     let plant = "[[drive]]\nname = \"akd-1\"\nevent = [{ at = \"1s\", do = \"cable=pulled\" }]";
-    let mut network = profidrive::open_scenario(plant.parse().unwrap()).unwrap();
+    let mut network = profidrive::open_plan(plant.parse().unwrap()).unwrap();
     let drive = find(&mut network, "akd-1");
     network.pass(Duration::from_secs(2)).wait().unwrap();
     let silent = blink(&mut network, &drive, Duration::from_secs(3), || {

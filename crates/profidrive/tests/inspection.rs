@@ -20,7 +20,7 @@ ip = "10.0.0.2/24"
 "#;
 
 fn open(plant: &str) -> Network {
-    profidrive::open_scenario(plant.parse().expect("a plant")).expect("opens")
+    profidrive::open_plan(plant.parse().expect("a plant")).expect("opens")
 }
 
 fn find(network: &mut Network, name: &str) -> Drive {

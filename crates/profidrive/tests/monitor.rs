@@ -18,7 +18,7 @@ event = [{ at = "2s", do = "cable=pulled" }]
 "#;
 
 fn open(plant: &str) -> (Network, Drive, Monitor) {
-    let mut network = profidrive::open_scenario(plant.parse().expect("a plant")).expect("opens");
+    let mut network = profidrive::open_plan(plant.parse().expect("a plant")).expect("opens");
     let drive = network.find(&"akd-1".parse().expect("a name")).wait();
     let monitor = Monitor::new(Duration::from_millis(100)).expect("slow enough");
     (network, drive.expect("there"), monitor)

@@ -14,7 +14,7 @@ ip = "10.0.0.1/24"
 "#;
 
 fn open(name: &str) -> (Network, Drive) {
-    let mut network = profidrive::open_scenario(PLANT.parse().expect("a plant")).expect("opens");
+    let mut network = profidrive::open_plan(PLANT.parse().expect("a plant")).expect("opens");
     let drive = network
         .find(&name.parse().expect("a name"))
         .wait()

@@ -33,7 +33,7 @@ fn find(network: &mut Network, name: &str) -> Drive {
 }
 
 fn open(name: &str) -> (Network, Drive) {
-    let mut network = profidrive::open_scenario(PLANT.parse().expect("a plant")).expect("opens");
+    let mut network = profidrive::open_plan(PLANT.parse().expect("a plant")).expect("opens");
     let drive = find(&mut network, name);
     (network, drive)
 }

@@ -91,7 +91,7 @@ pub struct Counts {
 /// let mut payload = Vec::new();
 /// Lldpdu { ttl: 20, ..Lldpdu::new(own(b"plc1"), own(b"port-001")) }.encode(&mut payload);
 /// let mut neighbours = Neighbours::default();
-/// neighbours.hear(Instant::ZERO, MacAddress([2, 0, 0, 0, 0, 1]), &payload);
+/// neighbours.receive(Instant::ZERO, MacAddress([2, 0, 0, 0, 0, 1]), &payload);
 /// assert_eq!(neighbours.iter().next().unwrap().alias().as_deref(), Some("port-001.plc1"));
 /// neighbours.handle_timeout(Instant::from_millis(20_000));
 /// assert_eq!(neighbours.iter().count(), 0);
@@ -106,7 +106,7 @@ pub struct Neighbours {
 
 impl Neighbours {
     /// Takes the LLDPDU of a frame from `source`. A repetition costs no memory.
-    pub fn hear(&mut self, now: Instant, source: MacAddress, payload: &[u8]) {
+    pub fn receive(&mut self, now: Instant, source: MacAddress, payload: &[u8]) {
         let counts = &mut self.counts;
         counts.frames = counts.frames.wrapping_add(1);
         let payload = payload.get(..lldp::MAX_LENGTH).unwrap_or(payload);
@@ -231,19 +231,19 @@ mod tests {
     #[test]
     fn a_neighbour_stays_until_its_ttl_or_shutdown() {
         let mut neighbours = Neighbours::default();
-        neighbours.hear(at(0), FROM, &payload("plc", 20, None));
+        neighbours.receive(at(0), FROM, &payload("plc", 20, None));
         let index = neighbours.iter().next().unwrap().index;
         for now in 1..10 {
             neighbours.handle_timeout(at(now * 15));
-            neighbours.hear(at(now * 15), FROM, &payload("plc", 20, None));
+            neighbours.receive(at(now * 15), FROM, &payload("plc", 20, None));
             assert_eq!(neighbours.poll_timeout(), Some(at(now * 15 + 20)));
         }
         let kept = neighbours.iter().next().unwrap();
         assert_eq!((kept.index, kept.since), (index, at(0)));
-        neighbours.hear(at(140), FROM, &payload("plc", 20, Some(b"other")));
+        neighbours.receive(at(140), FROM, &payload("plc", 20, Some(b"other")));
         let kept = neighbours.iter().next().unwrap();
         assert_eq!((kept.index, kept.since), (index, at(140)));
-        neighbours.hear(at(141), FROM, &payload("plc", 0, None));
+        neighbours.receive(at(141), FROM, &payload("plc", 0, None));
         assert_eq!(neighbours.iter().count(), 0);
         assert_eq!(neighbours.poll_timeout(), None);
         let counts = *neighbours.counts();
@@ -254,10 +254,10 @@ mod tests {
     #[test]
     fn a_flood_of_neighbours_is_bounded_and_does_not_push_out_those_there_are() {
         let mut neighbours = Neighbours::default();
-        neighbours.hear(at(0), FROM, &payload("plc", 20, None));
+        neighbours.receive(at(0), FROM, &payload("plc", 20, None));
         for number in 0..1000 {
             let name = number.to_string();
-            neighbours.hear(at(1), FROM, &payload(&name, 65535, Some(&[b'x'; 255])));
+            neighbours.receive(at(1), FROM, &payload(&name, 65535, Some(&[b'x'; 255])));
         }
         assert_eq!(neighbours.iter().count(), MAX_NEIGHBOURS);
         assert!(
@@ -273,9 +273,9 @@ mod tests {
         let mut neighbours = Neighbours::default();
         let good = payload("plc", 20, None);
         for end in 0..good.len() - 2 {
-            neighbours.hear(at(0), FROM, &good[..end]);
+            neighbours.receive(at(0), FROM, &good[..end]);
         }
-        neighbours.hear(at(0), MacAddress::BROADCAST, &good);
+        neighbours.receive(at(0), MacAddress::BROADCAST, &good);
         assert_eq!(neighbours.iter().count(), 0);
         assert_eq!(neighbours.counts().errors as usize, good.len() - 1);
     }

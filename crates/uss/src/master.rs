@@ -102,7 +102,7 @@ enum State {
         begin: Duration,
         end: Duration,
         /// The telegram sent was received once: its echo, or a reply like it.
-        heard: bool,
+        echoed: bool,
     },
 }
 
@@ -277,7 +277,7 @@ impl Master {
             slave,
             begin,
             end,
-            heard,
+            echoed,
         } = self.state
         else {
             return;
@@ -286,7 +286,7 @@ impl Master {
         if now < begin || (begun && now < end) {
             return;
         }
-        if heard && !self.echoes && self.may_be_reply() {
+        if echoed && !self.echoes && self.may_be_reply() {
             self.take_sent(slave);
         } else {
             self.fail(slave);
@@ -338,7 +338,7 @@ impl Master {
             slave,
             begin,
             end,
-            heard: false,
+            echoed: false,
         };
         Some(length)
     }
@@ -377,23 +377,23 @@ impl Master {
         let Some(telegram) = self.receiver.take() else {
             return;
         };
-        let State::Waiting { slave, heard, .. } = &mut self.state else {
+        let State::Waiting { slave, echoed, .. } = &mut self.state else {
             return;
         };
         let same = Telegram::decode(self.sent.get(..self.sent_length).unwrap_or_default()) == Ok(telegram);
-        if same && !*heard && self.config.echo != Echo::No {
-            *heard = true;
+        if same && !*echoed && self.config.echo != Echo::No {
+            *echoed = true;
             self.without_echo = 0;
             self.echoes |= !mirrors(telegram, self.config.protocol);
             return;
         }
-        let (slave, heard) = (*slave, *heard);
+        let (slave, echoed) = (*slave, *echoed);
         // the echo of the try before, which an adapter handed over late
-        if same && heard && !mirrors(telegram, self.config.protocol) {
+        if same && echoed && !mirrors(telegram, self.config.protocol) {
             return;
         }
         // on a line that echoes nothing of this try can come before its echo
-        if self.echoes && !heard {
+        if self.echoes && !echoed {
             self.without_echo += 1;
             if self.config.echo == Echo::Yes || self.without_echo < MOST_WITHOUT_ECHO {
                 return;
@@ -406,7 +406,7 @@ impl Master {
         if telegram.address != entry.address {
             return;
         }
-        self.echoes |= heard;
+        self.echoes |= echoed;
         entry.reply_length = telegram.data.len();
         for (place, octet) in entry.reply.iter_mut().zip(telegram.data) {
             *place = *octet;

@@ -247,12 +247,12 @@ impl Slave {
         };
         if let Some(until) = self.echo_until.take() {
             let same = Telegram::decode(self.out.get(..self.out_length).unwrap_or_default()) == Ok(telegram);
-            let heard = match self.config.echo {
+            let echoed = match self.config.echo {
                 Echo::No => false,
                 Echo::Yes => true,
                 Echo::Detect => now <= until,
             };
-            if same && heard {
+            if same && echoed {
                 self.counters.echoes += 1;
                 return;
             }

@@ -226,10 +226,10 @@ fn a_client_behind_a_master() {
             if let Some(length) = master.poll_transmit(now, &mut out) {
                 sent += 1;
                 // each third telegram is lost
-                let heard = if sent % 3 == 0 { 0 } else { length };
-                if let Some((reply, delay)) = drive.exchange(now, &out[..heard]) {
+                let carried = if sent % 3 == 0 { 0 } else { length };
+                if let Some((reply, delay)) = drive.exchange(now, &out[..carried]) {
                     let timing = drive.slave.config().timing;
-                    let mut at = now + timing.telegram(heard) + delay;
+                    let mut at = now + timing.telegram(carried) + delay;
                     for octet in reply {
                         at += timing.character;
                         master.handle_octets(at, &[octet]);

@@ -69,7 +69,7 @@ enum Master {
     /// Not there, or it only reads.
     None,
     /// It has, or had, control; `since` is the time of its last telegram, `controls` the value of its last word.
-    Heard { since: Instant, controls: bool },
+    Present { since: Instant, controls: bool },
 }
 
 /// A virtual drive behind a slave.
@@ -241,7 +241,7 @@ impl SerialStation {
     pub fn handle_timeout(&mut self, now: Instant) {
         self.slave.handle_timeout(time(now));
         self.serve(now);
-        if let Master::Heard { since, controls } = self.master
+        if let Master::Present { since, controls } = self.master
             && now >= since + self.control_timeout()
         {
             self.master = Master::None;
@@ -272,7 +272,7 @@ impl SerialStation {
     pub fn poll_timeout(&self) -> Option<Instant> {
         let line = self.slave.poll_timeout().map(|due| Instant::ZERO + due);
         let lost = match self.master {
-            Master::Heard { since, .. } => Some(since + self.control_timeout()),
+            Master::Present { since, .. } => Some(since + self.control_timeout()),
             Master::None => None,
         };
         [line, lost, self.restart, self.next_tick()]
@@ -283,7 +283,7 @@ impl SerialStation {
 
     fn next_tick(&self) -> Option<Instant> {
         match self.master {
-            Master::Heard { .. } => Some(self.ticked + TICK),
+            Master::Present { .. } => Some(self.ticked + TICK),
             Master::None => self.drive.next_tick(),
         }
     }
@@ -291,7 +291,7 @@ impl SerialStation {
     fn tick(&mut self, now: Instant) {
         self.ticked = now;
         let outputs = match self.master {
-            Master::Heard { .. } => Some(&self.outputs[..]),
+            Master::Present { .. } => Some(&self.outputs[..]),
             Master::None => None,
         };
         self.drive.tick(now, outputs, &mut self.inputs);
@@ -341,10 +341,10 @@ impl SerialStation {
                 self.drive.data_exchange();
                 self.emit(StationEvent::MasterTook);
             }
-            Master::Heard { .. } => {}
+            Master::Present { .. } => {}
         }
         self.outputs = outputs;
-        self.master = Master::Heard { since: now, controls };
+        self.master = Master::Present { since: now, controls };
     }
 
     fn settle(&mut self, now: Instant) {

@@ -122,7 +122,7 @@ struct App<'a> {
     released: usize,
     records: Vec<(usize, Result<Vec<u8>, String>)>,
     calls: Vec<profinet::controller::CallId>,
-    heard: Vec<profinet::controller::Station>,
+    received: Vec<profinet::controller::Station>,
     identify_done: bool,
     first_frame_us: u64,
 }
@@ -145,7 +145,7 @@ impl<'a> App<'a> {
             released: 0,
             records: Vec::new(),
             calls: Vec::new(),
-            heard: Vec::new(),
+            received: Vec::new(),
             identify_done: false,
             first_frame_us: 0,
         })
@@ -248,12 +248,12 @@ impl<'a> App<'a> {
                 .controller()
                 .identify_with(now, Filter::name(name), options)?;
             let short = now + Duration::from_millis(2);
-            while self.carrier.now() < short && self.heard.is_empty() {
+            while self.carrier.now() < short && self.received.is_empty() {
                 self.carrier.step(short)?;
                 self.drain();
             }
             self.carrier.controller().cancel_dcp(id);
-            if let Some(station) = self.heard.pop() {
+            if let Some(station) = self.received.pop() {
                 return Ok(station);
             }
         }
@@ -429,7 +429,7 @@ impl<'a> App<'a> {
     fn drain(&mut self) {
         while let Some(event) = self.carrier.controller().poll_event() {
             match event {
-                Event::Identified { station, .. } => self.heard.push(station),
+                Event::Identified { station, .. } => self.received.push(station),
                 Event::IdentifyDone { .. } => self.identify_done = true,
                 Event::Connected { ar, .. } => self.outputs(ar),
                 Event::Running { ar } => {

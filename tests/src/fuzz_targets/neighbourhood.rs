@@ -30,10 +30,10 @@ pub fn lldp(data: &[u8]) {
     }
     let mut neighbours = Neighbours::default();
     let mut now = Instant::ZERO;
-    neighbours.hear(now, NEIGHBOUR, data);
+    neighbours.receive(now, NEIGHBOUR, data);
     for step in Steps(data) {
         match step {
-            Step::Frame(payload) | Step::Datagram(payload) => neighbours.hear(now, NEIGHBOUR, payload),
+            Step::Frame(payload) | Step::Datagram(payload) => neighbours.receive(now, NEIGHBOUR, payload),
             Step::Wait(time) => now += time,
         }
         neighbours.handle_timeout(now);

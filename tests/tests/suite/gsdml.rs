@@ -259,7 +259,7 @@ fn profinet_py_connects_by_a_vendor_file() {
     connects(&lab, &file, &simulate, &plugged, "16");
 }
 
-/// The drives of a scenario take the description too; in virtual time, where our own controllers are, they cannot.
+/// The drives of a plant take the description too; in virtual time, where our own controllers are, they cannot.
 #[test]
 fn a_plant_of_drives_from_a_vendor_file() {
     let lab = Lab::new("gsdml-plant");

@@ -162,7 +162,7 @@ fn without_the_right_to_raw_sockets_records_go_by_udp_and_the_rest_is_explained(
     );
 }
 
-/// Asked on the wire, of the simulations on the same interface, which hear nothing of each other, and of this computer.
+/// Asked on the wire, of the simulations on the same interface, which receive nothing from each other, and of this computer.
 #[test]
 fn simulate_reports_duplicate_names_and_addresses() {
     let lab = Lab::new("networks-taken");

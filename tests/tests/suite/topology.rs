@@ -8,7 +8,7 @@ use system_tests::{Finished, Lab, Side, built, judge, root, simulate_at, wait_un
 
 const SHORT: Duration = Duration::from_secs(20);
 /// LLDP goes out every 5 s; twice that, and the start of the programs.
-const HEARD: Duration = Duration::from_secs(15);
+const SEEN: Duration = Duration::from_secs(15);
 /// lldpRemChassisId, lldpRemPortId and lldpRemSysName.
 const REMOTE_CHASSIS: &str = ".1.0.8802.1.1.2.1.4.1.1.5.";
 const REMOTE_PORT: &str = ".1.0.8802.1.1.2.1.4.1.1.7.";
@@ -45,7 +45,7 @@ fn column<'a>(table: &'a BTreeMap<String, String>, column: &str) -> Vec<&'a str>
 #[track_caller]
 fn neighbours(lab: &Lab, side: Side, address: &str, count: usize) -> BTreeMap<String, String> {
     let mut table = BTreeMap::new();
-    let seen = wait_until(HEARD, || {
+    let seen = wait_until(SEEN, || {
         table = walk(lab, side, "snmpbulkwalk", "-v2c", address);
         let all = column(&table, REMOTE_NAME).len() == count;
         if !all {
@@ -187,7 +187,7 @@ fn lldpd_sees_the_drives_and_they_see_it() {
     let drives = simulate_at(&lab, Side::Device, &drives);
 
     let mut seen = BTreeMap::new();
-    let found = wait_until(HEARD, || {
+    let found = wait_until(SEEN, || {
         let shown: Value = serde_json::from_str(&ask_speaker(&["show", "neighbors"])).unwrap();
         seen = interfaces(&shown);
         seen.len() == 2

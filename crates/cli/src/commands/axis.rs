@@ -20,7 +20,7 @@ use crate::render::live::LiveView;
 use crate::render::{number, value};
 
 /// Longest wait of a command that ends with Ctrl-C only.
-pub const FOR_EVER: Duration = Duration::from_secs(100 * 365 * 24 * 3600);
+pub const UNLIMITED: Duration = Duration::from_secs(100 * 365 * 24 * 3600);
 
 pub fn rpm(quantity: &Quantity, what: &str) -> Result<f64, Failure> {
     in_unit(quantity, "rpm", what)

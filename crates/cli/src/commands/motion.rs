@@ -7,7 +7,7 @@ use profidrive::report::MonitorReading;
 use profile::notation::ParameterReference;
 use profile::value::{ParameterProblem, Selection};
 
-use super::axis::{self, FOR_EVER, fault_text};
+use super::axis::{self, UNLIMITED, fault_text};
 use crate::advice::Commands;
 use crate::args::{self, Ack, Target};
 use crate::connect::{self, Need};
@@ -58,7 +58,7 @@ pub fn monitor(args: &args::Monitor, target: &Target, output: &Output) -> Result
         .collect::<Result<_, _>>()?;
     let mut monitor = monitor.with(more);
     output.say(&format!("watching {}, reads only; Ctrl-C ends", drive.label()));
-    let end = session.now() + args.time.unwrap_or(FOR_EVER);
+    let end = session.now() + args.time.unwrap_or(UNLIMITED);
     let label = drive.label();
     loop {
         let (printer, silent) = (output.clone(), label.clone());

@@ -160,7 +160,7 @@ impl Error {
     /// What to do when a device cannot be reached.
     fn of_reaching(&self) -> Option<&'static str> {
         Some(match self {
-            Self::NotFound { heard, .. } if heard.is_empty() => {
+            Self::NotFound { answered, .. } if answered.is_empty() => {
                 "check cable, interface and power; {scan} lists the devices that respond"
             }
             Self::NotFound { .. } => "{scan} lists the devices that respond",
@@ -286,7 +286,7 @@ const fn of_trouble(trouble: &Trouble) -> &'static str {
     }
 }
 
-/// What to do when no drive answers at a line, by what was heard there.
+/// What to do when no drive answers at a line, by what was received there.
 fn of_silence(telegrams: u64, noise: u64) -> String {
     let address = Part::LineAddress;
     match (telegrams, noise) {

@@ -210,7 +210,7 @@ mod tests {
         ] {
             let not_found = |count| Error::NotFound {
                 drive: drive.parse().unwrap(),
-                heard: stations(count),
+                answered: stations(count),
             };
             let message = not_found(80).to_string();
             assert!(

@@ -141,7 +141,7 @@ impl Line {
     }
 
     /// Returns the counters of the line.
-    pub const fn heard(&self) -> &ReceiverStatistics {
+    pub const fn counters(&self) -> &ReceiverStatistics {
         self.master.line()
     }
 
@@ -195,7 +195,7 @@ impl Line {
     }
 
     /// Sets the dialect of the parameter channel of a drive. Not while a job is under way.
-    pub fn speak(&mut self, id: SlaveId, dialect: PkwDialect) {
+    pub fn set_dialect(&mut self, id: SlaveId, dialect: PkwDialect) {
         if let Some(slave) = self.get_mut(id)
             && slave.job.is_none()
             && *slave.channel.dialect() != dialect
@@ -205,7 +205,7 @@ impl Line {
     }
 
     /// Returns the assumed dialect of a drive.
-    pub fn spoken(&self, id: SlaveId) -> Option<&PkwDialect> {
+    pub fn dialect_of(&self, id: SlaveId) -> Option<&PkwDialect> {
         self.get(id).map(|slave| slave.channel.dialect())
     }
 

@@ -73,7 +73,7 @@ impl Session {
     /// Returns the one station that is meant.
     ///
     /// # Errors
-    /// [`Error::NotFound`] with who was heard instead, [`Error::Ambiguous`] with all MAC addresses.
+    /// [`Error::NotFound`] with who answered instead, [`Error::Ambiguous`] with all MAC addresses.
     pub async fn find(&mut self, drive: &DriveAddress) -> Result<Drive, Error> {
         match (drive, self.is_on_line()) {
             (DriveAddress::Line(at), true) => return self.find_on_line(at).await,
@@ -97,19 +97,19 @@ impl Session {
             DriveAddress::Mac(mac) => station.mac == *mac,
             DriveAddress::Line(_) => false,
         };
-        let heard = match drive {
+        let answered = match drive {
             // one that answers too late to its name may be among all
             DriveAddress::Name(_) if !answers.iter().any(|station| fits(&station)) => {
                 self.identify(Filter::all(), IdentifyOptions::MANY).await?
             }
             _ => answers,
         };
-        let matching: Vec<&Station> = heard.iter().filter(fits).collect();
+        let matching: Vec<&Station> = answered.iter().filter(fits).collect();
         match matching.as_slice() {
             [one] => Ok(Drive::new((*one).clone())),
             [] => Err(Error::NotFound {
                 drive: drive.clone(),
-                heard,
+                answered,
             }),
             several => Err(Error::Ambiguous {
                 drive: drive.clone(),
@@ -140,7 +140,7 @@ impl Session {
         let Some(Some(found)) = self.wait(MAPPER_LIMIT, Client::take_registered).await? else {
             return Err(Error::NotFound {
                 drive: drive.clone(),
-                heard: Vec::new(),
+                answered: Vec::new(),
             });
         };
         Ok(Drive::new(Station {

@@ -46,11 +46,11 @@ impl Session {
             .wait(ASK_LIMIT, |client| client.line()?.answers(slave))
             .await?;
         if answers != Some(true) {
-            let heard = self.client().heard().copied().unwrap_or_default();
+            let counters = self.client().line_counters().copied().unwrap_or_default();
             return Err(Error::NoAnswer {
                 drive: address(),
-                telegrams: heard.telegrams,
-                noise: heard.noise + heard.broken + heard.lengths + heard.checksums,
+                telegrams: counters.telegrams,
+                noise: counters.noise + counters.broken + counters.lengths + counters.checksums,
             });
         }
         let mut station = Station {
@@ -70,7 +70,7 @@ impl Session {
         let (mut vendor, mut unit) = (0, 0);
         let dialects = self.dialects();
         for dialect in &dialects {
-            self.speak(slave, *dialect);
+            self.set_dialect(slave, *dialect);
             let answer = match self.read_strictly(&probe, &[identification]).await {
                 // nothing came at all: another dialect would not be answered either
                 Err(error @ Error::Timeout { .. }) if self.gives_up(&error) => break,
@@ -89,7 +89,7 @@ impl Session {
             }
         }
         if let (0, Some(first)) = (vendor, dialects.first()) {
-            self.speak(slave, *first);
+            self.set_dialect(slave, *first);
         }
         let vendor_of = |model: &Model| model.catalogue.map(|tables| tables.device.vendor_id);
         // another VLT speaks like the one with tables; older ones do not name their vendor
@@ -148,9 +148,9 @@ impl Session {
         Ok(self.client().line().and_then(|line| line.latest(slave)))
     }
 
-    fn speak(&mut self, slave: SlaveId, dialect: PkwDialect) {
+    fn set_dialect(&mut self, slave: SlaveId, dialect: PkwDialect) {
         if let Some(line) = self.client().line() {
-            line.speak(slave, dialect);
+            line.set_dialect(slave, dialect);
         }
     }
 
@@ -169,12 +169,12 @@ impl Session {
             .map(|tables| tables.device.vendor_id);
         let config = self.client().line_config();
         if let (Some(vendor), Some(line)) = (vendor, config) {
-            self.speak(slave, line.dialect(Some(vendor)));
+            self.set_dialect(slave, line.dialect(Some(vendor)));
         }
         let names = self
             .client()
             .line()
-            .and_then(|line| line.spoken(slave).map(|dialect| dialect.error_names));
+            .and_then(|line| line.dialect_of(slave).map(|dialect| dialect.error_names));
         let bridge = Bridge::new(request, drive.model.dialect, names.unwrap_or_default(), |pnu| {
             drive.shape(pnu)
         });

@@ -241,8 +241,8 @@ impl Session {
 
     /// What the serial line has brought, telegrams and noise; `None` on a network.
     #[must_use]
-    pub fn heard(&self) -> Option<ReceiverStatistics> {
-        self.client().heard().copied()
+    pub fn line_counters(&self) -> Option<ReceiverStatistics> {
+        self.client().line_counters().copied()
     }
 
     fn client(&self) -> Touched<'_> {

@@ -499,7 +499,7 @@ fn a_lost_connection_is_never_a_mistake_of_the_caller() {
         assert!(text.starts_with("drive-1: connection lost"), "{text}");
     };
     world.plan(Duration::ZERO, Accident::CableOut(SECOND * 60));
-    // a read goes through the connection of the axis, and is the first to hear of its end
+    // a read goes through the connection of the axis, and is the first to notice its end
     let (inner, own) = enabled.session();
     let reading = own.select("DRV.ACC").expect("known");
     lost(inner.read(own, &[reading]).wait().expect_err("gone"));

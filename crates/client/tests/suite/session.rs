@@ -33,13 +33,13 @@ fn no_one_or_two_stations_with_a_name() {
         panic!("two of them")
     };
     assert_eq!(macs.len(), 2);
-    let Err(Error::NotFound { heard, .. }) = find(&mut session, "akd-9") else {
+    let Err(Error::NotFound { answered, .. }) = find(&mut session, "akd-9") else {
         panic!("no station")
     };
-    assert_eq!(heard.len(), 3);
+    assert_eq!(answered.len(), 3);
 }
 
-/// A station that answers too late to its name stands among all that are heard: then it is there.
+/// A station that answers too late to its name stands among all that answer: then it is there.
 #[test]
 fn a_station_that_answers_late_is_found() {
     // the window of one name is 400 ms, that of all 1 s
@@ -58,10 +58,10 @@ fn a_station_that_answers_late_is_found() {
         panic!("two of them")
     };
     assert_eq!(macs.len(), 2);
-    let Err(Error::NotFound { heard, .. }) = find(&mut session, "akd-9") else {
+    let Err(Error::NotFound { answered, .. }) = find(&mut session, "akd-9") else {
         panic!("no station")
     };
-    assert_eq!(heard.len(), 3);
+    assert_eq!(answered.len(), 3);
 }
 
 #[test]

@@ -7,7 +7,7 @@ use profinet::{Instant, IpSuite, MacAddress};
 use smoltcp::wire::{ArpPacket, ArpRepr};
 
 use super::dhcp::Dhcp;
-use super::link_local::{Heard, LinkLocal, Step};
+use super::link_local::{ArpAddresses, LinkLocal, Step};
 
 /// Time during which only DHCP is tried. Own choice: no source states how long an AKD waits.
 const DHCP_TIMEOUT: Duration = Duration::from_secs(5);
@@ -63,12 +63,12 @@ impl Acquire {
             ..
         }) = message
         {
-            let heard = Heard {
+            let packet = ArpAddresses {
                 mac: MacAddress(source_hardware_addr.0),
                 sender: source_protocol_addr,
                 target: target_protocol_addr,
             };
-            link_local.hear(now, heard);
+            link_local.receive(now, packet);
         }
     }
 

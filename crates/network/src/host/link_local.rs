@@ -36,7 +36,7 @@ pub(super) enum Step {
 
 /// Contents of a received ARP packet.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Heard {
+pub(super) struct ArpAddresses {
     /// Ethernet address of the sender.
     pub mac: MacAddress,
     /// Address of the sender; 0.0.0.0 for a probe.
@@ -83,12 +83,12 @@ impl LinkLocal {
     }
 
     /// Takes a received ARP packet.
-    pub fn hear(&mut self, now: Instant, heard: Heard) {
-        if heard.mac == self.mac {
+    pub fn receive(&mut self, now: Instant, packet: ArpAddresses) {
+        if packet.mac == self.mac {
             return;
         }
-        let probes_too = heard.sender.is_unspecified() && heard.target == self.address;
-        let has_it = heard.sender == self.address;
+        let probes_too = packet.sender.is_unspecified() && packet.target == self.address;
+        let has_it = packet.sender == self.address;
         if self.in_use && has_it {
             let again = self.defended.is_some_and(|last| now - last < DEFEND_INTERVAL);
             self.defended = Some(now);
@@ -209,28 +209,28 @@ mod tests {
     fn an_address_in_use_is_not_chosen() {
         let mut auto = LinkLocal::new(Instant::ZERO, MAC);
         let first = auto.address;
-        let probe = Heard {
+        let probe = ArpAddresses {
             mac: OTHER,
             sender: Ipv4Addr::UNSPECIFIED,
             target: first,
         };
-        auto.hear(Instant::ZERO, probe);
+        auto.receive(Instant::ZERO, probe);
         let second = auto.address;
-        let owner = Heard {
+        let owner = ArpAddresses {
             mac: OTHER,
             sender: second,
             target: first,
         };
-        auto.hear(Instant::ZERO, owner);
+        auto.receive(Instant::ZERO, owner);
         let (_, suite, _) = settle(&mut auto, Instant::ZERO);
         assert!(suite.address != first && suite.address != second);
         // its own echo is none
-        let own = Heard {
+        let own = ArpAddresses {
             mac: MAC,
             sender: suite.address,
             target: suite.address,
         };
-        auto.hear(Instant::ZERO, own);
+        auto.receive(Instant::ZERO, own);
         assert_eq!(auto.poll(Instant::ZERO), None);
     }
 
@@ -238,18 +238,18 @@ mod tests {
     fn an_address_in_use_is_defended_once_and_then_given_up() {
         let mut auto = LinkLocal::new(Instant::ZERO, MAC);
         let (_, suite, mut now) = settle(&mut auto, Instant::ZERO);
-        let owner = Heard {
+        let owner = ArpAddresses {
             mac: OTHER,
             sender: suite.address,
             target: suite.address,
         };
-        auto.hear(now, owner);
+        auto.receive(now, owner);
         assert_eq!(auto.poll(now), Some(Step::Defend(suite.address)));
         now += DEFEND_INTERVAL;
-        auto.hear(now, owner);
+        auto.receive(now, owner);
         assert_eq!(auto.poll(now), Some(Step::Defend(suite.address)));
         now += Duration::from_secs(1);
-        auto.hear(now, owner);
+        auto.receive(now, owner);
         assert_eq!(auto.poll(now), Some(Step::GiveUp));
         assert_ne!(settle(&mut auto, now).1.address, suite.address);
     }
@@ -258,12 +258,12 @@ mod tests {
     fn many_conflicts_slow_the_search_down() {
         let mut auto = LinkLocal::new(Instant::ZERO, MAC);
         for _ in 0..MOST_CONFLICTS {
-            let heard = Heard {
+            let packet = ArpAddresses {
                 mac: OTHER,
                 sender: auto.address,
                 target: auto.address,
             };
-            auto.hear(Instant::ZERO, heard);
+            auto.receive(Instant::ZERO, packet);
         }
         assert_eq!(auto.poll_timeout(), Some(Instant::ZERO + RATE_LIMIT));
     }

@@ -177,7 +177,7 @@ impl Neighbours {
 
     /// Takes note of the sender of a datagram. Never changes a known address, so that a forged datagram cannot
     /// divert anything; confirms it if it is the same.
-    pub(super) fn hear(&mut self, now: Instant, ip: Ipv4Addr, mac: MacAddress) -> VecDeque<Vec<u8>> {
+    pub(super) fn confirm(&mut self, now: Instant, ip: Ipv4Addr, mac: MacAddress) -> VecDeque<Vec<u8>> {
         match self.entries.get_mut(&ip) {
             Some(Neighbour {
                 mac: Some(known),
@@ -297,22 +297,22 @@ mod tests {
         let mut table = Neighbours::default();
         assert!(table.learn(at(0), IP, MAC, false).is_empty());
         assert!(table.entries.is_empty());
-        table.hear(at(0), IP, MAC);
-        table.hear(at(1), IP, MacAddress([2, 0, 0, 0, 0, 9]));
+        table.confirm(at(0), IP, MAC);
+        table.confirm(at(1), IP, MacAddress([2, 0, 0, 0, 0, 9]));
         assert_eq!(table.resolve(at(2), IP), Resolution::Known(MAC));
     }
 
     #[test]
     fn an_old_address_is_refreshed_then_expires() {
         let mut table = Neighbours::default();
-        table.hear(at(0), IP, MAC);
+        table.confirm(at(0), IP, MAC);
         assert_eq!(table.resolve(at(59_999), IP), Resolution::Known(MAC));
         assert_eq!(table.next_due(), None);
         assert_eq!(table.resolve(at(60_000), IP), Resolution::Known(MAC));
         assert_eq!(table.poll_due(at(60_000)), Some(Due::Request(IP)));
         assert_eq!(table.resolve(at(119_999), IP), Resolution::Known(MAC));
         assert_eq!(table.resolve(at(120_000), IP), Resolution::Unknown);
-        table.hear(at(120_001), IP, MAC);
+        table.confirm(at(120_001), IP, MAC);
         assert_eq!(table.resolve(at(120_002), IP), Resolution::Known(MAC));
     }
 

@@ -338,7 +338,7 @@ impl Stack {
                     return Some(());
                 }
                 if self.suite.is_local(sender) {
-                    let waited = self.neighbours.hear(now, sender, source);
+                    let waited = self.neighbours.confirm(now, sender, source);
                     self.release(waited, source);
                 }
                 self.statistics.datagrams += 1;

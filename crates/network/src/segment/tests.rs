@@ -15,7 +15,7 @@ struct Talker {
     peer: Option<(MacAddress, Duration)>,
     next: Option<Instant>,
     sequence: u32,
-    heard: Vec<(Instant, u32)>,
+    received: Vec<(Instant, u32)>,
     to_send: Vec<(SocketAddrV4, Vec<u8>)>,
     datagrams: Vec<(Instant, Vec<u8>)>,
     echo: bool,
@@ -29,7 +29,7 @@ impl Talker {
             peer: None,
             next: None,
             sequence: 0,
-            heard: Vec::new(),
+            received: Vec::new(),
             to_send: Vec::new(),
             datagrams: Vec::new(),
             echo: false,
@@ -62,7 +62,7 @@ impl Endpoint for Talker {
     }
     fn handle_frame(&mut self, now: Instant, frame: &[u8]) {
         let sequence = u32::from_be_bytes(frame[14..18].try_into().unwrap());
-        self.heard.push((now, sequence));
+        self.received.push((now, sequence));
     }
     fn handle_datagram(&mut self, now: Instant, source: SocketAddrV4, _: u16, payload: &[u8]) {
         self.datagrams.push((now, payload.to_vec()));
@@ -119,10 +119,10 @@ fn frames_arrive_after_the_delay_and_in_order() {
     let (mut segment, a, b) = pair(1, Conditions::default());
     segment.run_until(ms(1600) + Duration::from_micros(10));
     for id in [a, b] {
-        let heard = &talker(&segment, id).heard;
-        assert_eq!(heard.len(), 100);
-        assert_eq!(heard[0], (ms(16) + Duration::from_micros(10), 1));
-        assert!(heard.iter().map(|h| h.1).eq(1..=100));
+        let received = &talker(&segment, id).received;
+        assert_eq!(received.len(), 100);
+        assert_eq!(received[0], (ms(16) + Duration::from_micros(10), 1));
+        assert!(received.iter().map(|h| h.1).eq(1..=100));
     }
     assert_eq!(segment.fabric.buffers_in_use(), 0);
 }
@@ -135,8 +135,8 @@ fn unicast_reaches_one_multicast_all_but_the_sender() {
     let b = segment.attach(Box::new(Host::new(Talker::sending(2, mac(3), CYCLE))));
     let c = segment.attach(Box::new(Host::new(Talker::new(3))));
     segment.run_until(ms(17));
-    let heard = [a, b, c].map(|id| talker(&segment, id).heard.len());
-    assert_eq!(heard, [0, 1, 2]);
+    let received = [a, b, c].map(|id| talker(&segment, id).received.len());
+    assert_eq!(received, [0, 1, 2]);
 }
 
 #[test]
@@ -184,8 +184,8 @@ fn faults_occur_at_the_configured_rate() {
             counted.sent
         );
     }
-    let heard = &talker(&segment, a).heard;
-    let backwards = heard.windows(2).filter(|pair| pair[1].1 < pair[0].1).count();
+    let received = &talker(&segment, a).received;
+    let backwards = received.windows(2).filter(|pair| pair[1].1 < pair[0].1).count();
     assert!(
         backwards > 1000,
         "frames 20 ms late are overtaken at 16 ms: {backwards}"
@@ -200,14 +200,17 @@ fn jitter_alone_keeps_the_order() {
     };
     let (mut segment, a, _) = pair(4, faults);
     segment.run_until(ms(160_000));
-    let heard = &talker(&segment, a).heard;
-    assert!(heard.len() > 9_900);
+    let received = &talker(&segment, a).received;
+    assert!(received.len() > 9_900);
     assert!(
-        heard
+        received
             .windows(2)
             .all(|pair| pair[0].1 < pair[1].1 && pair[0].0 <= pair[1].0)
     );
-    let spread: Vec<_> = heard.iter().map(|(at, n)| *at - ms(16 * u64::from(*n))).collect();
+    let spread: Vec<_> = received
+        .iter()
+        .map(|(at, n)| *at - ms(16 * u64::from(*n)))
+        .collect();
     assert!(spread.iter().max().unwrap() > &Duration::from_millis(95));
     assert!(spread.iter().min().unwrap() < &Duration::from_millis(30));
 }
@@ -218,7 +221,12 @@ fn a_cut_cable_carries_nothing_either_way() {
     segment.run_until(ms(100));
     segment.cut(a);
     segment.run_until(ms(1000));
-    let count = |segment: &Segment| (talker(segment, a).heard.len(), talker(segment, b).heard.len());
+    let count = |segment: &Segment| {
+        (
+            talker(segment, a).received.len(),
+            talker(segment, b).received.len(),
+        )
+    };
     assert_eq!(count(&segment), (6, 6));
     segment.uncut(a);
     segment.run_until(ms(1600));
@@ -238,7 +246,7 @@ fn a_detached_station_can_come_back() {
     );
     assert!(segment.insert(a, station).is_ok());
     segment.run_until(ms(1100));
-    assert!(talker(&segment, a).heard.len() > 6);
+    assert!(talker(&segment, a).received.len() > 6);
 }
 
 #[test]
@@ -321,10 +329,10 @@ fn the_medium_steps_to_its_own_events_and_no_further() {
     let id = medium.place(client.mac);
     medium.segment_mut().inject(&frame_to(client.mac, 5));
     medium.segment_mut().run_until(ms(20));
-    assert!(client.heard.is_empty());
+    assert!(client.received.is_empty());
     medium.step(&mut client, ms(30)).unwrap();
     assert_eq!(
-        (client.heard.as_slice(), medium.now()),
+        (client.received.as_slice(), medium.now()),
         (&[(ms(20), 5)][..], ms(20))
     );
     medium.segment_mut().cut(id);
@@ -332,8 +340,8 @@ fn the_medium_steps_to_its_own_events_and_no_further() {
     while medium.now() < ms(3000) {
         medium.step(&mut client, ms(3000)).unwrap();
     }
-    assert_eq!(client.heard.len(), 1);
-    assert_eq!(talker(medium.segment(), server).heard.len(), 187);
+    assert_eq!(client.received.len(), 1);
+    assert_eq!(talker(medium.segment(), server).received.len(), 187);
 }
 
 fn frame_to(to: MacAddress, sequence: u32) -> Vec<u8> {
@@ -373,7 +381,7 @@ fn an_hour_of_cycles_takes_seconds() {
     segment.run_until(ms(3_600_001));
     assert_eq!(segment.statistics().sent, 450_000 + 4, "and four announcements");
     for id in [a, b] {
-        assert!(talker(&segment, id).heard.len() > 220_000);
+        assert!(talker(&segment, id).received.len() > 220_000);
     }
     assert_eq!(segment.fabric.buffers_in_use(), 0);
 }
@@ -381,7 +389,7 @@ fn an_hour_of_cycles_takes_seconds() {
 #[test]
 fn a_switch_keeps_what_is_for_the_next_bridge() {
     let group = |last| MacAddress([0x01, 0x80, 0xC2, 0, 0, last]);
-    let heard = |to| {
+    let received = |to| {
         let mut segment = Segment::new(1);
         segment.attach(Box::new(Host::new(Talker::sending(1, to, CYCLE))));
         let other = segment.attach(Box::new(Host::new(Talker::new(2))));
@@ -390,11 +398,11 @@ fn a_switch_keeps_what_is_for_the_next_bridge() {
             .station::<Host<Talker>>(other)
             .unwrap()
             .endpoint()
-            .heard
+            .received
             .len()
     };
-    assert_eq!((heard(group(0x0E)), heard(group(0x00))), (0, 0));
-    assert_eq!((heard(group(0x10)), heard(mac(2))), (6, 6));
+    assert_eq!((received(group(0x0E)), received(group(0x00))), (0, 0));
+    assert_eq!((received(group(0x10)), received(mac(2))), (6, 6));
 }
 
 #[test]
@@ -415,8 +423,8 @@ fn frames_for_a_guest_that_is_away_are_bounded_and_the_oldest_go() {
     step(&mut medium, &mut present, ms(20));
     assert_eq!(medium.segment().statistics().discarded, 1100 - 1024);
     step(&mut medium, &mut away, ms(30));
-    let heard: Vec<u32> = away.heard.iter().map(|(_, sequence)| *sequence).collect();
-    assert_eq!(heard, (1100 - 1024..1100).collect::<Vec<_>>());
+    let received: Vec<u32> = away.received.iter().map(|(_, sequence)| *sequence).collect();
+    assert_eq!(received, (1100 - 1024..1100).collect::<Vec<_>>());
 }
 
 #[test]

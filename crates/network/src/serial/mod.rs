@@ -126,19 +126,19 @@ impl Line {
     pub fn step(&mut self, talker: &mut dyn Talker, until: Instant) -> Result<(), Error> {
         self.drain(talker)?;
         let due = talker.poll_timeout().map_or(until, |due| due.min(until));
-        let mut heard = false;
+        let mut received = false;
         for _ in 0..MOST_CHUNKS {
             // what waits already is taken before anything is called late
-            let wait = if heard { Instant::ZERO } else { due };
+            let wait = if received { Instant::ZERO } else { due };
             self.port.wait(wait, &self.calls)?;
             // this step ends soon: what the bell has rung for comes with the next one
-            self.calls.heard();
+            self.calls.was_rung();
             let mut buffer = [0; CHUNK];
             match self.port.read(&mut buffer)? {
                 0 => break,
                 length => {
                     talker.handle_octets(now(), buffer.get(..length).unwrap_or_default());
-                    heard = true;
+                    received = true;
                 }
             }
         }
@@ -166,12 +166,12 @@ mod tests {
     #[derive(Default)]
     struct Chatter {
         sent: usize,
-        heard: Vec<usize>,
+        received: Vec<usize>,
     }
 
     impl Talker for Chatter {
         fn handle_octets(&mut self, _: Instant, octets: &[u8]) {
-            self.heard.push(octets.len());
+            self.received.push(octets.len());
         }
         fn handle_timeout(&mut self, _: Instant) {}
         fn poll_transmit(&mut self, _: Instant, buffer: &mut [u8]) -> Option<usize> {
@@ -190,7 +190,7 @@ mod tests {
         let mut line = Line::new(Port::open(&name, Settings::new(9600)).unwrap());
         far.write(&[5; 3000]).unwrap();
         let mut talker = Chatter::default();
-        while talker.heard.iter().sum::<usize>() < 3000 {
+        while talker.received.iter().sum::<usize>() < 3000 {
             talker.sent = 0;
             line.step(&mut talker, now() + std::time::Duration::from_secs(5))
                 .unwrap();
@@ -198,6 +198,6 @@ mod tests {
             let mut sent = [0; 64];
             let _ = far.read(&mut sent).unwrap();
         }
-        assert_eq!(talker.heard.iter().max(), Some(&512));
+        assert_eq!(talker.received.iter().max(), Some(&512));
     }
 }

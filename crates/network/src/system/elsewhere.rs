@@ -129,7 +129,7 @@ impl Waiting {
     pub fn wait(&mut self, _udp: Option<&Ports>, calls: &Calls, until: Instant) -> Result<(), Error> {
         let stop = calls.stop();
         nap(until);
-        self.called = calls.heard() || stop.is_some_and(Stop::is_stopped);
+        self.called = calls.was_rung() || stop.is_some_and(Stop::is_stopped);
         Ok(())
     }
 
@@ -151,7 +151,7 @@ fn nap(until: Instant) {
 /// Sleeps until `port` has octets, a call arrives, or `until`.
 pub fn wait_for_octets(port: &impl SerialPort, until: Instant, calls: &Calls) -> io::Result<()> {
     let stop = calls.stop();
-    let called = || calls.heard() || stop.is_some_and(Stop::is_stopped);
+    let called = || calls.was_rung() || stop.is_some_and(Stop::is_stopped);
     while port.bytes_to_read()? == 0 && now() < until && !called() {
         nap(until);
     }

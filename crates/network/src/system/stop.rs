@@ -77,7 +77,7 @@ impl Bell {
 
     /// Returns true if it has rung since the last look.
     #[must_use]
-    pub fn heard(&self) -> bool {
+    pub fn was_rung(&self) -> bool {
         let rung = self.inner.set.swap(false, Ordering::SeqCst);
         if rung {
             self.inner.event.clear();
@@ -108,8 +108,8 @@ impl Calls {
     }
 
     /// Returns true if the bell has rung since the last look.
-    pub(crate) fn heard(&self) -> bool {
-        self.bell.as_ref().is_some_and(Bell::heard)
+    pub(crate) fn was_rung(&self) -> bool {
+        self.bell.as_ref().is_some_and(Bell::was_rung)
     }
 }
 
@@ -179,12 +179,12 @@ mod tests {
     #[test]
     fn a_bell_wakes_once_for_any_number_of_rings() {
         let bell = Bell::new().unwrap();
-        assert!(!bell.heard());
+        assert!(!bell.was_rung());
         bell.clone().ring();
         bell.ring();
-        assert!(bell.heard());
-        assert!(!bell.heard());
+        assert!(bell.was_rung());
+        assert!(!bell.was_rung());
         bell.ring();
-        assert!(bell.heard());
+        assert!(bell.was_rung());
     }
 }

@@ -8,7 +8,7 @@ use std::time::Duration;
 use profinet::controller::Station;
 
 use super::{ControlSocketError, InjectRequest, Request, Response, namespace, segment, send, sockets};
-use crate::event::{ScenarioEvent, ScenarioEventError};
+use crate::event::{PlantEvent, PlantEventError};
 
 /// Why something did not happen to a drive of a running simulation. Texts of the other process are foreign text.
 #[derive(Debug, thiserror::Error)]
@@ -16,10 +16,10 @@ use crate::event::{ScenarioEvent, ScenarioEventError};
 pub enum InjectError {
     /// Nothing of this kind can happen.
     #[error(transparent)]
-    ScenarioEvent(#[from] ScenarioEventError),
+    PlantEvent(#[from] PlantEventError),
     /// It has no end, so a duration has no meaning for it.
     #[error("`{0}` has no end, so a duration has no meaning for it")]
-    NoEnd(ScenarioEvent),
+    NoEnd(PlantEvent),
     /// The folder of the control sockets cannot be used.
     #[error(transparent)]
     Socket(#[from] ControlSocketError),
@@ -66,7 +66,7 @@ impl InjectRequest {
     /// When one of `events` is not valid, or has no end where it is to have one.
     pub fn new(drive: &str, events: &[String], lasts: Option<Duration>) -> Result<Self, InjectError> {
         for text in events {
-            let event: ScenarioEvent = text.parse()?;
+            let event: PlantEvent = text.parse()?;
             if lasts.is_some() && event.undo().is_none() {
                 return Err(InjectError::NoEnd(event));
             }
@@ -214,6 +214,6 @@ mod tests {
         let request = |text: &str| InjectRequest::new("a", &[text.into()], Some(Duration::from_secs(2)));
         assert_eq!(request("cable=pulled").unwrap().lasts, Some(2_000_000_000));
         assert!(matches!(request("clear=439"), Err(InjectError::NoEnd(_))));
-        assert!(matches!(request("hello"), Err(InjectError::ScenarioEvent(_))));
+        assert!(matches!(request("hello"), Err(InjectError::PlantEvent(_))));
     }
 }

@@ -54,7 +54,7 @@ pub struct InjectRequest {
     pub drive: String,
     /// The network namespace of the sender.
     pub from: u64,
-    /// What, in the notation of scenarios; empty to find out who has the drive.
+    /// What, in the notation of plant files; empty to find out who has the drive.
     pub events: Vec<String>,
     /// How long, in nanoseconds.
     pub lasts: Option<u64>,

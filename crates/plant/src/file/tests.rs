@@ -46,12 +46,9 @@ connection = "release"
 
 #[test]
 fn a_whole_plant_is_read() {
-    let scenario: Scenario = PLANT.parse().unwrap();
-    assert_eq!(
-        (scenario.seed, scenario.duration),
-        (7, Some(Duration::from_secs(20)))
-    );
-    let [press, other] = scenario.drives.as_slice() else {
+    let plant: PlantPlan = PLANT.parse().unwrap();
+    assert_eq!((plant.seed, plant.duration), (7, Some(Duration::from_secs(20))));
+    let [press, other] = plant.drives.as_slice() else {
         panic!("two drives")
     };
     assert_eq!(press.plant.motor_inertia, 2e-4);
@@ -68,7 +65,7 @@ fn a_whole_plant_is_read() {
     assert_eq!(press.cues[2].trigger, Trigger::Place(10 << 32));
     assert_eq!(other.mac, derived_mac("press-2"));
     assert!(!other.ip.is_set());
-    let [controller] = scenario.controllers.as_slice() else {
+    let [controller] = plant.controllers.as_slice() else {
         panic!("one controller")
     };
     assert_eq!((controller.drive, controller.watchdog), (0, 6));
@@ -90,7 +87,7 @@ fn a_whole_plant_is_read() {
 /// Returns the plant with one line replaced, and the resulting error.
 fn refused(line: &str, by: &str) -> (usize, String) {
     assert!(PLANT.contains(line), "{line}");
-    let read = PLANT.replacen(line, by, 1).parse::<Scenario>();
+    let read = PLANT.replacen(line, by, 1).parse::<PlantPlan>();
     let error = read.err().unwrap_or_else(|| panic!("{by} was taken"));
     (error.line, error.message)
 }
@@ -215,7 +212,7 @@ fn mistakes_are_reported_with_their_line() {
         assert_eq!(found, at, "{by}: {message}");
     }
     assert!(
-        "".parse::<Scenario>()
+        "".parse::<PlantPlan>()
             .unwrap_err()
             .message
             .contains("at least one drive")
@@ -233,7 +230,7 @@ proptest! {
             octets[at] = by;
         }
         if let Ok(text) = String::from_utf8(octets) {
-            let _ = text.parse::<Scenario>();
+            let _ = text.parse::<PlantPlan>();
         }
     }
 }
@@ -244,18 +241,18 @@ fn a_text_is_given_to_a_drive() {
     let file = |text: &str| {
         format!("[[drive]]\nname = \"vlt-1\"\nmodel = \"vlt\"\nparameters = {{ \"0-37\" = \"{text}\" }}\n")
     };
-    let scenario: Scenario = file("PRESS 1").parse().expect("a plant");
-    let drive = &scenario.drives[0];
+    let plant: PlantPlan = file("PRESS 1").parse().expect("a plant");
+    let drive = &plant.drives[0];
     let unit = drive.build(drive.config(), 1);
     assert!(unit.is_ok());
-    let mistake = file("12345678901234567890123456").parse::<Scenario>();
+    let mistake = file("12345678901234567890123456").parse::<PlantPlan>();
     let Err(error) = mistake else { panic!("too long") };
     assert!(error.message.contains("holds 25 characters"), "{}", error.message);
 }
 
 #[test]
 fn the_length_and_the_events_of_a_file_are_bounded() {
-    let message = |text: String| text.parse::<Scenario>().err().map(|error| error.message);
+    let message = |text: String| text.parse::<PlantPlan>().err().map(|error| error.message);
     let long = message(" ".repeat(LONGEST_FILE + 1)).unwrap_or_default();
     assert!(long.contains("longer than"), "{long}");
     let events = r#"{ at = "2s", do = "fault=439" },"#.repeat(MOST_CUES + 1);
@@ -269,7 +266,7 @@ fn the_steps_of_a_controller_are_bounded() {
         let steps = r#"{at="1"},"#.repeat(count);
         let drive = "[[drive]]\nname = \"a\"\nip = \"10.0.0.1/24\"\n";
         let text = format!("{drive}[[controller]]\ndrive = \"a\"\ntelegram = 1\nstep = [{steps}]\n");
-        text.parse::<Scenario>().unwrap_err().message
+        text.parse::<PlantPlan>().unwrap_err().message
     };
     assert_eq!(steps(100_001), "more than 100000 steps");
     assert_ne!(steps(1), "more than 100000 steps");

@@ -4,7 +4,7 @@ use gsdml::Gsdml;
 use virtual_drive::description::{Description, Import, ImportError};
 use virtual_drive::model::{self, Model};
 
-use crate::plan::Scenario;
+use crate::plan::PlantPlan;
 
 /// A device description from a file, and the model that has it.
 #[derive(Debug, Clone)]
@@ -23,7 +23,7 @@ pub struct ForeignDescription {
 pub enum DescriptionError {
     /// No drive of the plant is of this vendor.
     #[error("the device description is of vendor 0x{0:04X}; no drive of the plant is")]
-    NotInScenario(u16),
+    NotInPlant(u16),
     /// No model is of this vendor, and none was chosen.
     #[error("the device description is of vendor 0x{vendor:04X} ({name}), of which no drive is simulated")]
     NoModel {
@@ -38,7 +38,7 @@ pub enum DescriptionError {
 }
 
 impl ForeignDescription {
-    /// Returns the description of `file` for `chosen`, else for the model of its vendor, in a scenario for one of its
+    /// Returns the description of `file` for `chosen`, else for the model of its vendor, in a plant for one of its
     /// drives; with `access_point` only that of the file.
     ///
     /// # Errors
@@ -46,16 +46,16 @@ impl ForeignDescription {
     pub fn new(
         file: &Gsdml,
         chosen: Option<&'static Model>,
-        scenario: Option<&Scenario>,
+        plant: Option<&PlantPlan>,
         access_point: Option<&str>,
     ) -> Result<Self, DescriptionError> {
         let vendor = file.identity.vendor_id;
         let made_by = |model: &Model| model.catalogue.device.vendor_id == vendor;
-        let own = match scenario {
+        let own = match plant {
             None => model::ALL.into_iter().find(|model| made_by(model)),
-            Some(scenario) => {
-                let drive = scenario.drives.iter().find(|drive| made_by(drive.model));
-                Some(drive.ok_or(DescriptionError::NotInScenario(vendor))?.model)
+            Some(plant) => {
+                let drive = plant.drives.iter().find(|drive| made_by(drive.model));
+                Some(drive.ok_or(DescriptionError::NotInPlant(vendor))?.model)
             }
         };
         let model = chosen.or(own).ok_or_else(|| DescriptionError::NoModel {

@@ -13,7 +13,7 @@ use virtual_drive::station::StationEvent;
 
 use super::duplicate_check::Duplicate;
 use super::load::{Load, Overload};
-use crate::event::ScenarioEvent;
+use crate::event::PlantEvent;
 use crate::text::count;
 use crate::timeline::Played;
 use crate::trace::What;
@@ -99,7 +99,7 @@ pub enum DriveEvent {
     /// A request of the control socket happened at a serial line.
     Injected(String),
     /// Something that was to last for a time has ended.
-    Ended(ScenarioEvent),
+    Ended(PlantEvent),
     /// The station of this model reported something.
     Station(&'static Model, StationEvent),
     /// Its state was saved, or not.

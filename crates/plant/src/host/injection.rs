@@ -10,7 +10,7 @@ use virtual_drive::station::Station;
 
 use super::Host;
 use crate::control_socket::{InjectRequest, Response, namespace, segment};
-use crate::event::{ScenarioEvent, ScenarioEventError, Unit};
+use crate::event::{PlantEvent, PlantEventError, Unit};
 use crate::text::station_text;
 
 /// Why an event is refused when many wait.
@@ -109,12 +109,9 @@ fn is_meant(station: &Station, drive: &str) -> bool {
 }
 
 /// Returns the event that a request describes, if it is possible on a drive of this model.
-pub(super) fn events(
-    request: &InjectRequest,
-    model: &Model,
-) -> Result<Vec<ScenarioEvent>, ScenarioEventError> {
+pub(super) fn events(request: &InjectRequest, model: &Model) -> Result<Vec<PlantEvent>, PlantEventError> {
     let read = |text: &String| {
-        let event: ScenarioEvent = text.parse()?;
+        let event: PlantEvent = text.parse()?;
         event.fits(model).map(|()| event)
     };
     request.events.iter().map(read).collect()

@@ -79,7 +79,7 @@ pub struct StatePlace {
 pub enum Drives {
     /// Equal drives.
     Fleet(Fleet),
-    /// Those of a scenario, with their time lines.
+    /// Those of a plant, with their time lines.
     Plans(Vec<DrivePlan>),
 }
 

@@ -13,7 +13,7 @@ use super::HostedDrive;
 use super::event::DriveEvent;
 use super::injection::{TOO_MANY, events};
 use crate::control_socket::{InjectRequest, Response};
-use crate::event::ScenarioEvent;
+use crate::event::PlantEvent;
 use crate::timeline::MOST_PENDING;
 
 /// The drives of a line and what is still to happen to them.
@@ -21,7 +21,7 @@ pub struct SerialLine {
     place: Place,
     pub drives: Vec<(Arc<HostedDrive>, SerialStation)>,
     /// What ends again, when, and of which drive.
-    ends: Vec<(Instant, usize, ScenarioEvent)>,
+    ends: Vec<(Instant, usize, PlantEvent)>,
 }
 
 impl SerialLine {
@@ -114,8 +114,8 @@ impl SerialLine {
     }
 
     /// Ends what was to last until `now`; returns it, each with its drive.
-    pub fn end(&mut self, now: Instant) -> Vec<(Arc<str>, ScenarioEvent)> {
-        let due: Vec<(usize, ScenarioEvent)> = self
+    pub fn end(&mut self, now: Instant) -> Vec<(Arc<str>, PlantEvent)> {
+        let due: Vec<(usize, PlantEvent)> = self
             .ends
             .iter()
             .filter(|(at, ..)| *at <= now)
@@ -135,19 +135,19 @@ impl SerialLine {
 
 /// Returns true for what can happen to a drive at a serial line. Its parameter channel can refuse; the other faults of
 /// answers are those of records.
-const fn is_on_line(event: &ScenarioEvent) -> bool {
+const fn is_on_line(event: &PlantEvent) -> bool {
     matches!(
         event,
-        ScenarioEvent::Drive(_) | ScenarioEvent::Answers(AnswerFault::None | AnswerFault::Error(_))
+        PlantEvent::Drive(_) | PlantEvent::Answers(AnswerFault::None | AnswerFault::Error(_))
     )
 }
 
 /// Makes happen to a drive what [`is_on_line`] allows.
-fn apply(event: ScenarioEvent, station: &mut SerialStation) {
+fn apply(event: PlantEvent, station: &mut SerialStation) {
     match event {
-        ScenarioEvent::Drive(injection) => station.drive_mut().inject(injection),
-        ScenarioEvent::Answers(fault) => station.refuse_all(fault.in_channel()),
-        ScenarioEvent::Cable { .. } | ScenarioEvent::Link(_) => {}
+        PlantEvent::Drive(injection) => station.drive_mut().inject(injection),
+        PlantEvent::Answers(fault) => station.refuse_all(fault.in_channel()),
+        PlantEvent::Cable { .. } | PlantEvent::Link(_) => {}
     }
 }
 

@@ -280,7 +280,7 @@ mod tests {
         use client::Wait;
 
         let plant = "[[drive]]\nname = \"akd-1\"\nip = \"10.0.0.1/24\"";
-        let mut network = crate::open_scenario(plant.parse().unwrap()).unwrap();
+        let mut network = crate::open_plan(plant.parse().unwrap()).unwrap();
         let mut drive = network.find(&"akd-1".parse().unwrap()).wait().unwrap();
         assert!(NoteFile::of(&network, &drive, 1004).file.is_none());
         let wanted = crate::motion::Jog {

@@ -119,4 +119,4 @@ impl Control {
 /// The highest speed of a motion where its caller sets no other, rpm.
 pub const SPEED_LIMIT: f64 = 3000.0;
 /// Longest wait of a motion without an end of its own.
-const FOR_EVER: Duration = Duration::from_secs(100 * 365 * 24 * 3600);
+const UNLIMITED: Duration = Duration::from_secs(100 * 365 * 24 * 3600);

@@ -15,7 +15,7 @@ use super::event::{Event, Observer, Start};
 use super::limit::{above, too_fast, within};
 use super::plan::RunPlan;
 use super::report::{MotionResult, Report};
-use super::{Control, FOR_EVER, SPEED_LIMIT, mode};
+use super::{Control, SPEED_LIMIT, UNLIMITED, mode};
 use crate::report::Quantity;
 
 /// Number of PPO type 0, if there were one: the selections of 9-22.
@@ -242,7 +242,7 @@ async fn keep(
     found.reached = true;
     let begin = enabled.session().0.now();
     let kept = enabled
-        .keep_speed(wanted.speed, wanted.time.unwrap_or(FOR_EVER))
+        .keep_speed(wanted.speed, wanted.time.unwrap_or(UNLIMITED))
         .await;
     found.time_at_speed = Some((enabled.session().0.now() - begin).as_secs_f64());
     kept

@@ -6,7 +6,7 @@
 //! use profidrive::parameters::read;
 //!
 //! let plant = "[[drive]]\nname = \"akd-1\"\nip = \"192.168.0.11/24\"";
-//! let mut network = profidrive::open_scenario(plant.parse()?)?;
+//! let mut network = profidrive::open_plan(plant.parse()?)?;
 //! let mut drive = network.find(&"akd-1".parse()?).wait()?;
 //! let wanted = ["DRV.ACC".parse()?, "NO.SUCH".parse()?];
 //! let values = read(&mut network, &mut drive, &wanted).wait()?;

@@ -10,7 +10,7 @@
 //!     name = "akd-1"
 //!     ip = "192.168.0.11/24"
 //! "#;
-//! let mut network = profidrive::open_scenario(plant.parse()?)?;
+//! let mut network = profidrive::open_plan(plant.parse()?)?;
 //! let mut drive = network.find(&"akd-1".parse()?).wait()?;
 //! let saved = settings::backup(&mut network, &mut drive, |_, _| {}).wait()?;
 //! assert_eq!(saved.outcome, profidrive::Outcome::Complete);

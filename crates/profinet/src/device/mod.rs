@@ -394,7 +394,7 @@ impl Endpoint for Device {
                 && let Some((source, payload)) = lldp::payload(frame)
                 && source != self.config.mac
             {
-                self.port.neighbours.hear(now, source, payload);
+                self.port.neighbours.receive(now, source, payload);
             }
             return;
         };

@@ -308,20 +308,20 @@ fn late_echoes_and_what_comes_before_them() {
     assert_eq!(master.poll_event(), None);
     now = master.poll_timeout().unwrap();
     assert_eq!(master.poll_transmit(now, &mut out), Some(length));
-    let hear = |master: &mut Master, octets: &[u8]| {
+    let receive = |master: &mut Master, octets: &[u8]| {
         now += Duration::from_millis(20);
         master.handle_octets(now, octets);
         now = master.poll_timeout().unwrap();
         master.handle_timeout(now);
         master.poll_event()
     };
-    let mut hear = hear;
+    let mut receive = receive;
     // both echoes, and then the reply
-    assert_eq!(hear(&mut master, &sent), None);
-    assert_eq!(hear(&mut master, &sent), None);
+    assert_eq!(receive(&mut master, &sent), None);
+    assert_eq!(receive(&mut master, &sent), None);
     assert!(master.hears_itself());
     let reply = telegram(Address(0x81), &hex("15 FA 00 01 00 00 00 0E 06 03 00 00"));
-    assert_eq!(hear(&mut master, &reply), Some(Event::Reply(id)));
+    assert_eq!(receive(&mut master, &reply), Some(Event::Reply(id)));
     assert_eq!(master.reply(id)[7], 0x0E);
     // the next: what comes before its echo is not taken, what comes behind it is
     master
@@ -330,17 +330,17 @@ fn late_echoes_and_what_comes_before_them() {
     let begin = master.poll_timeout().unwrap();
     let length = master.poll_transmit(begin, &mut out).unwrap();
     let sent = out[..length].to_vec();
-    assert_eq!(hear(&mut master, &reply), None);
-    assert_eq!(hear(&mut master, &sent), None);
+    assert_eq!(receive(&mut master, &reply), None);
+    assert_eq!(receive(&mut master, &sent), None);
     let own = telegram(Address(0x81), &hex("15 FA 00 02 00 00 00 0F 06 03 00 00"));
-    assert_eq!(hear(&mut master, &own), Some(Event::Reply(id)));
+    assert_eq!(receive(&mut master, &own), Some(Event::Reply(id)));
     // an adapter that stops echoing is borne
     let mut taken = 0;
     for _ in 0..8 {
         let due = master.poll_timeout().unwrap();
         master.handle_timeout(due);
         if master.poll_transmit(due, &mut out).is_some() {
-            taken += u32::from(hear(&mut master, &own) == Some(Event::Reply(id)));
+            taken += u32::from(receive(&mut master, &own) == Some(Event::Reply(id)));
         }
     }
     assert!(taken > 2 && !master.hears_itself(), "{taken}");

@@ -31,16 +31,16 @@ fn it_answers_what_is_for_it_and_nothing_else() {
         let mut slave = Slave::new(SlaveConfig::fc(5, 9600));
         let end = send(&mut slave, START, &telegram(Address(octet), &data));
         let addressee = Address(octet).addressee(Protocol::Fc);
-        let heard = settle(&mut slave);
+        let received = settle(&mut slave);
         let answered = slave.respond(&hex("06 03 00 00")).is_ok()
             && slave
                 .poll_transmit(end + slave.config().timing.start_delay, &mut [0; MAX_TELEGRAM])
                 .is_some();
         match addressee {
-            Addressee::Slave(5) => assert_eq!((heard, answered), (Some((data.clone(), false)), true)),
+            Addressee::Slave(5) => assert_eq!((received, answered), (Some((data.clone(), false)), true)),
             // statement 121: executed, no answer
-            Addressee::Broadcast => assert_eq!((heard, answered), (Some((data.clone(), true)), false)),
-            _ => assert_eq!((heard, answered), (None, false), "{octet:#x}"),
+            Addressee::Broadcast => assert_eq!((received, answered), (Some((data.clone(), true)), false)),
+            _ => assert_eq!((received, answered), (None, false), "{octet:#x}"),
         }
     }
 }

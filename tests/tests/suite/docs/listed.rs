@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-use plant::Scenario;
+use plant::PlantPlan;
 use pulldown_cmark::Event;
 use system_tests::{built, root};
 
@@ -23,7 +23,10 @@ const UNKNOWN_KEYS: [(&str, &str); 8] = [
 
 /// Returns the keys that the parser expects in the place of one that it does not know.
 fn expected(file: &str) -> BTreeSet<String> {
-    let error = file.replace("{}", "no-such-key").parse::<Scenario>().unwrap_err();
+    let error = file
+        .replace("{}", "no-such-key")
+        .parse::<PlantPlan>()
+        .unwrap_err();
     let list = error
         .message
         .strip_prefix("unknown field `no-such-key`, expected ")
@@ -53,7 +56,7 @@ fn the_page_about_plant_files_has_every_key_of_the_parser_and_no_other() {
     let page = Page::read("docs/src/plant-file.md");
     let (_, example) = page.text.split_once("```toml\n").expect("an example");
     let (example, _) = example.split_once("```").expect("its end");
-    if let Err(error) = example.parse::<Scenario>() {
+    if let Err(error) = example.parse::<PlantPlan>() {
         panic!("the example: {error}");
     }
     let used: BTreeSet<&str> = example

@@ -39,7 +39,7 @@ pub fn file(path: &Path, args: &Decode, output: &Output) -> Result<(), Failure> 
         let reader = Reader::new(file).map_err(|error| unreadable(&shown, &error))?;
         Ok((reader, size))
     };
-    // a name may be heard only after the first frames of its station
+    // a name may appear only after the first frames of its station
     let known = match args.station {
         Some(_) => Some(names(open()?.0, args)),
         None => None,

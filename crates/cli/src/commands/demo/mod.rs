@@ -15,7 +15,7 @@ use network::files;
 use network::pcap::Writer;
 use network::segment::Pace;
 use network::system::Stop;
-use plant::ScenarioEvent;
+use plant::PlantEvent;
 use profidrive::report::{DemoEvent, DemoStep};
 use profidrive::{Access, Joined, Network, Opening, Transport};
 use profile::value::{Assignment, Reading, Selection};
@@ -164,8 +164,8 @@ fn show(args: &Demo, (session, plant): (&mut Session, &Joined), output: &Output)
 /// The drives and the controller.
 fn stage(args: &Demo) -> Result<(Network, Joined), Failure> {
     let failed = |error: &dyn std::fmt::Display| Failure::new(ErrorKind::Internal, error.to_string());
-    let scenario = PLANT.parse().map_err(|error| failed(&error))?;
-    let mut opening = Opening::new(Access::Cyclic).in_plant(scenario);
+    let plant = PLANT.parse().map_err(|error| failed(&error))?;
+    let mut opening = Opening::new(Access::Cyclic).in_plant(plant);
     if let Ok(stop) = Stop::on_signals() {
         opening = opening.stopped_by(stop);
     }
@@ -454,7 +454,7 @@ fn inject(plant: &Joined, drive: &str, number: u16) -> Result<(), Error> {
         number,
         lasting: false,
     };
-    let injected = plant.with_world(|world| world.inject(drive, ScenarioEvent::Drive(fault), None));
+    let injected = plant.with_world(|world| world.inject(drive, PlantEvent::Drive(fault), None));
     injected.map_err(|error| Error::Malformed {
         drive: drive.into(),
         reason: error.to_string(),

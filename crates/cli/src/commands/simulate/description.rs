@@ -1,7 +1,7 @@
 //! The device description that simulated drives have towards others.
 
 use client::ErrorKind;
-use plant::Scenario;
+use plant::PlantPlan;
 use plant::host::{DescriptionError, ForeignDescription};
 
 use crate::args::Simulate;
@@ -12,7 +12,7 @@ use crate::render::table::clean;
 /// Reads the device description on the command line, and prints what was taken from it.
 pub fn read(
     args: &Simulate,
-    scenario: Option<&Scenario>,
+    plant: Option<&PlantPlan>,
     output: &Output,
 ) -> Result<Option<ForeignDescription>, Failure> {
     let Some(path) = &args.gsdml else {
@@ -21,7 +21,7 @@ pub fn read(
     let file = crate::commands::gsdml::read(path)?;
     let (name, identity) = (path.display().to_string(), &file.identity);
     let chosen = args.model;
-    let description = ForeignDescription::new(&file, chosen, scenario, args.access_point.as_deref());
+    let description = ForeignDescription::new(&file, chosen, plant, args.access_point.as_deref());
     let description = description.map_err(|error| failure(&name, &error))?;
     if description.of_other_vendor {
         output.say(&format!(
@@ -49,7 +49,7 @@ pub fn read(
 
 fn failure(name: &str, error: &DescriptionError) -> Failure {
     match error {
-        DescriptionError::NotInScenario(vendor) => {
+        DescriptionError::NotInPlant(vendor) => {
             let message = format!("{name} is of vendor 0x{vendor:04X}; no drive of the plant is");
             Failure::new(ErrorKind::Local, message)
         }

@@ -2,16 +2,16 @@
 
 use client::ErrorKind;
 use network::system::LockError;
-use plant::ScenarioFileError;
+use plant::PlantFileError;
 use plant::host::{FleetError, HostError};
 use profidrive::addressing::check_station_name;
 
 use crate::failure::Failure;
 
-impl From<ScenarioFileError> for Failure {
-    fn from(error: ScenarioFileError) -> Self {
+impl From<PlantFileError> for Failure {
+    fn from(error: PlantFileError) -> Self {
         let exit = match error {
-            ScenarioFileError::Scenario { .. } => ErrorKind::Usage,
+            PlantFileError::PlantPlan { .. } => ErrorKind::Usage,
             _ => ErrorKind::Local,
         };
         Self::new(exit, error.to_string())

@@ -12,7 +12,7 @@ use std::time::Duration;
 use client::ErrorKind;
 use client::LineAddress;
 use network::system::Stop;
-use plant::Scenario;
+use plant::PlantPlan;
 use plant::host::{
     Drives, Fleet, ForeignDescription, Host, HostConfig, MacChoice, SerialHost, SerialHostConfig, StatePlace,
 };
@@ -42,16 +42,16 @@ impl From<Protocol> for uss::Protocol {
 }
 
 pub fn run(args: &Simulate, on: &Interface, output: &Output) -> Result<(), Failure> {
-    let scenario = args.plant.as_deref().map(Scenario::read).transpose()?;
-    if let Some(scenario) = scenario.as_ref().filter(|_| args.virtual_time) {
-        return virtual_time::run(scenario, args.time, args.pcap.as_deref(), output);
+    let plant = args.plant.as_deref().map(PlantPlan::read).transpose()?;
+    if let Some(plant) = plant.as_ref().filter(|_| args.virtual_time) {
+        return virtual_time::run(plant, args.time, args.pcap.as_deref(), output);
     }
     if let Some(port) = &args.line.serial {
         return at_line(args, port, output);
     }
     let interface = connect::interface(on)?.ok_or_else(connect::no_interface)?;
-    let description = description::read(args, scenario.as_ref(), output)?;
-    let mut config = on_network(args, interface, scenario, description, output)?;
+    let description = description::read(args, plant.as_ref(), output)?;
+    let mut config = on_network(args, interface, plant, description, output)?;
     let summary = config.drives.count() > FEW;
     let metrics = args.metrics.map(metrics).transpose()?;
     if let Some(metrics) = &metrics {
@@ -72,25 +72,22 @@ fn metrics(address: SocketAddr) -> Result<MetricsServer, Failure> {
 fn on_network(
     args: &Simulate,
     interface: String,
-    scenario: Option<Scenario>,
+    plant: Option<PlantPlan>,
     description: Option<ForeignDescription>,
     output: &Output,
 ) -> Result<HostConfig, Failure> {
-    if scenario
-        .as_ref()
-        .is_some_and(|scenario| !scenario.controllers.is_empty())
-    {
+    if plant.as_ref().is_some_and(|plant| !plant.controllers.is_empty()) {
         output.warn("the controllers of the plant are left out: they exist in virtual time only");
     }
     let model = description.as_ref().map(|description| description.model);
     Ok(HostConfig {
         interface,
-        seed: scenario.as_ref().map_or(1, |scenario| scenario.seed),
+        seed: plant.as_ref().map_or(1, |plant| plant.seed),
         load_every: None,
-        time: args.time.or_else(|| scenario.as_ref()?.duration),
-        drives: match scenario {
+        time: args.time.or_else(|| plant.as_ref()?.duration),
+        drives: match plant {
             None => Drives::Fleet(fleet(args, model)?),
-            Some(scenario) => Drives::Plans(scenario.drives),
+            Some(plant) => Drives::Plans(plant.drives),
         },
         state: args.state.as_deref().map(state),
         description,

@@ -1,4 +1,4 @@
-//! A scenario in virtual time: the trace on stdout, the same every time.
+//! A plant in virtual time: the trace on stdout, the same every time.
 
 use std::path::Path;
 use std::time::Duration;
@@ -7,7 +7,7 @@ use client::ErrorKind;
 use network::files::create;
 use network::pcap::Writer;
 use network::system::{Stop, now};
-use plant::{Entry, Scenario, World};
+use plant::{Entry, PlantPlan, World};
 use profidrive::report::{SimulationEvent, SimulationReport};
 use profinet::Instant;
 
@@ -18,23 +18,23 @@ use crate::output::Output;
 const STRIDE: Duration = Duration::from_millis(500);
 
 pub fn run(
-    scenario: &Scenario,
+    plant: &PlantPlan,
     time: Option<Duration>,
     pcap: Option<&Path>,
     output: &Output,
 ) -> Result<(), Failure> {
-    let Some(time) = time.or(scenario.duration) else {
+    let Some(time) = time.or(plant.duration) else {
         return Err(Failure::usage("how long? Virtual time has no end of its own")
             .hint("give `duration` in the plant file, or --for TIME"));
     };
     let failed = |what: &str, error: &dyn std::fmt::Display| {
         Failure::new(ErrorKind::Local, format!("{what}: {error}"))
     };
-    let mut world = World::new(scenario).map_err(|error| failed("the plant cannot start", &error))?;
+    let mut world = World::new(plant).map_err(|error| failed("the plant cannot start", &error))?;
     if let Some(path) = pcap {
         let name = path.display().to_string();
         let file = create(path).map_err(|error| Failure::new(ErrorKind::Local, error.to_string()))?;
-        let writer = Writer::new(file, "scenario", Duration::ZERO).map_err(|error| failed(&name, &error))?;
+        let writer = Writer::new(file, "plant", Duration::ZERO).map_err(|error| failed(&name, &error))?;
         world.add_tap(Box::new(writer));
     }
     let stop = Stop::on_signals().map_err(|error| failed("cannot watch for Ctrl-C", &error))?;
@@ -55,7 +55,7 @@ pub fn run(
     output.say(&format!(
         "{simulated} s in {took:.3} s, {:.0} times real time; seed {}, trace {:016x}{}",
         simulated / took.max(1e-9),
-        scenario.seed,
+        plant.seed,
         world.trace_hash(),
         if world.now() < end { "; ended early" } else { "" }
     ));

@@ -284,7 +284,7 @@ impl Runner {
             }
             let at = now();
             self.work(at)?;
-            if self.bell.as_ref().is_some_and(Bell::heard) {
+            if self.bell.as_ref().is_some_and(Bell::was_rung) {
                 return Ok(Turn::Rung);
             }
             if !self.touched.is_empty() {

@@ -153,7 +153,7 @@ impl Waiting {
 
     /// Returns true if a call arrived.
     pub fn called(&self, calls: &Calls) -> bool {
-        calls.heard() || self.revents(STOP) != 0
+        calls.was_rung() || self.revents(STOP) != 0
     }
 
     /// Returns whether the port at `index` may have something.

@@ -34,7 +34,7 @@ fn inject(lab: &Lab, arguments: &[&str]) -> Finished {
 
 #[test]
 fn what_happens_to_a_drive_is_seen_by_its_client() {
-    let lab = Lab::new("scenario");
+    let lab = Lab::new("plant");
     let capture = lab.capture("traffic");
     let mut drives = start(
         &lab,
@@ -120,7 +120,7 @@ fn what_happens_to_a_drive_is_seen_by_its_client() {
 
 #[test]
 fn a_connected_controller_meets_what_happens() {
-    let lab = Lab::new("scenario-cyclic");
+    let lab = Lab::new("plant-cyclic");
     let capture = lab.capture("traffic");
     let mut drives = start(
         &lab,
