@@ -280,6 +280,7 @@ impl Client {
         let config = self.config;
         let events = &mut self.events;
         self.calls.retain_mut(|call| {
+            call.awaited = call.awaited.filter(|until| now < *until);
             let error = if now >= call.limit {
                 CallError::NeverFinished { limit: config.limit }
             } else if now < call.due {
@@ -327,8 +328,7 @@ impl Client {
         let mut awaited = 0;
         let mut next = None;
         for call in &mut self.calls {
-            call.awaited = call.awaited.filter(|until| now < *until);
-            awaited += usize::from(call.awaited.is_some());
+            awaited += usize::from(call.awaited.is_some_and(|until| now < until));
             if next.is_none() && call.is_to_send() {
                 next = Some(call);
             }
