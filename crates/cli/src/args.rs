@@ -216,6 +216,17 @@ pub struct OnDrive<T: Args> {
     pub options: DriveOptions,
 }
 
+/// A command for one drive or many.
+#[derive(Debug, Args)]
+pub struct OnSelected<T: Args> {
+    /// A drive as for all commands, a list (akd-1,akd-2), a pattern (akd-*), model=vlt, vendor=danfoss, or all
+    pub drive: String,
+    #[command(flatten)]
+    pub args: T,
+    #[command(flatten)]
+    pub options: DriveOptions,
+}
+
 /// A command that has several drives, or files in their place, among its arguments.
 #[derive(Debug, Args)]
 pub struct OnDrives<T: Args> {
@@ -258,11 +269,11 @@ pub enum Command {
     /// Reset a station to factory values (asks first); `blink` first shows which one it is
     Reset(OnNetwork<Reset>),
     /// Show who a drive is and in which state
-    Info(OnDrive<NoArguments>),
+    Info(OnSelected<NoArguments>),
     /// Read parameters
-    Read(OnDrive<Read>),
+    Read(OnSelected<Read>),
     /// Write parameters: check limits, print old and new value, write, verify
-    Write(OnDrive<Write>),
+    Write(OnSelected<Write>),
     /// List the parameters of a drive
     List(OnDrive<List>),
     /// Describe one parameter: unit, limits, default, access
@@ -283,17 +294,18 @@ pub enum Command {
     #[command(after_help = CYCLIC)]
     Home(OnDrive<Home>),
     /// Bring a drive to rest: by its stop parameter, or by its control word where no controller has it
-    Stop(OnDrive<Stop>),
+    Stop(OnSelected<Stop>),
     /// Say in one sentence why a drive does not run; reads only (exit code 5 when something keeps it)
-    Status(OnDrive<Status>),
+    #[command(mut_arg("drive", |drive| drive.required(false).default_value("all")))]
+    Status(OnSelected<Status>),
     /// Acknowledge the fault of a drive (STW1 bit 7, as its controller for a moment)
-    Ack(OnDrive<Ack>),
+    Ack(OnSelected<Ack>),
     /// Watch a drive beside its controller; reads only
-    Monitor(OnDrive<Monitor>),
+    Monitor(OnSelected<Monitor>),
     /// Show the faults and warnings of a drive, what they mean and what to do
-    Faults(OnDrive<Faults>),
+    Faults(OnSelected<Faults>),
     /// Save the settings of a drive as text, one parameter a line
-    Backup(OnDrive<Backup>),
+    Backup(OnSelected<Backup>),
     /// Compare the settings of two files, two drives, or a file and a drive
     Diff(OnDrives<Diff>),
     /// Restore saved settings: prints a plan, saves the present values first, writes, verifies

@@ -1,8 +1,11 @@
 //! From the command line to a session with a drive: options and signals in, messages and progress out.
 
-use client::{Drive, DriveAddress, ErrorKind, Wait};
+use client::{Drive, ErrorKind, Wait};
 use network::system::{Error as NetworkError, ForcedExit, Stop};
-use profidrive::{DescriptionError, DriveError, FindEvent, Network, OpenError, Opening};
+use profidrive::fleet::Fleet;
+use profidrive::{
+    DescriptionError, DriveError, FindEvent, Network, OpenError, Opening, Selector, SelectorError,
+};
 
 use crate::args::{Interface, Kind, Target};
 use crate::commands::gsdml;
@@ -24,20 +27,27 @@ pub fn session(interface: &Interface, need: Need, output: &Output) -> Result<Liv
     Ok(attended(session, &stop, output))
 }
 
+/// Returns which drives are meant.
+pub fn selector(target: &Target) -> Result<Selector, Failure> {
+    target.drive.parse().map_err(|error: SelectorError| {
+        Failure::usage(error.to_string()).hint(
+            "DRIVE is a station name (akd-1), an IP address, a MAC address, or fc:PORT/ADDRESS or uss:PORT/ADDRESS at a serial \
+             line; for several drives a list (akd-1,akd-2), a pattern (akd-*), model=vlt, vendor=danfoss or all",
+        )
+    })
+}
+
 /// Opens the network or the serial line of a drive and finds the drive.
 pub fn drive(target: &Target, need: Need, output: &Output) -> Result<(Live, Drive), Failure> {
-    let address: DriveAddress = target.drive.parse().map_err(|error: client::DriveAddressError| {
-        Failure::usage(error.to_string())
-            .hint("DRIVE is a station name (akd-1), an IP address, a MAC address, or fc:PORT/ADDRESS or uss:PORT/ADDRESS at a serial line")
+    let selector = selector(target)?;
+    let address = selector.single().ok_or_else(|| {
+        Failure::usage(format!(
+            "`{selector}` may be several drives, and this command is for one"
+        ))
+        .hint("name the drive; {scan} lists who answers")
     })?;
-    let (mut opening, stop) = opening(&target.options.interface, need)?;
-    if let Some(model) = target.options.kind.model {
-        opening = opening.as_model(model);
-    }
-    if let Some(file) = &target.options.kind.gsdml {
-        opening = opening.described_by(gsdml::read(file)?);
-    }
-    let session = opening.open_to(&address).map_err(without_permission)?;
+    let (opening, stop) = opening_for(target, need)?;
+    let session = opening.open_to(address).map_err(without_permission)?;
     let mut session = attended(session, &stop, output);
     let mut shown = None;
     let mut observer = |event: FindEvent<'_>| match event {
@@ -56,7 +66,7 @@ pub fn drive(target: &Target, need: Need, output: &Output) -> Result<(Live, Driv
             }
         }
     };
-    let found = opening.find(&mut session, &address, &mut observer).wait();
+    let found = opening.find(&mut session, address, &mut observer).wait();
     if let Some(bar) = shown {
         bar.finish_and_clear();
     }
@@ -64,6 +74,50 @@ pub fn drive(target: &Target, need: Need, output: &Output) -> Result<(Live, Driv
         session,
         found.map_err(|error| failed(error, &target.options.kind))?,
     ))
+}
+
+/// Opens the network and finds the drives that are meant.
+pub fn drives(target: &Target, need: Need, output: &Output) -> Result<(Live, Fleet), Failure> {
+    let selector = selector(target)?;
+    let (opening, mut session) = network(target, &selector, need, output)?;
+    let spinner = spinner(output, format!("looking for {selector}"));
+    let found = opening.select(&mut session, &selector).wait();
+    spinner.finish_and_clear();
+    let found = found.map_err(|error| failed(error, &target.options.kind))?;
+    for note in found.members.iter().flat_map(|member| &member.notes) {
+        output.warn(note);
+    }
+    Ok((session, found))
+}
+
+/// Opens the network of the drives that are meant.
+pub fn network(
+    target: &Target,
+    selector: &Selector,
+    need: Need,
+    output: &Output,
+) -> Result<(Opening, Live), Failure> {
+    let (opening, stop) = opening_for(target, need)?;
+    let session = opening.open_for(selector).map_err(without_permission)?;
+    Ok((opening, attended(session, &stop, output)))
+}
+
+fn opening_for(target: &Target, need: Need) -> Result<(Opening, Stop), Failure> {
+    let (mut opening, stop) = opening(&target.options.interface, need)?;
+    if let Some(model) = target.options.kind.model {
+        opening = opening.as_model(model);
+    }
+    if let Some(file) = &target.options.kind.gsdml {
+        opening = opening.described_by(gsdml::read(file)?);
+    }
+    Ok((opening, stop))
+}
+
+/// A drive that was not found, or cannot be worked with, as one of many.
+impl From<DriveError> for Failure {
+    fn from(error: DriveError) -> Self {
+        failed(error, &Kind::default())
+    }
 }
 
 fn opening(interface: &Interface, need: Need) -> Result<(Opening, Stop), Failure> {

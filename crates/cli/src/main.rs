@@ -5,6 +5,7 @@
 mod advice;
 mod args;
 mod commands;
+mod confirm;
 mod connect;
 mod failure;
 mod output;

@@ -349,10 +349,10 @@ impl Client {
         Some(self.stations.remove(&id).unwrap_or_default())
     }
 
-    /// Returns the stations that answered so far.
+    /// Returns the stations that answered so far, in the order of their answers.
     #[must_use]
-    pub fn stations_so_far(&self, id: DcpId) -> usize {
-        self.stations.get(&id).map_or(0, Vec::len)
+    pub fn stations_so_far(&self, id: DcpId) -> &[Station] {
+        self.stations.get(&id).map_or(&[], Vec::as_slice)
     }
 
     /// Returns the stations that answered so far, for a request that was cancelled.

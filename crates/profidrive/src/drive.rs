@@ -50,6 +50,20 @@ pub enum DriveError {
         /// The address and the subnets of this computer, in words.
         subnets: String,
     },
+    /// No station fits a part of a selector.
+    #[error("`{term}` fits none of the stations that answered{}", names(.answered))]
+    NoneFits {
+        /// The part: a pattern, a model, a vendor or `all`.
+        term: String,
+        /// Who answered, by name or address.
+        answered: Vec<String>,
+    },
+    /// A station without an IP address: it has a name and can be given an address, no more.
+    #[error("{drive} has no IP address")]
+    NoAddress {
+        /// The station.
+        drive: String,
+    },
     /// The drive is in another subnet and cannot answer.
     #[error(transparent)]
     Subnet(#[from] OtherSubnet),
@@ -68,10 +82,27 @@ impl DriveError {
             Self::Open(error) => error.kind(),
             Self::Client(error) => error.kind(),
             Self::Far { error, .. } => error.kind(),
-            Self::Subnet(_) => ErrorKind::Unreachable,
+            Self::Subnet(_) | Self::NoneFits { .. } | Self::NoAddress { .. } => ErrorKind::Unreachable,
             #[cfg(feature = "gsdml")]
             Self::Description(error) => error.kind(),
         }
+    }
+}
+
+/// `: akd-1, vlt-1 and 3 more`
+fn names(answered: &[String]) -> String {
+    const SHOWN: usize = 8;
+    if answered.is_empty() {
+        return ": there was none".to_owned();
+    }
+    let shown = answered
+        .iter()
+        .take(SHOWN)
+        .map(String::as_str)
+        .collect::<Vec<_>>();
+    match answered.len() - shown.len() {
+        0 => format!(": {}", shown.join(", ")),
+        more => format!(": {} and {more} more", shown.join(", ")),
     }
 }
 
@@ -140,7 +171,7 @@ impl Opening {
         self.find_over(network, &transport, address, observer).await
     }
 
-    async fn find_over(
+    pub(crate) async fn find_over(
         &self,
         session: &mut Session,
         transport: &Transport,
@@ -161,6 +192,17 @@ impl Opening {
         let found = session.find(address).await;
         let drive = found.map_err(|error| not_found(error, transport, address))?;
         observer(FindEvent::Found);
+        self.ready(session, transport, drive, observer).await
+    }
+
+    /// Takes a drive that was found as the model that it is to be, and reads the parameters of one without a catalogue.
+    pub(crate) async fn ready(
+        &self,
+        session: &mut Session,
+        transport: &Transport,
+        drive: Drive,
+        observer: &mut FindObserver<'_>,
+    ) -> Result<Drive, DriveError> {
         let mut drive = match self.model {
             Some(model) => drive.as_model(model),
             None => drive,

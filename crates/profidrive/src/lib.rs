@@ -44,6 +44,7 @@
 //! | end waiting calls and stop axes by Ctrl-C | [`Stop`] with [`Opening::stopped_by`] |
 //! | check whether both sides can reach each other | [`reach`](reach()) |
 //! | find, read, write | [`Network`], which is a [`client::Session`] |
+//! | select many drives and work on them side by side | [`Selector`], [`fleet`] |
 //! | scan, and see status, identity and faults of a drive | [`inspection`] |
 //! | watch the values and faults of a drive | [`monitor`] |
 //! | read, list, describe and write parameters as people name them | [`parameters`] |
@@ -58,6 +59,7 @@ mod carrier;
 mod description;
 mod drive;
 mod driver;
+pub mod fleet;
 pub mod inspection;
 pub mod monitor;
 pub mod motion;
@@ -66,6 +68,7 @@ mod outcome;
 pub mod parameters;
 mod reach;
 pub mod report;
+mod selector;
 pub mod settings;
 #[cfg(feature = "simulate")]
 mod simulate;
@@ -83,5 +86,6 @@ pub use outcome::{Outcome, Reported};
 /// The drive profile: parameters, values, telegrams, models.
 pub use profile;
 pub use reach::{OtherSubnet, Reach, far, reach};
+pub use selector::{Selector, SelectorError};
 #[cfg(feature = "simulate")]
 pub use simulate::{Joined, open_plan, open_plant};

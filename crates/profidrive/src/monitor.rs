@@ -102,7 +102,7 @@ pub struct TooFast;
 pub struct Monitor {
     more: Vec<Selection>,
     interval: Duration,
-    /// When the first reading began.
+    /// When the first reading arrived.
     first: Option<Instant>,
     /// When the last reading began.
     last: Instant,
@@ -116,8 +116,10 @@ pub struct Monitor {
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Observation {
-    /// Since the first reading began.
+    /// From the arrival of the first reading to that of this one.
     pub time: Duration,
+    /// From the request to the answer: long after an outage.
+    pub answer_time: Duration,
     /// What the drive reported.
     pub snapshot: Snapshot,
     /// Faults that came since the reading before; with the first reading those that were present.
@@ -156,6 +158,7 @@ impl Monitor {
     pub async fn read(&mut self, session: &mut Session, drive: &mut Drive) -> Result<Observation, Error> {
         self.last = session.now();
         let snapshot = session.snapshot(drive, &self.more).await?;
+        let arrived = session.now();
         let mut faults = Vec::new();
         // PNU 944 may count situations only: a further fault of one is in the buffer alone
         let again = self.counted != snapshot.fault_counter;
@@ -169,7 +172,8 @@ impl Monitor {
             faults = present.into_iter().filter(is_new).collect();
         }
         Ok(Observation {
-            time: self.last - *self.first.get_or_insert(self.last),
+            time: arrived - *self.first.get_or_insert(arrived),
+            answer_time: arrived - self.last,
             snapshot,
             faults,
         })

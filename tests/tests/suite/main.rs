@@ -40,6 +40,7 @@ mod position_words;
 mod reach;
 mod readings;
 mod reporting;
+mod selection;
 mod table;
 mod telegrams;
 mod topology;

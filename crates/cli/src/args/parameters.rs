@@ -23,6 +23,9 @@ pub struct Write {
     /// Let the drive keep the values over a power cycle (AKD: DRV.NVSAVE saves all it has; VLT: these values)
     #[arg(long, conflicts_with = "dry_run")]
     pub save: bool,
+    /// Write to several drives without asking
+    #[arg(long)]
+    pub yes: bool,
 }
 
 #[derive(Debug, Args)]

@@ -1,16 +1,14 @@
 //! `profidrive name`, `profidrive ip`, `profidrive blink`, `profidrive reset`
 
-use std::io::{self, BufRead, IsTerminal};
 use std::net::Ipv4Addr;
-use std::sync::mpsc;
-use std::time::Duration;
 
 use client::{AtWork, Error, ErrorKind, Wait, describe};
 use profidrive::addressing::{self, AddressingError, FactoryReset, NewAddress, NewName, check_station_name};
 use profinet::IpSuite;
 
 use crate::args::{Blink, Interface, Ip, Name, Reset, ResetMode};
-use crate::connect::{self, Live, Need};
+use crate::confirm::{Question, confirm};
+use crate::connect::{self, Need};
 use crate::failure::Failure;
 use crate::output::Output;
 use crate::render::table::clean;
@@ -147,7 +145,11 @@ pub fn reset(args: &Reset, interface: &Interface, output: &Output) -> Result<(),
         let station = describe(&drive.station);
         confirm(
             &mut session,
-            &format!("Reset {} of {station} to factory values?", what.what()),
+            &Question {
+                text: &format!("Reset {} of {station} to factory values?", what.what()),
+                undone: "not reset",
+                unasked: "--yes resets without asking",
+            },
             output,
         )?;
     }
@@ -184,46 +186,6 @@ impl From<ResetMode> for FactoryReset {
             ResetMode::Device => Self::Device,
         }
     }
-}
-
-/// Requests a confirmation on the terminal; without a terminal or after Ctrl-C it is denied.
-fn confirm(session: &mut Live, question: &str, output: &Output) -> Result<(), Failure> {
-    /// How often Ctrl-C is looked at.
-    const GLANCE: Duration = Duration::from_millis(50);
-    if !io::stdin().is_terminal() {
-        return Err(
-            Failure::new(ErrorKind::Safety, "not reset: no terminal to confirm on")
-                .hint("--yes resets without asking"),
-        );
-    }
-    output.ask(&format!("{question} [y/N]"));
-    // reading a line cannot be interrupted, so another thread waits for it
-    let (sender, receiver) = mpsc::channel();
-    std::thread::spawn(move || {
-        let mut answer = String::new();
-        let read = io::stdin().lock().read_line(&mut answer);
-        let _ = sender.send(read.is_ok() && is_yes(&answer));
-    });
-    loop {
-        match receiver.try_recv() {
-            Ok(true) => return Ok(()),
-            Ok(false) | Err(mpsc::TryRecvError::Disconnected) => {
-                return Err(Failure::new(ErrorKind::Safety, "not reset"));
-            }
-            Err(mpsc::TryRecvError::Empty) => {}
-        }
-        match session.pass(GLANCE).wait() {
-            Err(Error::Interrupted) => {
-                output.say("");
-                return Err(Failure::new(ErrorKind::Safety, "not reset"));
-            }
-            other => other?,
-        }
-    }
-}
-
-fn is_yes(answer: &str) -> bool {
-    matches!(answer.trim().to_ascii_lowercase().as_str(), "y" | "yes")
 }
 
 #[cfg(test)]

@@ -1,11 +1,14 @@
-//! `profidrive backup DRIVE -o FILE`; exit code 1 when settings or motion tasks are missing.
+//! `profidrive backup DRIVE -o FILE`, or many drives with a folder; exit code 1 when settings or motion tasks are missing.
+
+use std::path::{Path, PathBuf};
 
 use client::backup::{Backup, Cause, TaskCoverage};
-use client::{Drive, ErrorKind, Wait};
+use client::{Drive, ErrorKind, Session, Wait};
 use profidrive::Reported;
 use profidrive::report::BackupReport;
 use profidrive::settings::{self, BackupFile, FileError, Missing};
 
+use super::each::{self, Each, Progress};
 use crate::advice::Commands;
 use crate::args::{self, Target};
 use crate::connect::{self, Need};
@@ -14,18 +17,98 @@ use crate::output::Output;
 
 pub fn run(args: &args::Backup, target: &Target, output: &Output) -> Result<(), Failure> {
     // what cannot be written is reported before anything is read
-    let file = args.output.as_ref();
-    let file = file.map(|path| BackupFile::at(path, args.force)).transpose()?;
-    let (read, drive) = whole(target, output)?;
-    let (backup, problem) = (read.report, read.outcome.kind());
-    let (label, missing) = (drive.label(), settings::missing(&backup));
-    if problem == Some(ErrorKind::Difference) {
-        return Err(without_content(&missing, &label));
+    let place = match (&args.output, connect::selector(target)?.single()) {
+        (None, Some(_)) => Place::Output,
+        (None, None) => {
+            let failure = Failure::usage("the settings of several drives need a folder");
+            return Err(failure.hint("-o FOLDER: each drive gets a file there, NAME.backup"));
+        }
+        (Some(path), Some(_)) => Place::File(BackupFile::at(path, args.force)?),
+        (Some(folder), None) => {
+            settings::make_folder(folder)?;
+            Place::Folder(folder)
+        }
+    };
+    let force = args.force;
+    each::run(&Saving { place, force }, target, output)
+}
+
+/// Where backups go.
+enum Place<'a> {
+    Output,
+    File(BackupFile),
+    Folder(&'a Path),
+}
+
+struct Saving<'a> {
+    place: Place<'a>,
+    force: bool,
+}
+
+/// A backup, with the file that has it.
+struct Saved {
+    backup: Backup,
+    problem: Option<ErrorKind>,
+    /// Also whether its content is new.
+    file: Option<(PathBuf, bool)>,
+}
+
+impl Each for Saving<'_> {
+    type Done = Saved;
+    type Report = BackupReport;
+    const NEED: Need = Need::Records;
+    const DOING: &'static str = "reading";
+    const COLUMNS: &'static [&'static str] = &[">settings", ">missing", ">motion tasks", "file", ""];
+
+    async fn work(
+        &self,
+        session: &mut Session,
+        drive: &mut Drive,
+        progress: &mut Progress<'_>,
+    ) -> Result<Saved, Failure> {
+        let read = settings::backup(session, drive, progress).await?;
+        let (backup, problem) = (read.report, read.outcome.kind());
+        if problem == Some(ErrorKind::Difference) {
+            return Err(without_content(&settings::missing(&backup), &drive.label()));
+        }
+        let write = |file: &BackupFile| Ok::<_, FileError>((file.path().to_owned(), file.write(&backup)?));
+        let file = match &self.place {
+            Place::Output => None,
+            Place::File(file) => Some(write(file)?),
+            Place::Folder(folder) => {
+                let path = settings::file_in(folder, drive);
+                Some(write(&BackupFile::at(&path, self.force)?)?)
+            }
+        };
+        Ok(Saved {
+            backup,
+            problem,
+            file,
+        })
     }
-    if let Some(file) = &file {
-        let written = file.write(&backup)?;
-        let count = backup.readings().len();
-        let unchanged = if written { "" } else { ", unchanged" };
+
+    fn report(&self, done: &Saved, drive: &Drive) -> BackupReport {
+        let path = done.file.as_ref().map(|(path, _)| path.display().to_string());
+        BackupReport::new(
+            drive,
+            &done.backup,
+            path,
+            done.problem.is_none(),
+            &Commands::any(),
+        )
+    }
+
+    fn show(&self, done: &Saved, _: &Drive, output: &Output) {
+        if done.file.is_none() {
+            output.raw(&done.backup.to_string());
+        }
+    }
+
+    fn remark(&self, done: &Saved, drive: &Drive, output: &Output) {
+        let Saved { backup, file, .. } = done;
+        let Some((path, new)) = file else { return };
+        let (label, count) = (drive.label(), backup.readings().len());
+        let unchanged = if *new { "" } else { ", unchanged" };
         let tasks = match (&backup.header.tasks, backup.task_count()) {
             (_, 0) => String::new(),
             (TaskCoverage::All, 1) => " and 1 motion task".to_owned(),
@@ -38,23 +121,38 @@ pub fn run(args: &args::Backup, target: &Target, output: &Output) -> Result<(), 
         };
         output.say(&format!(
             "{count} settings{refused}{tasks} of {label} in {}{unchanged}",
-            file.path().display()
+            path.display()
         ));
     }
-    if output.json() {
-        let path = file.as_ref().map(|file| file.path().display().to_string());
-        let wording = Commands::any();
-        output.json_report(&BackupReport::new(
-            &drive,
-            &backup,
+
+    fn rows(&self, done: &Saved, _: &Drive) -> Vec<Vec<String>> {
+        let Saved { backup, file, .. } = done;
+        let (path, new) = file.as_ref().map_or_else(
+            || (String::new(), true),
+            |(path, new)| (path.display().to_string(), *new),
+        );
+        let tasks = match &backup.header.tasks {
+            TaskCoverage::LeftOut(_) => "left out".to_owned(),
+            _ => backup.task_count().to_string(),
+        };
+        vec![vec![
+            backup.readings().len().to_string(),
+            backup.refused().len().to_string(),
+            tasks,
             path,
-            problem.is_none(),
-            &wording,
-        ));
-    } else if file.is_none() {
-        output.raw(&backup.to_string());
+            if new {
+                String::new()
+            } else {
+                "unchanged".to_owned()
+            },
+        ]]
     }
-    problem.map_or(Ok(()), |kind| Err(incomplete(kind, &missing, &label)))
+
+    fn problems(&self, done: &Saved, drive: &Drive) -> Vec<Failure> {
+        let missing = settings::missing(&done.backup);
+        let incomplete = |kind| incomplete(kind, &missing, &drive.label());
+        done.problem.map(incomplete).into_iter().collect()
+    }
 }
 
 /// The missing settings of a backup, with reasons.

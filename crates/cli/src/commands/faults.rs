@@ -1,22 +1,79 @@
 //! `profidrive faults DRIVE`
 
-use client::Wait;
+use client::{Drive, Session};
 use profidrive::inspection;
-use profidrive::report::{Fault, FaultsReport, LogEntry};
+use profidrive::report::{Fault, FaultsReport, LogEntry, Warning};
 
+use super::each::{self, Each, Progress};
 use crate::advice;
 use crate::args::{Faults, Target};
-use crate::connect::{self, Need};
+use crate::connect::Need;
 use crate::failure::Failure;
 use crate::output::{Colour, Output};
 use crate::render::Page;
 
 pub fn run(args: &Faults, target: &Target, output: &Output) -> Result<(), Failure> {
-    let (mut session, mut drive) = connect::drive(target, Need::Records, output)?;
-    let report = inspection::faults(&mut session, &mut drive, args.history).wait()?;
-    session.close().wait()?;
-    output.report(&report);
-    Ok(())
+    each::run(args, target, output)
+}
+
+impl Each for Faults {
+    type Done = FaultsReport;
+    type Report = FaultsReport;
+    const NEED: Need = Need::Records;
+    const DOING: &'static str = "reading the faults";
+    const COLUMNS: &'static [&'static str] = &["number", "meaning", "remedy"];
+
+    async fn work(
+        &self,
+        session: &mut Session,
+        drive: &mut Drive,
+        _: &mut Progress<'_>,
+    ) -> Result<FaultsReport, Failure> {
+        Ok(inspection::faults(session, drive, self.history).await?)
+    }
+
+    fn report(&self, done: &FaultsReport, _: &Drive) -> FaultsReport {
+        done.clone()
+    }
+
+    fn show(&self, done: &FaultsReport, _: &Drive, output: &Output) {
+        done.print(output);
+    }
+
+    fn rows(&self, done: &FaultsReport, _: &Drive) -> Vec<Vec<String>> {
+        let texts = |meaning: &Option<String>, remedy: &Option<String>| {
+            [
+                meaning.clone().unwrap_or_else(|| "not in the tables".to_owned()),
+                remedy.clone().unwrap_or_default(),
+            ]
+        };
+        let row = |number: String, [meaning, remedy]: [String; 2]| vec![number, meaning, remedy];
+        let fault = |fault: &Fault| {
+            let before = if fault.acknowledged { " (acknowledged)" } else { "" };
+            let number = format!("F{}{before}", fault.number);
+            row(number, texts(&fault.meaning, &fault.remedy))
+        };
+        let warning = |warning: &Warning| {
+            row(
+                format!("n{}", warning.number),
+                texts(&warning.meaning, &warning.remedy),
+            )
+        };
+        let faults = done.faults.iter().map(fault);
+        let rows: Vec<Vec<String>> = faults.chain(done.warnings.iter().map(warning)).collect();
+        if rows.is_empty() {
+            return vec![vec![
+                "-".to_owned(),
+                "no fault is present".to_owned(),
+                String::new(),
+            ]];
+        }
+        rows
+    }
+
+    fn urgency(&self, done: &FaultsReport) -> u8 {
+        u8::from(done.present().next().is_some()) * 2 + u8::from(!done.warnings.is_empty())
+    }
 }
 
 impl Page for FaultsReport {

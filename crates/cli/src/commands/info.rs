@@ -1,12 +1,13 @@
 //! `profidrive info DRIVE`
 
-use client::{Wait, describe};
+use client::{Drive, Session, describe};
 use profidrive::inspection;
 use profidrive::report::{Controller, Identity, InfoReport, Module, Parameter, Word};
 use profile::model::PROFIDRIVE_API;
 
-use crate::args::Target;
-use crate::connect::{self, Need};
+use super::each::{self, Each, Progress};
+use crate::args::{NoArguments, Target};
+use crate::connect::Need;
 use crate::failure::Failure;
 use crate::output::{Colour, Output};
 use crate::render::Page;
@@ -14,25 +15,73 @@ use crate::render::table::clean;
 use crate::render::words;
 
 pub fn run(target: &Target, output: &Output) -> Result<(), Failure> {
-    let (mut session, mut drive) = connect::drive(target, Need::Identity, output)?;
-    let spinner = connect::spinner(output, format!("reading {}", drive.label()));
-    let info = inspection::info(&mut session, &mut drive).wait();
-    spinner.finish_and_clear();
-    let report = info?;
-    session.close().wait()?;
-    if !output.json() {
-        let kind = if report.is_drive {
-            report.model
-        } else {
-            "not a drive"
+    each::run(&NoArguments {}, target, output)
+}
+
+impl Each for NoArguments {
+    type Done = InfoReport;
+    type Report = InfoReport;
+    const NEED: Need = Need::Identity;
+    const DOING: &'static str = "reading";
+    const COLUMNS: &'static [&'static str] = &[
+        "model",
+        "IP",
+        "order no.",
+        "serial no.",
+        "software",
+        "state",
+        "controller",
+    ];
+
+    async fn work(
+        &self,
+        session: &mut Session,
+        drive: &mut Drive,
+        _: &mut Progress<'_>,
+    ) -> Result<InfoReport, Failure> {
+        Ok(inspection::info(session, drive).await?)
+    }
+
+    fn report(&self, done: &InfoReport, _: &Drive) -> InfoReport {
+        done.clone()
+    }
+
+    fn show(&self, done: &InfoReport, drive: &Drive, output: &Output) {
+        output.line(&format!("{} ({})", describe(&drive.station), kind(done)));
+        done.print(output);
+    }
+
+    fn remark(&self, done: &InfoReport, _: &Drive, output: &Output) {
+        for refused in &done.refused {
+            output.say(&format!("not available: {refused}"));
+        }
+    }
+
+    fn rows(&self, done: &InfoReport, _: &Drive) -> Vec<Vec<String>> {
+        let identity = done.identity.as_ref();
+        let of = |field: fn(&Identity) -> &String| {
+            identity.map_or_else(String::new, |identity| field(identity).clone())
         };
-        output.line(&format!("{} ({kind})", describe(&drive.station)));
+        let controller = done.controller.as_ref().filter(|controller| controller.connected);
+        let state = done.words.zsw1.as_ref().and_then(|word| word.meaning.clone());
+        vec![vec![
+            kind(done).to_owned(),
+            done.station.ip.clone().unwrap_or_default(),
+            of(|identity| &identity.order_id),
+            of(|identity| &identity.serial_number),
+            of(|identity| &identity.software_revision),
+            state.unwrap_or_default(),
+            controller.map_or_else(String::new, |one| one.name.clone().unwrap_or_default()),
+        ]]
     }
-    output.report(&report);
-    for refused in &report.refused {
-        output.say(&format!("not available: {refused}"));
+}
+
+const fn kind(report: &InfoReport) -> &'static str {
+    if report.is_drive {
+        report.model
+    } else {
+        "not a drive"
     }
-    Ok(())
 }
 
 impl Page for InfoReport {

@@ -7,6 +7,7 @@ mod completions;
 mod decode;
 mod demo;
 mod diff;
+mod each;
 mod explain;
 mod faults;
 pub mod gsdml;
@@ -27,7 +28,7 @@ mod status;
 mod stop;
 mod task;
 
-use crate::args::{Cli, Command, DriveOptions, Interface, OnDrive, Target};
+use crate::args::{Cli, Command, DriveOptions, Interface, OnDrive, OnSelected, Target};
 use crate::failure::Failure;
 use crate::output::Output;
 
@@ -49,9 +50,9 @@ pub fn run(cli: &Cli, output: &Output) -> Result<(), Failure> {
         Command::Ip(on) => address::ip(&on.args, interface(cli, &on.interface), output),
         Command::Blink(on) => address::blink(&on.args, interface(cli, &on.interface), output),
         Command::Reset(on) => address::reset(&on.args, interface(cli, &on.interface), output),
-        Command::Info(on) => info::run(&target(cli, on), output),
-        Command::Read(on) => parameters::read(&on.args, &target(cli, on), output),
-        Command::Write(on) => parameters::write(&on.args, &target(cli, on), output),
+        Command::Info(on) => info::run(&selected(cli, on), output),
+        Command::Read(on) => parameters::read(&on.args, &selected(cli, on), output),
+        Command::Write(on) => parameters::write(&on.args, &selected(cli, on), output),
         Command::List(on) => parameters::list(&on.args, &target(cli, on), output),
         Command::Describe(on) => parameters::describe(&on.args, &target(cli, on), output),
         Command::Run(on) => run::run(&on.args, &target(cli, on), output),
@@ -59,12 +60,12 @@ pub fn run(cli: &Cli, output: &Output) -> Result<(), Failure> {
         Command::Move(on) => r#move::run(&on.args, &target(cli, on), output),
         Command::Task(on) => task::run(&on.args, &target(cli, on), output),
         Command::Home(on) => home::run(&on.args, &target(cli, on), output),
-        Command::Stop(on) => stop::run(&on.args, &target(cli, on), output),
-        Command::Status(on) => status::run(&on.args, &target(cli, on), output),
-        Command::Ack(on) => motion::ack(&on.args, &target(cli, on), output),
-        Command::Monitor(on) => motion::monitor(&on.args, &target(cli, on), output),
-        Command::Faults(on) => faults::run(&on.args, &target(cli, on), output),
-        Command::Backup(on) => backup::run(&on.args, &target(cli, on), output),
+        Command::Stop(on) => stop::run(&on.args, &selected(cli, on), output),
+        Command::Status(on) => status::run(&on.args, &selected(cli, on), output),
+        Command::Ack(on) => motion::ack(&on.args, &selected(cli, on), output),
+        Command::Monitor(on) => motion::monitor(&on.args, &selected(cli, on), output),
+        Command::Faults(on) => faults::run(&on.args, &selected(cli, on), output),
+        Command::Backup(on) => backup::run(&on.args, &selected(cli, on), output),
         Command::Diff(on) => diff::run(&on.args, &options(cli, &on.options), output),
         Command::Restore(on) => restore::run(&on.args, &target(cli, on), output),
         Command::Explain(args) => explain::run(args, output),
@@ -101,6 +102,11 @@ const fn is_offline(command: &Command) -> bool {
 
 /// The drive of a command, with its options.
 fn target<T: clap::Args>(cli: &Cli, on: &OnDrive<T>) -> Target {
+    options(cli, &on.options).target(&on.drive)
+}
+
+/// The drives of a command, with its options.
+fn selected<T: clap::Args>(cli: &Cli, on: &OnSelected<T>) -> Target {
     options(cli, &on.options).target(&on.drive)
 }
 

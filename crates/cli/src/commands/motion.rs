@@ -1,18 +1,23 @@
 //! `profidrive ack`, `profidrive monitor`
 
-use client::Wait;
+use std::time::Duration;
+
+use client::{Drive, Session, Wait};
+use profidrive::fleet;
 use profidrive::monitor::{Monitor, MonitorError, Observation};
-use profidrive::motion;
-use profidrive::report::MonitorReading;
+use profidrive::motion::{self, Observer, Report as MotionReport};
+use profidrive::report::{Drives, MonitorReading};
 use profile::notation::ParameterReference;
 use profile::value::{ParameterProblem, Selection};
 
 use super::axis::{self, UNLIMITED, fault_text};
+use super::each;
 use crate::advice::Commands;
 use crate::args::{self, Ack, Target};
 use crate::connect::{self, Need};
 use crate::failure::Failure;
 use crate::output::Output;
+use crate::render::table::Table;
 use crate::render::{hex16, value};
 
 pub fn ack(args: &Ack, target: &Target, output: &Output) -> Result<(), Failure> {
@@ -22,20 +27,56 @@ pub fn ack(args: &Ack, target: &Target, output: &Output) -> Result<(), Failure> 
     } else {
         Need::Cyclic
     };
-    let report = axis::with_drive(target, need, output, |session, drive| {
-        let observer = axis::observer(&drive.label(), Box::new(|_, _| None), output);
+    let acknowledge = async |session: &mut Session, drive: &mut Drive, observer: &Observer| {
         if args.by_parameter {
-            motion::acknowledge_by_parameter(session, drive, &observer).wait()
+            motion::acknowledge_by_parameter(session, drive, observer).await
         } else {
-            motion::acknowledge(session, drive, &control, &observer).wait()
+            motion::acknowledge(session, drive, &control, observer).await
         }
-    })?;
-    if args.by_parameter {
-        output.say("no fault is present");
-    } else if !report.released {
-        output.say("no fault: nothing to acknowledge");
+    };
+    if connect::selector(target)?.single().is_some() {
+        let report = axis::with_drive(target, need, output, |session, drive| {
+            let observer = axis::observer(&drive.label(), Box::new(|_, _| None), output);
+            acknowledge(session, drive, &observer).wait()
+        })?;
+        if args.by_parameter {
+            output.say("no fault is present");
+        } else if !report.released {
+            output.say("no fault: nothing to acknowledge");
+        }
+        return Ok(());
     }
-    Ok(())
+    let (mut session, found) = connect::drives(target, need, output)?;
+    let members = fleet::each(&session, found.members, async |session, drive| {
+        let report = acknowledge(session, drive, &Observer::default()).await;
+        report.map_err(Failure::from)
+    });
+    let members = members.wait().into_iter();
+    let closed = session.close().wait();
+    let rows: Vec<each::Row<MotionReport>> = members
+        .map(|member| each::Row::new(member, |_, _| Vec::new()))
+        .collect();
+    output.json_report(&Drives {
+        drives: rows
+            .iter()
+            .map(|row| row.entry(|report, _| report.clone()))
+            .collect(),
+        left_out: found.left_out,
+    });
+    if !output.json() {
+        let mut table = Table::new(&["drive", "result"]);
+        for row in &rows {
+            let result = match &row.done {
+                None => "not acknowledged",
+                Some(report) if report.released || args.by_parameter => "no fault is present",
+                Some(_) => "no fault: nothing to acknowledge",
+            };
+            table.row([row.name.clone(), result.to_owned()]);
+        }
+        output.table(&table);
+    }
+    each::ended(&rows, None, output)?;
+    Ok(closed?)
 }
 
 pub fn monitor(args: &args::Monitor, target: &Target, output: &Output) -> Result<(), Failure> {
@@ -51,33 +92,76 @@ pub fn monitor(args: &args::Monitor, target: &Target, output: &Output) -> Result
                 .map_err(|error| Failure::from(ParameterProblem::from(error)))
         })
         .collect::<Result<_, _>>()?;
-    let (mut session, mut drive) = connect::drive(target, Need::Records, output)?;
-    let more: Vec<Selection> = references
-        .iter()
-        .map(|reference| drive.parameters.select(reference))
-        .collect::<Result<_, _>>()?;
-    let mut monitor = monitor.with(more);
-    output.say(&format!("watching {}, reads only; Ctrl-C ends", drive.label()));
-    let end = session.now() + args.time.unwrap_or(UNLIMITED);
-    let label = drive.label();
-    loop {
-        let (printer, silent) = (output.clone(), label.clone());
-        let silent = move || printer.warn(&format!("{silent} does not answer; waiting for it"));
-        let Some(seen) = monitor
-            .read_reporting_silence(&mut session, &mut drive, silent)
-            .wait()?
-        else {
-            break;
+    let watching = Watching {
+        monitor,
+        references,
+        time: args.time.unwrap_or(UNLIMITED),
+        raw: args.raw,
+        output,
+    };
+    if connect::selector(target)?.single().is_some() {
+        let (mut session, mut drive) = connect::drive(target, Need::Records, output)?;
+        output.say(&format!("watching {}, reads only; Ctrl-C ends", drive.label()));
+        watching.watch(&mut session, &mut drive, 0).wait()?;
+        return Ok(session.close().wait()?);
+    }
+    let (mut session, found) = connect::drives(target, Need::Records, output)?;
+    let names = found.members.iter().filter(|member| member.drive.is_ok());
+    let names: Vec<&str> = names.map(|member| member.name.as_str()).collect();
+    let width = names.iter().map(|name| name.len()).max().unwrap_or_default();
+    output.say(&format!(
+        "watching {}, reads only; Ctrl-C ends",
+        each::listed(&names)
+    ));
+    let members = fleet::each(&session, found.members, async |session, drive| {
+        watching.watch(session, drive, width).await
+    });
+    let members = members.wait().into_iter();
+    let closed = session.close().wait();
+    let rows: Vec<each::Row<()>> = members
+        .map(|member| each::Row::new(member, |(), _| Vec::new()))
+        .collect();
+    each::ended(&rows, None, output)?;
+    Ok(closed?)
+}
+
+/// How drives are watched.
+struct Watching<'a> {
+    monitor: Monitor,
+    references: Vec<ParameterReference>,
+    time: Duration,
+    raw: bool,
+    output: &'a Output,
+}
+
+impl Watching<'_> {
+    /// Watches a drive and prints what it reports, behind its name where that gets a column.
+    async fn watch(&self, session: &mut Session, drive: &mut Drive, width: usize) -> Result<(), Failure> {
+        let selections = self.references.iter();
+        let more: Vec<Selection> = selections
+            .map(|reference| drive.parameters.select(reference))
+            .collect::<Result<_, _>>()?;
+        let mut monitor = self.monitor.clone().with(more);
+        let end = session.now() + self.time;
+        let label = drive.label();
+        let column = match width {
+            0 => String::new(),
+            width => format!("{label:<width$}  "),
         };
-        show(&seen, args.raw, output);
-        for fault in &seen.faults {
-            output.warn(&fault_text(fault));
-        }
-        if !monitor.pause(&mut session, end).wait()? {
-            break;
+        loop {
+            let (printer, silent) = (self.output.clone(), label.clone());
+            let silent = move || printer.warn(&format!("{silent} does not answer; waiting for it"));
+            let seen = monitor.read_reporting_silence(session, drive, silent).await?;
+            let Some(seen) = seen else { return Ok(()) };
+            show(&seen, &label, &column, self.raw, self.output);
+            for fault in &seen.faults {
+                self.output.warn(&format!("{column}{}", fault_text(fault)));
+            }
+            if !monitor.pause(session, end).await? {
+                return Ok(());
+            }
         }
     }
-    Ok(session.close().wait()?)
 }
 
 impl From<MonitorError> for Failure {
@@ -90,9 +174,9 @@ impl From<MonitorError> for Failure {
     }
 }
 
-fn show(seen: &Observation, raw: bool, output: &Output) {
+fn show(seen: &Observation, drive: &str, column: &str, raw: bool, output: &Output) {
     let (time, snapshot) = (seen.time.as_secs_f64(), &seen.snapshot);
-    let reading = MonitorReading::new(time, snapshot, &Commands::any());
+    let reading = MonitorReading::new(drive, seen, &Commands::any());
     output.json_event(&reading);
     if output.json() {
         return;
@@ -102,7 +186,7 @@ fn show(seen: &Observation, raw: bool, output: &Output) {
     let speed =
         |reading: &Option<profile::value::Reading>| reading.as_ref().map_or_else(|| "-".into(), value::full);
     let mut line = format!(
-        "{:>8.2} s  {:<30}  STW1 {}  ZSW1 {}  set {:>12}  actual {:>12}",
+        "{column}{:>8.2} s  {:<30}  STW1 {}  ZSW1 {}  set {:>12}  actual {:>12}",
         time,
         state.unwrap_or_else(|| "state unknown".into()),
         word(snapshot.stw1),

@@ -5,15 +5,16 @@ mod limits;
 mod list;
 mod write;
 
-use client::Wait;
-use profidrive::parameters::{self, ParameterError};
-use profidrive::report::Parameter as ParameterValue;
+use client::{Drive, Session};
+use profidrive::parameters::{self, ParameterError, Values};
+use profidrive::report::{Parameter as ParameterValue, ParametersReport};
 use profile::notation::ParameterReference;
 use profile::value::ParameterProblem;
 
+use super::each::{self, Each, Progress};
 use crate::advice::Commands;
 use crate::args::{Read, Target};
-use crate::connect::{self, Need};
+use crate::connect::Need;
 use crate::failure::Failure;
 use crate::output::Output;
 use crate::render::table::Table;
@@ -24,26 +25,49 @@ pub use write::write;
 
 pub fn read(args: &Read, target: &Target, output: &Output) -> Result<(), Failure> {
     let references = parse_all(&args.parameters)?;
-    let (mut session, mut drive) = connect::drive(target, Need::Records, output)?;
-    let values = parameters::read(&mut session, &mut drive, &references).wait()?;
-    session.close().wait()?;
-    let report = values.report(&drive, &Commands::any());
-    output.json_report(&report);
-    if !output.json() {
-        output.table(&values_table(&report.parameters, args.raw));
-    }
-    let problems = values.problems(&drive.label());
-    last_failure(problems, output)
+    let raw = args.raw;
+    each::run(&Reading { references, raw }, target, output)
 }
 
-/// Prints all but the last failure at once; the last one ends the command.
-fn last_failure<E: Into<Failure>>(problems: Vec<E>, output: &Output) -> Result<(), Failure> {
-    let mut problems: Vec<Failure> = problems.into_iter().map(E::into).collect();
-    let last = problems.pop();
-    for problem in problems {
-        output.problem(&problem);
+/// Parameters to read.
+struct Reading {
+    references: Vec<ParameterReference>,
+    raw: bool,
+}
+
+impl Each for Reading {
+    type Done = Values;
+    type Report = ParametersReport;
+    const NEED: Need = Need::Records;
+    const DOING: &'static str = "reading";
+    const COLUMNS: &'static [&'static str] = &VALUE_COLUMNS;
+
+    async fn work(
+        &self,
+        session: &mut Session,
+        drive: &mut Drive,
+        _: &mut Progress<'_>,
+    ) -> Result<Values, Failure> {
+        Ok(parameters::read(session, drive, &self.references).await?)
     }
-    last.map_or(Ok(()), Err)
+
+    fn report(&self, done: &Values, drive: &Drive) -> ParametersReport {
+        done.report(drive, &Commands::any())
+    }
+
+    fn show(&self, done: &Values, drive: &Drive, output: &Output) {
+        let report = self.report(done, drive);
+        output.table(&values_table(&report.parameters, self.raw));
+    }
+
+    fn rows(&self, done: &Values, drive: &Drive) -> Vec<Vec<String>> {
+        value_rows(&self.report(done, drive).parameters, self.raw).collect()
+    }
+
+    fn problems(&self, done: &Values, drive: &Drive) -> Vec<Failure> {
+        let problems = done.problems(&drive.label());
+        problems.into_iter().map(Failure::from).collect()
+    }
 }
 
 impl From<ParameterError> for Failure {
@@ -63,24 +87,26 @@ fn parse_all(texts: &[String]) -> Result<Vec<ParameterReference>, Failure> {
     texts.iter().map(parse).collect()
 }
 
+/// The columns of values; that of raw values stays empty unless it was requested.
+const VALUE_COLUMNS: [&str; 6] = ["name", "number", ">value", "unit", "meaning", "raw"];
+
 fn values_table(values: &[ParameterValue], raw: bool) -> Table {
-    let mut table = Table::new(&[
-        "name",
-        "number",
-        ">value",
-        "unit",
-        "meaning",
-        if raw { "raw" } else { "" },
-    ]);
-    for value in values.iter().filter(|one| one.error.is_none()) {
-        table.row([
+    let mut table = Table::new(&VALUE_COLUMNS);
+    for row in value_rows(values, raw) {
+        table.row(row);
+    }
+    table
+}
+
+fn value_rows(values: &[ParameterValue], raw: bool) -> impl Iterator<Item = Vec<String>> {
+    values.iter().filter(|one| one.error.is_none()).map(move |value| {
+        vec![
             value.name.clone().unwrap_or_default(),
             value.number.clone(),
             value.text.clone().unwrap_or_default(),
             value.unit.clone(),
             value.meaning.clone().unwrap_or_default(),
             if raw { value.octets() } else { String::new() },
-        ]);
-    }
-    table
+        ]
+    })
 }

@@ -1,41 +1,96 @@
 //! `profidrive status`
 
-use client::Wait;
+use client::{Drive, Session};
 use profidrive::report::{Controller, LossReaction, Quantity, StatusReport, Word};
 use profidrive::{Reported, inspection};
 use profile::catalogue::Part;
 use profile::state::Profile;
 
+use super::each::{self, Each, Progress};
 use crate::advice::Commands;
 use crate::args::{Status, Target};
-use crate::connect::{self, Need};
+use crate::connect::Need;
 use crate::failure::Failure;
 use crate::output::{Colour, Output};
 use crate::render::table::clean;
 use crate::render::{Page, hex16};
 
 pub fn run(args: &Status, target: &Target, output: &Output) -> Result<(), Failure> {
-    let (mut session, mut drive) = connect::drive(target, Need::Records, output)?;
-    let label = drive.label();
-    let wording = Commands(&label);
-    let status = inspection::status(&mut session, &mut drive, &wording).wait();
-    let Reported { report, outcome } = status.map_err(|error| {
-        let more = inspection::without_status(&error);
-        Failure::from(error).and_hint(more)
-    })?;
-    session.close().wait()?;
-    output.report(&report);
-    if !args.short && !output.json() {
-        let named = |part| drive.named(&[part]).pop();
-        for line in lines(&report, &named) {
-            output.line(&line);
+    each::run(args, target, output)
+}
+
+impl Each for Status {
+    type Done = Reported<StatusReport>;
+    type Report = StatusReport;
+    const NEED: Need = Need::Records;
+    const DOING: &'static str = "reading the status";
+    const COLUMNS: &'static [&'static str] = &["status", ">speed", "", "why, and what to do"];
+    const MATTER: Option<&'static str> = Some("kept from running");
+
+    async fn work(
+        &self,
+        session: &mut Session,
+        drive: &mut Drive,
+        _: &mut Progress<'_>,
+    ) -> Result<Self::Done, Failure> {
+        let label = drive.label();
+        let status = inspection::status(session, drive, &Commands(&label)).await;
+        status.map_err(|error| {
+            let more = inspection::without_status(&error);
+            Failure::from(error).and_hint(more)
+        })
+    }
+
+    fn report(&self, done: &Self::Done, _: &Drive) -> StatusReport {
+        done.report.clone()
+    }
+
+    fn show(&self, done: &Self::Done, drive: &Drive, output: &Output) {
+        done.report.print(output);
+        if !self.short {
+            let named = |part| drive.named(&[part]).pop();
+            for line in lines(&done.report, &named) {
+                output.line(&line);
+            }
         }
     }
-    // the sentence stands on stdout already
-    outcome.kind().map_or(Ok(()), |kind| {
-        let message = format!("{} is kept from running ({})", report.drive, report.cause);
-        Err(Failure::new(kind, message))
-    })
+
+    fn rows(&self, done: &Self::Done, _: &Drive) -> Vec<Vec<String>> {
+        let report = &done.report;
+        let speed = report.speed_actual.as_ref();
+        let mut rows = vec![vec![
+            report.verdict.clone(),
+            speed.map_or_else(String::new, |speed| format!("{:.0}", speed.value)),
+            speed.map_or_else(String::new, |speed| speed.unit.clone()),
+            report.sentence.clone(),
+        ]];
+        if !self.short && report.verdict == "held" {
+            let next = report
+                .next
+                .iter()
+                .map(|next| vec![String::new(), String::new(), String::new(), next.clone()]);
+            rows.extend(next);
+        }
+        rows
+    }
+
+    fn problems(&self, done: &Self::Done, _: &Drive) -> Vec<Failure> {
+        // the sentence stands on stdout already
+        let problem = |kind| {
+            let report = &done.report;
+            let message = format!("{} is kept from running ({})", report.drive, report.cause);
+            Failure::new(kind, message)
+        };
+        done.outcome.kind().map(problem).into_iter().collect()
+    }
+
+    fn urgency(&self, done: &Self::Done) -> u8 {
+        match done.report.verdict.as_str() {
+            "held" => 2,
+            "waits" => 1,
+            _ => 0,
+        }
+    }
 }
 
 impl Page for StatusReport {

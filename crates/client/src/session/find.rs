@@ -36,12 +36,40 @@ impl Session {
         .await
     }
 
+    /// Reports each station to `report` as soon as it answers, most of them within 100 ms: for what cannot wait until all have
+    /// answered.
+    ///
+    /// # Errors
+    /// When the medium fails or the caller requests a stop.
+    pub async fn scan_quickly(&mut self, report: impl FnMut(&Station)) -> Result<(), Error> {
+        let quick = IdentifyOptions {
+            delay_factor: 10,
+            ..IdentifyOptions::MANY
+        };
+        self.identify_each(Filter::all(), quick, report).await.map(|_| ())
+    }
+
     async fn identify(&mut self, filter: Filter, options: IdentifyOptions) -> Result<Vec<Station>, Error> {
+        self.identify_each(filter, options, |_| ()).await
+    }
+
+    async fn identify_each(
+        &mut self,
+        filter: Filter,
+        options: IdentifyOptions,
+        mut report: impl FnMut(&Station),
+    ) -> Result<Vec<Station>, Error> {
         let now = self.now();
         let id = self.client().controller().identify_with(now, filter, options)?;
         let limit = Duration::from_millis(10) * u32::from(options.delay_factor) + options.margin + DCP_LIMIT;
+        let mut reported = 0;
         let mut stations = self
-            .wait(limit, |client| client.take_stations(id))
+            .wait(limit, |client| {
+                let so_far = client.stations_so_far(id);
+                so_far.iter().skip(reported).for_each(&mut report);
+                reported = reported.max(so_far.len());
+                client.take_stations(id)
+            })
             .await?
             .unwrap_or_default();
         stations.sort_by(|a, b| (&a.name, a.ip.address, a.mac).cmp(&(&b.name, b.ip.address, b.mac)));
@@ -57,12 +85,12 @@ impl Session {
             .identify_with(now, filter, IdentifyOptions::ONE)?;
         let mut stations = self
             .wait(DCP_LIMIT, |client| {
-                (client.stations_so_far(id) > 0)
+                (!client.stations_so_far(id).is_empty())
                     .then(Vec::new)
                     .or_else(|| client.take_stations(id))
             })
             .await?;
-        if self.client().stations_so_far(id) > 0 {
+        if !self.client().stations_so_far(id).is_empty() {
             self.pass(SECOND_ANSWER).await?;
             self.client().controller().cancel_dcp(id);
             stations = Some(self.client().take_stations_so_far(id));

@@ -37,7 +37,7 @@ pub use describe::{Description, describe};
 pub use error::ParameterError;
 pub use limits::Limits;
 pub use list::{List, list, matching};
-pub use write::{Write, Written, write};
+pub use write::{Write, Written, carry_out, plan, write};
 
 /// Values that were read, in the order of the request.
 #[derive(Debug, Clone, PartialEq)]

@@ -34,6 +34,12 @@ impl Written {
         self.set.changes().iter().chain(self.set.save_command())
     }
 
+    /// Whether [`carry_out`] has anything to write.
+    #[must_use]
+    pub fn is_change(&self) -> bool {
+        self.changes().any(|change| change.step == Step::NotWritten)
+    }
+
     /// The controller for whose motion the new values count at once.
     #[must_use]
     pub fn affected_controller(&self) -> Option<&str> {
@@ -90,14 +96,39 @@ pub async fn write(
     assignments: &[Assignment],
     wanted: Write,
 ) -> Result<Written, Error> {
-    let controller = session.owner(drive).await?;
-    let mut set = session.plan_write(drive, assignments, wanted.save).await?;
-    if !wanted.dry_run {
-        session.apply(drive, &mut set).await?;
+    let planned = plan(session, drive, assignments, wanted).await?;
+    if wanted.dry_run {
+        return Ok(planned);
     }
+    carry_out(session, drive, planned).await
+}
+
+/// Checks assignments and returns what [`carry_out`] would write; nothing is written.
+///
+/// # Errors
+/// A wrong assignment, or a drive that cannot be reached.
+pub async fn plan(
+    session: &mut Session,
+    drive: &mut Drive,
+    assignments: &[Assignment],
+    wanted: Write,
+) -> Result<Written, Error> {
     Ok(Written {
-        set,
-        controller,
+        controller: session.owner(drive).await?,
+        set: session.plan_write(drive, assignments, wanted.save).await?,
         wanted,
     })
+}
+
+/// Writes what was planned, and reads it back: see [`write`].
+///
+/// # Errors
+/// When the drive cannot be reached. What it refuses is in [`Written::problems`].
+pub async fn carry_out(
+    session: &mut Session,
+    drive: &mut Drive,
+    mut planned: Written,
+) -> Result<Written, Error> {
+    session.apply(drive, &mut planned.set).await?;
+    Ok(planned)
 }

@@ -9,6 +9,8 @@ use profile::state::Zsw1;
 use profile::value::Reading;
 use serde::Serialize;
 
+use crate::monitor::Observation;
+
 use super::{Controller, DriveWords, Fault, Parameter, Quantity, Station, Warning, Wording, parameter};
 
 /// The stations on a network.
@@ -331,8 +333,12 @@ impl FaultsReport {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct MonitorReading {
-    /// Seconds since the first reading.
+    /// The drive.
+    pub drive: String,
+    /// Seconds from the arrival of the first reading to that of this one.
     pub time: f64,
+    /// Seconds from the request to the answer: long after an outage.
+    pub answer_time: f64,
     /// State of the drive and its words.
     #[serde(flatten)]
     pub words: DriveWords,
@@ -349,12 +355,15 @@ pub struct MonitorReading {
 }
 
 impl MonitorReading {
-    /// Returns the values that a drive reported `time` seconds after the first reading.
+    /// Returns the values that a drive reported.
     #[must_use]
-    pub fn new(time: f64, snapshot: &Snapshot, wording: &dyn Wording) -> Self {
+    pub fn new(drive: &str, seen: &Observation, wording: &dyn Wording) -> Self {
+        let snapshot = &seen.snapshot;
         let quantity = |reading: &Option<Reading>| reading.as_ref().and_then(Quantity::of);
         Self {
-            time,
+            drive: drive.to_owned(),
+            time: seen.time.as_secs_f64(),
+            answer_time: seen.answer_time.as_secs_f64(),
             words: DriveWords::from(snapshot),
             speed_set: quantity(&snapshot.speed_set),
             speed_actual: quantity(&snapshot.speed_actual),

@@ -15,6 +15,7 @@
 mod backup;
 mod change;
 mod drive;
+mod drives;
 mod gsdml;
 #[cfg(feature = "schema")]
 pub mod schema;
@@ -32,6 +33,7 @@ pub use drive::{
     Duplicate, FaultsReport, Identity, InfoReport, LogEntry, Module, MonitorReading, Neighbour,
     ParametersReport, ScanReport, Submodule,
 };
+pub use drives::{Drives, OfDrive};
 pub use gsdml::{
     GsdmlAccessPoint, GsdmlCheckReport, GsdmlExportReport, GsdmlItem, GsdmlModule, GsdmlProblem,
     GsdmlShowReport, GsdmlSubmodule,

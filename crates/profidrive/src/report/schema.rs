@@ -8,12 +8,12 @@ use serde::Serialize;
 use serde_json::{Map, Value, json};
 
 use super::{
-    BackupReport, BlinkReport, DemoEvent, DescribeReport, DiffReport, Error, FaultsReport, GsdmlCheckReport,
-    GsdmlExportReport, GsdmlShowReport, InfoReport, InjectReport, IpReport, ListReport, MonitorReading,
-    NameReport, ParametersReport, ResetReport, RestoreReport, ScanReport, SimulationReport, StatusReport,
-    WriteReport,
+    BackupReport, BlinkReport, DemoEvent, DescribeReport, DiffReport, Drives, Error, FaultsReport,
+    GsdmlCheckReport, GsdmlExportReport, GsdmlShowReport, InfoReport, InjectReport, IpReport, ListReport,
+    MonitorReading, NameReport, ParametersReport, ResetReport, RestoreReport, ScanReport, SimulationReport,
+    StatusReport, WriteReport,
 };
-use crate::motion::{JogPlan, Message, MoveReport, RunPlan, StopReport};
+use crate::motion::{self, JogPlan, Message, MoveReport, RunPlan, StopReport};
 
 /// Name of the file with the shared definitions.
 pub const DEFINITIONS: &str = "definitions.json";
@@ -24,12 +24,12 @@ type Describe = fn(&mut SchemaGenerator) -> Value;
 /// What each command reports.
 const COMMANDS: &[(&str, Describe)] = &[
     ("scan", of::<ScanReport>),
-    ("info", of::<InfoReport>),
-    ("read", of::<ParametersReport>),
+    ("info", each::<InfoReport, InfoReport>),
+    ("read", each::<ParametersReport, ParametersReport>),
     ("list", of::<ListReport>),
     ("describe", of::<DescribeReport>),
-    ("write", of::<WriteReport>),
-    ("backup", of::<BackupReport>),
+    ("write", each::<WriteReport, WriteReport>),
+    ("backup", each::<BackupReport, BackupReport>),
     ("restore", of::<RestoreReport>),
     ("diff", of::<DiffReport>),
     ("gsdml check", of::<GsdmlCheckReport>),
@@ -44,16 +44,16 @@ const COMMANDS: &[(&str, Describe)] = &[
     ("simulate", of::<SimulationReport>),
     ("demo", of::<DemoEvent>),
     ("inject", of::<InjectReport>),
-    ("status", of::<StatusReport>),
-    ("faults", of::<FaultsReport>),
+    ("status", each::<StatusReport, StatusReport>),
+    ("faults", each::<FaultsReport, FaultsReport>),
     ("monitor", of::<MonitorReading>),
     ("run", motion::<RunPlan>),
     ("jog", motion::<JogPlan>),
     ("move", motion::<MoveReport>),
     ("task", of::<Message>),
     ("home", of::<Message>),
-    ("ack", of::<Message>),
-    ("stop", of::<StopReport>),
+    ("ack", each::<Message, motion::Report>),
+    ("stop", each::<StopReport, StopReport>),
 ];
 
 /// What a motion reports while it goes on and at its end, or its plan in a dry run.
@@ -63,6 +63,14 @@ const COMMANDS: &[(&str, Describe)] = &[
 enum Motion<P> {
     Done(Message),
     Plan(P),
+}
+
+/// What a command reports for one drive, or for each of many.
+fn each<O: JsonSchema, M: JsonSchema>(generator: &mut SchemaGenerator) -> Value {
+    let mut one = of::<O>(generator);
+    let many = generator.subschema_for::<Drives<M>>().to_value();
+    let description = take_heading(&mut one).get("description").cloned();
+    json!({ "description": description, "anyOf": [one, many] })
 }
 
 fn motion<P: JsonSchema>(generator: &mut SchemaGenerator) -> Value {
@@ -98,15 +106,7 @@ pub fn files(version: &str) -> Vec<(String, Value)> {
 
 /// Returns the schema of every document of a command: a report, an error, or both.
 fn document(version: &str, command: &str, mut report: Value) -> Value {
-    let mut parts = Map::new();
-    if let Value::Object(fields) = &mut report {
-        for name in ["$schema", "title", "$defs"] {
-            fields.remove(name);
-        }
-        if let Some(description) = fields.remove("description") {
-            parts.insert("description".into(), description);
-        }
-    }
+    let parts = take_heading(&mut report);
     outward(&mut report);
     let error = json!({ "$ref": format!("{DEFINITIONS}#/$defs/Error") });
     let mut whole = json!({
@@ -126,6 +126,20 @@ fn document(version: &str, command: &str, mut report: Value) -> Value {
         fields.extend(parts);
     }
     whole
+}
+
+/// Removes what only a whole schema has, and returns its description.
+fn take_heading(schema: &mut Value) -> Map<String, Value> {
+    let mut parts = Map::new();
+    if let Value::Object(fields) = schema {
+        for name in ["$schema", "title", "$defs"] {
+            fields.remove(name);
+        }
+        if let Some(description) = fields.remove("description") {
+            parts.insert("description".into(), description);
+        }
+    }
+    parts
 }
 
 /// Makes references to definitions lead to the file that has them.

@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use client::ErrorKind;
 use client::backup::{Backup, BackupError};
+use client::{Drive, ErrorKind};
 use network::files::{StateFile, StateFileError};
 
 use super::outcome;
@@ -39,6 +39,14 @@ pub enum FileError {
     /// The folder of the file does not exist.
     #[error("there is no folder {}", .0.display())]
     NoFolder(PathBuf),
+    /// A folder cannot be made.
+    #[error("the folder {} cannot be made: {error}", .folder.display())]
+    NotMade {
+        /// The folder.
+        folder: PathBuf,
+        /// Why not.
+        error: std::io::Error,
+    },
     /// The backup has no values: a file of it would look like settings that are saved.
     #[error("nothing is written to {}: the backup has no settings", .0.display())]
     NoSettings(PathBuf),
@@ -70,6 +78,24 @@ pub fn read(path: &Path) -> Result<Backup, FileError> {
         path: path.to_owned(),
         error,
     })
+}
+
+/// Makes a folder for the backups of many drives where there is none.
+///
+/// # Errors
+/// When it cannot be made.
+pub fn make_folder(folder: &Path) -> Result<(), FileError> {
+    std::fs::create_dir_all(folder).map_err(|error| FileError::NotMade {
+        folder: folder.to_owned(),
+        error,
+    })
+}
+
+/// Returns the file of a drive in a folder of backups: its name and `.backup`.
+#[must_use]
+pub fn file_in(folder: &Path, drive: &Drive) -> PathBuf {
+    // an Ethernet address has colons, which not every file system takes
+    folder.join(format!("{}.backup", drive.label().replace(':', "-")))
 }
 
 /// A file that a backup may be written to.

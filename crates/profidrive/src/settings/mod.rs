@@ -37,7 +37,7 @@ use network::files::StateFile;
 
 pub use backup::{Missing, MissingSettings, backup, missing, outcome};
 pub use comparison::{CompareError, Comparison, as_in};
-pub use file::{BackupFile, FileError, read};
+pub use file::{BackupFile, FileError, file_in, make_folder, read};
 
 /// Most ways back beside one file.
 const MOST_WAYS_BACK: u32 = 9_999;

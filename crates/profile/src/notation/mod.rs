@@ -9,9 +9,11 @@ mod quantity;
 mod reference;
 pub mod setting;
 mod units;
+mod wildcard;
 
 pub use figures::{figures, fixed};
 pub use position::{NoPosition, Position};
 pub use quantity::{Number, Quantity, QuantityError, UnitMismatch};
 pub use reference::{Elements, Notation, ParameterReference, Prefix, ReferenceError, Shown, Target};
 pub use units::{Dimension, UNITS, Unit, unit_named, units_of};
+pub use wildcard::wildcard_fits;

@@ -1,13 +1,16 @@
 //! `profidrive write`
 
-use client::Wait;
 use client::change::{Change, Persistence, Step};
+use client::{Drive, Wait};
+use profidrive::fleet::{self, Member};
 use profidrive::parameters::{self, Write as Wanted, Written};
+use profidrive::report::Drives;
 use profile::value::{Assignment, Content};
 
-use super::last_failure;
+use super::super::each;
 use crate::advice::Commands;
 use crate::args::{Target, Write};
+use crate::confirm::{Question, confirm};
 use crate::connect::{self, Need};
 use crate::failure::Failure;
 use crate::output::Output;
@@ -20,81 +23,241 @@ pub fn write(args: &Write, target: &Target, output: &Output) -> Result<(), Failu
         .iter()
         .map(|text| text.parse().map_err(Failure::from))
         .collect::<Result<_, _>>()?;
-    let (mut session, mut drive) = connect::drive(target, Need::Records, output)?;
     let wanted = Wanted {
         save: args.save,
         dry_run: args.dry_run,
     };
+    if connect::selector(target)?.single().is_none() {
+        return many(args, &assignments, wanted, target, output);
+    }
+    let (mut session, mut drive) = connect::drive(target, Need::Records, output)?;
     let written = parameters::write(&mut session, &mut drive, &assignments, wanted).wait()?;
     session.close().wait()?;
-    let label = drive.label();
-    if let Some(name) = written.affected_controller() {
-        output.warn(&format!(
-            "controller \"{}\" runs {label}: what was written counts for its motion at once",
-            clean(name),
-        ));
-    }
+    warn(&written, &drive, output);
     output.json_report(&written.report(&drive, &Commands::any()));
     if !output.json() {
-        for (assignment, change) in assignments.iter().zip(written.set.changes()) {
-            let remark = raw_note(assignment, change)
-                .or_else(|| rounded(assignment, change))
-                .or_else(|| blanks_lost(assignment, change));
-            if let Some(remark) = remark {
-                output.say(&remark);
-            }
-        }
-        let mut table = Table::new(&["name", "number", ">old", "", ">new", "unit", "result"]);
+        remark(&assignments, &written, output);
+        let mut table = Table::new(&COLUMNS);
         for change in written.changes() {
             table.row(row(change, args.dry_run));
         }
-        for line in table.lines() {
-            output.line(&line);
-        }
+        output.table(&table);
         if args.dry_run {
-            output.say("dry run: nothing was written");
+            output.say(DRY_RUN);
         } else {
             report_saved(&written, output);
         }
     }
-    last_failure(written.problems(&label), output)
+    each::last(written.problems(&drive.label()), output)
+}
+
+const COLUMNS: [&str; 7] = ["name", "number", ">old", "", ">new", "unit", "result"];
+const DRY_RUN: &str = "dry run: nothing was written";
+
+/// Plans for all drives, asks once, and writes: with one value that cannot be written to one drive, nothing is written.
+fn many(
+    args: &Write,
+    assignments: &[Assignment],
+    wanted: Wanted,
+    target: &Target,
+    output: &Output,
+) -> Result<(), Failure> {
+    let (mut session, found) = connect::drives(target, Need::Records, output)?;
+    let left_out = found.left_out;
+    let planned = fleet::each(&session, found.members, async |session, drive| {
+        let planned = parameters::plan(session, drive, assignments, wanted).await;
+        planned.map_err(Failure::from)
+    });
+    let planned = planned.wait();
+    let drives = planned.len();
+    let failed = planned.iter().any(|member| member.result.is_err());
+    let plans = || planned.iter().filter_map(|member| member.result.as_ref().ok());
+    let changing = plans().filter(|planned| planned.is_change()).count();
+    let ends_here = failed || args.dry_run || changing == 0;
+    if !output.json() {
+        if ends_here || !args.yes {
+            table(&planned, true, output);
+        }
+        if let Some(first) = plans().next() {
+            remark(assignments, first, output);
+        }
+    }
+    if ends_here {
+        let closed = session.close().wait();
+        ended(planned, left_out, output).map_err(|failure| Failure {
+            message: format!("nothing was written; {}", failure.message),
+            ..failure
+        })?;
+        output.say(if args.dry_run {
+            DRY_RUN
+        } else {
+            "nothing to write: every drive has these values"
+        });
+        return Ok(closed?);
+    }
+    if !args.yes {
+        let question = Question {
+            text: &format!("Write to {changing} of {drives} drives?"),
+            undone: "nothing was written",
+            unasked: "--yes writes without asking",
+        };
+        confirm(&mut session, &question, output)?;
+    }
+    let written = fleet::then(&session, planned, async |session, drive, planned| {
+        let written = parameters::carry_out(session, drive, planned).await;
+        written.map_err(Failure::from)
+    });
+    let written = written.wait();
+    let closed = session.close().wait();
+    if !output.json() {
+        table(&written, false, output);
+    }
+    for member in &written {
+        let (Ok(written), Some(drive)) = (&member.result, &member.drive) else {
+            continue;
+        };
+        warn(written, drive, output);
+    }
+    if !output.json() {
+        report_all_saved(&written, output);
+    }
+    ended(written, left_out, output)?;
+    Ok(closed?)
+}
+
+fn table(members: &[Member<Result<Written, Failure>>], planned: bool, output: &Output) {
+    let mut table = Table::new(&[&["drive"], &COLUMNS[..]].concat());
+    for member in members {
+        let changes = member.result.as_ref().ok().into_iter().flat_map(Written::changes);
+        for change in changes {
+            table.row([member.name.clone()].into_iter().chain(row(change, planned)));
+        }
+    }
+    output.table(&table);
+}
+
+fn ended(
+    members: Vec<Member<Result<Written, Failure>>>,
+    left_out: Vec<String>,
+    output: &Output,
+) -> Result<(), Failure> {
+    let problems = |written: &Written, drive: &Drive| -> Vec<Failure> {
+        let problems = written.problems(&drive.label());
+        problems.into_iter().map(Failure::from).collect()
+    };
+    let rows = members.into_iter();
+    let rows: Vec<each::Row<Written>> = rows.map(|member| each::Row::new(member, problems)).collect();
+    output.json_report(&Drives {
+        drives: rows
+            .iter()
+            .map(|row| row.entry(|written, drive| written.report(drive, &Commands::any())))
+            .collect(),
+        left_out,
+    });
+    each::ended(&rows, None, output)
+}
+
+/// A controller whose motion the new values change.
+fn warn(written: &Written, drive: &Drive, output: &Output) {
+    if let Some(name) = written.affected_controller() {
+        output.warn(&format!(
+            "controller \"{}\" runs {}: what was written counts for its motion at once",
+            clean(name),
+            drive.label(),
+        ));
+    }
+}
+
+/// What becomes of values on the way to the drive.
+fn remark(assignments: &[Assignment], written: &Written, output: &Output) {
+    for (assignment, change) in assignments.iter().zip(written.set.changes()) {
+        let remark = raw_note(assignment, change)
+            .or_else(|| rounded(assignment, change))
+            .or_else(|| blanks_lost(assignment, change));
+        if let Some(remark) = remark {
+            output.say(&remark);
+        }
+    }
+}
+
+/// A remark on what outlives the power of the drive, in words.
+#[derive(Debug, PartialEq, Eq)]
+enum Remark {
+    Said(String),
+    Warned(String),
+}
+
+impl Remark {
+    fn print(self, drives: &str, output: &Output) {
+        match self {
+            Self::Said(words) => output.say(&format!("{drives}{words}")),
+            Self::Warned(words) => output.warn(&format!("{drives}{words}")),
+        }
+    }
 }
 
 /// Reports which of the new values outlive the power of the drive, and which do not.
 fn report_saved(written: &Written, output: &Output) {
+    for remark in saved(written) {
+        remark.print("", output);
+    }
+}
+
+/// The same for many drives: those of which the same is to be said are named together.
+fn report_all_saved(members: &[Member<Result<Written, Failure>>], output: &Output) {
+    let mut remarks: Vec<(Remark, Vec<String>)> = Vec::new();
+    for member in members {
+        let written = member.result.as_ref().ok();
+        for remark in written.map(saved).unwrap_or_default() {
+            match remarks.iter_mut().find(|(known, _)| *known == remark) {
+                Some((_, drives)) => drives.push(member.name.clone()),
+                None => remarks.push((remark, vec![member.name.clone()])),
+            }
+        }
+    }
+    for (remark, drives) in remarks {
+        remark.print(&format!("{}: ", listed(&drives)), output);
+    }
+}
+
+fn saved(written: &Written) -> Vec<Remark> {
     let kept = written.set.kept();
     let names =
         |changes: &[&Change]| -> Vec<String> { changes.iter().map(|change| change.label()).collect() };
     let (as_written, by_itself, lost) = (names(&kept.with_set), names(&kept.by_itself), names(&kept.lost));
     let only = by_itself.is_empty() && lost.is_empty();
+    let mut remarks = Vec::new();
     if !as_written.is_empty() {
-        match kept.persistence {
-            Persistence::Refused(_) => output.warn(&unsaved_words("the drive refused to save", &as_written)),
+        remarks.push(match kept.persistence {
+            Persistence::Refused(_) => {
+                Remark::Warned(unsaved_words("the drive refused to save", &as_written))
+            }
             Persistence::NotAsPlanned => {
                 let why = "the save command was not sent because a value was refused";
-                output.warn(&unsaved_words(why, &as_written));
+                Remark::Warned(unsaved_words(why, &as_written))
             }
-            Persistence::InDoubt => output.warn(&format!(
+            Persistence::InDoubt => Remark::Warned(format!(
                 "it is not known whether the drive saved {}: asked for, not answered",
                 listed(&as_written)
             )),
-            saved => output.say(&kept_words(saved, if only { &[] } else { &as_written })),
-        }
+            saved => Remark::Said(kept_words(saved, if only { &[] } else { &as_written })),
+        });
     }
     if !by_itself.is_empty() {
         let which = listed(&by_itself);
-        output.say(&format!(
+        remarks.push(Remark::Said(format!(
             "saved in the drive: {which} (at a serial line it saves text with every write)"
-        ));
+        )));
     }
     if !lost.is_empty() {
         let words = lost_words(&lost);
-        if written.wanted.save {
-            output.warn(&words);
+        remarks.push(if written.wanted.save {
+            Remark::Warned(words)
         } else {
-            output.say(&words);
-        }
+            Remark::Said(words)
+        });
     }
+    remarks
 }
 
 /// What becomes of new values that were to be saved and were not.

@@ -1,0 +1,286 @@
+//! A command for one drive or for many: found, worked on side by side, and shown together.
+
+use client::{Drive, ErrorKind, Session, Wait};
+use profidrive::fleet::{self, Member};
+use profidrive::report::{self, Drives, OfDrive};
+use serde::Serialize;
+
+use crate::advice::Commands;
+use crate::args::Target;
+use crate::connect::{self, Need};
+use crate::failure::Failure;
+use crate::output::Output;
+use crate::render::table::Table;
+
+/// Gets how much of how much is done.
+pub type Progress<'p> = dyn FnMut(usize, usize) + Send + 'p;
+
+/// What a command does with a drive, and how that is shown.
+pub trait Each {
+    /// What comes of the work on a drive.
+    type Done;
+    /// The same for programs.
+    type Report: Serialize;
+    /// What the command needs of the network.
+    const NEED: Need;
+    /// What is being done, beside the progress.
+    const DOING: &'static str;
+    /// The columns of many drives, behind their names.
+    const COLUMNS: &'static [&'static str];
+    /// What is the matter with drives that have problems, of which the table tells: `kept from running`. `None` where each
+    /// problem has a message of its own.
+    const MATTER: Option<&'static str> = None;
+
+    /// Works on a drive and prints nothing. `progress` gets how much of how much is done.
+    async fn work(
+        &self,
+        session: &mut Session,
+        drive: &mut Drive,
+        progress: &mut Progress<'_>,
+    ) -> Result<Self::Done, Failure>;
+
+    /// Returns what programs get.
+    fn report(&self, done: &Self::Done, drive: &Drive) -> Self::Report;
+
+    /// Prints what came of the only drive.
+    fn show(&self, done: &Self::Done, drive: &Drive, output: &Output);
+
+    /// Says what is to be known beside what was printed, for programs and people alike.
+    fn remark(&self, _done: &Self::Done, _drive: &Drive, _output: &Output) {}
+
+    /// Returns the rows of one of many drives, without its name.
+    fn rows(&self, done: &Self::Done, drive: &Drive) -> Vec<Vec<String>>;
+
+    /// Returns what is not as it should be; the last one ends the command.
+    fn problems(&self, _done: &Self::Done, _drive: &Drive) -> Vec<Failure> {
+        Vec::new()
+    }
+
+    /// Among many, drives with a higher number come first.
+    fn urgency(&self, _done: &Self::Done) -> u8 {
+        0
+    }
+}
+
+/// Carries out a command for the drives that are meant.
+pub fn run(verb: &impl Each, target: &Target, output: &Output) -> Result<(), Failure> {
+    if connect::selector(target)?.single().is_some() {
+        one(verb, target, output)
+    } else {
+        many(verb, target, output)
+    }
+}
+
+fn one<V: Each>(verb: &V, target: &Target, output: &Output) -> Result<(), Failure> {
+    let (mut session, mut drive) = connect::drive(target, V::NEED, output)?;
+    let bar = connect::bar(output, 0, V::DOING);
+    let mut progress = |done: usize, all: usize| {
+        bar.set_length(all as u64);
+        bar.set_position(done as u64);
+    };
+    let done = verb.work(&mut session, &mut drive, &mut progress).wait();
+    bar.finish_and_clear();
+    let done = done?;
+    session.close().wait()?;
+    verb.remark(&done, &drive, output);
+    output.json_report(&verb.report(&done, &drive));
+    if !output.json() {
+        verb.show(&done, &drive, output);
+    }
+    last(verb.problems(&done, &drive), output)
+}
+
+/// Prints all but the last failure at once; the last one ends the command.
+pub fn last<E: Into<Failure>>(problems: Vec<E>, output: &Output) -> Result<(), Failure> {
+    let mut problems: Vec<Failure> = problems.into_iter().map(E::into).collect();
+    let last = problems.pop();
+    for problem in problems {
+        output.problem(&problem);
+    }
+    last.map_or(Ok(()), Err)
+}
+
+/// One of many drives, its work done.
+pub struct Row<D> {
+    /// The drive, or the part of the selection that found none.
+    pub name: String,
+    /// The drive, where one was found.
+    pub drive: Option<Drive>,
+    /// What came of the work.
+    pub done: Option<D>,
+    /// What is not as it should be.
+    pub problems: Vec<Failure>,
+}
+
+impl<D> Row<D> {
+    /// From what became of the work; `problems` are those of a drive that answered.
+    pub fn new<E: Into<Failure>>(
+        member: Member<Result<D, E>>,
+        problems: impl FnOnce(&D, &Drive) -> Vec<Failure>,
+    ) -> Self {
+        let Member { name, drive, result } = member;
+        let (done, problems) = match (result, &drive) {
+            (Ok(done), Some(drive)) => {
+                let problems = problems(&done, drive);
+                (Some(done), problems)
+            }
+            (Ok(done), None) => (Some(done), Vec::new()),
+            (Err(error), _) => (None, vec![error.into()]),
+        };
+        Self {
+            name,
+            drive,
+            done,
+            problems,
+        }
+    }
+
+    /// Returns what programs get of it.
+    pub fn entry<R>(&self, report: impl FnOnce(&D, &Drive) -> R) -> OfDrive<R> {
+        let error = self.problems.last().map(|failure| {
+            report::Error::new(
+                failure.kind,
+                &failure.message,
+                &failure.details,
+                &failure.hint,
+                &Commands(&self.name),
+            )
+        });
+        let done = self.done.as_ref().zip(self.drive.as_ref());
+        OfDrive {
+            drive: self.name.clone(),
+            report: done.map(|(done, drive)| report(done, drive)),
+            error,
+        }
+    }
+}
+
+fn many<V: Each>(verb: &V, target: &Target, output: &Output) -> Result<(), Failure> {
+    let (mut session, found) = connect::drives(target, V::NEED, output)?;
+    let bar = connect::bar(output, found.members.len(), V::DOING);
+    let members = fleet::each(&session, found.members, async |session, drive| {
+        let done = verb.work(session, drive, &mut |_, _| {}).await;
+        bar.inc(1);
+        done
+    });
+    let members = members.wait();
+    bar.finish_and_clear();
+    // what could be read is shown, whatever became of the rest
+    let closed = session.close().wait();
+    let mut rows: Vec<Row<V::Done>> = members.into_iter().map(|member| row(verb, member)).collect();
+    rows.sort_by_key(|row| std::cmp::Reverse(row.done.as_ref().map_or(u8::MAX, |done| verb.urgency(done))));
+    output.json_report(&Drives {
+        drives: rows
+            .iter()
+            .map(|row| row.entry(|done, drive| verb.report(done, drive)))
+            .collect(),
+        left_out: found.left_out.clone(),
+    });
+    if !output.json() {
+        table(verb, &rows, output);
+    }
+    if !found.left_out.is_empty() {
+        output.say(&format!(
+            "left out, as they are no drives: {}",
+            found.left_out.join(", ")
+        ));
+    }
+    ended(&rows, V::MATTER, output)?;
+    Ok(closed?)
+}
+
+fn row<V: Each>(verb: &V, member: Member<Result<V::Done, Failure>>) -> Row<V::Done> {
+    Row::new(member, |done, drive| verb.problems(done, drive))
+}
+
+fn table<V: Each>(verb: &V, rows: &[Row<V::Done>], output: &Output) {
+    let mut table = Table::new(&[&["drive"], V::COLUMNS].concat());
+    for row in rows {
+        let Some((done, drive)) = row.done.as_ref().zip(row.drive.as_ref()) else {
+            continue;
+        };
+        for cells in verb.rows(done, drive) {
+            table.row(std::iter::once(row.name.clone()).chain(cells));
+        }
+    }
+    output.table(&table);
+}
+
+/// Prints the messages of the problems and returns how the command ends. With `matter` the table has told what is the matter
+/// with drives that answered.
+pub fn ended<D>(rows: &[Row<D>], matter: Option<&str>, output: &Output) -> Result<(), Failure> {
+    let troubled = || rows.iter().filter(|row| !row.problems.is_empty());
+    let told = |row: &Row<D>| matter.is_some() && row.done.is_some();
+    for row in troubled().filter(|row| !told(row)) {
+        let output = output.clone().about(Some(&row.name));
+        for problem in &row.problems {
+            let named = problem.message.contains(&row.name);
+            let message = if named {
+                problem.message.clone()
+            } else {
+                format!("{}: {}", row.name, problem.message)
+            };
+            let problem = problem.clone();
+            output.error(&Failure { message, ..problem });
+        }
+    }
+    let kinds = troubled()
+        .flat_map(|row| &row.problems)
+        .map(|problem| problem.kind);
+    let Some(kind) = kinds.max_by_key(|kind| weight(*kind)) else {
+        return Ok(());
+    };
+    let mut parts = Vec::new();
+    for (answered, what) in [(false, "failed"), (true, matter.unwrap_or("with problems"))] {
+        let names: Vec<&str> = troubled()
+            .filter(|row| row.done.is_some() == answered)
+            .map(|row| row.name.as_str())
+            .collect();
+        if !names.is_empty() {
+            parts.push(format!(
+                "{what}: {} ({} of {})",
+                listed(&names),
+                names.len(),
+                rows.len()
+            ));
+        }
+    }
+    Err(Failure::new(kind, parts.join("; ")))
+}
+
+/// The first few names.
+pub fn listed(names: &[&str]) -> String {
+    const SHOWN: usize = 8;
+    let (shown, more) = names.split_at(names.len().min(SHOWN));
+    match more.len() {
+        0 => shown.join(", "),
+        more => format!("{} and {more} more", shown.join(", ")),
+    }
+}
+
+/// Of several kinds the one with the highest number decides how a command ends.
+const fn weight(kind: ErrorKind) -> u8 {
+    match kind {
+        ErrorKind::Interrupted => 9,
+        ErrorKind::Safety => 8,
+        ErrorKind::Lost => 7,
+        ErrorKind::Unreachable => 6,
+        ErrorKind::Refused => 5,
+        ErrorKind::Usage => 4,
+        ErrorKind::Partial => 2,
+        ErrorKind::Difference => 1,
+        _ => 3,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn long_lists_of_names_are_cut() {
+        let names = ["a", "b", "c", "d", "e", "f", "g", "h", "i", "j"];
+        assert_eq!(listed(&names[..2]), "a, b");
+        assert_eq!(listed(&names), "a, b, c, d, e, f, g, h and 2 more");
+    }
+}
