@@ -120,7 +120,7 @@ pub async fn plan(
     })
 }
 
-/// Writes what was planned, and reads it back: see [`write`].
+/// Writes what was planned, and reads it back: see [`write()`].
 ///
 /// # Errors
 /// When the drive cannot be reached. What it refuses is in [`Written::problems`].
