@@ -1,9 +1,8 @@
-//! What stations and drives are like: the stations on a network, the status, the identity and the faults of a drive. Nothing
-//! is changed.
+//! What a drive is like: its status, its identity and its faults. Nothing is changed.
 //!
 //! ```
 //! # #[cfg(feature = "simulate")] {
-//! use profidrive::inspection::{faults, info, scan, status};
+//! use profidrive::inspection::{faults, info, status};
 //! use profidrive::report::PlainWording;
 //! use profidrive::{Outcome, Wait};
 //!
@@ -14,9 +13,6 @@
 //!     event = [{ at = "5s", do = "fault=439" }]
 //! "#;
 //! let mut network = profidrive::open_plan(plant.parse()?)?;
-//! let found = scan(&mut network, std::time::Duration::from_secs(1)).wait()?;
-//! assert_eq!(found.report.stations[0].name.as_deref(), Some("akd-1"));
-//!
 //! let mut drive = network.find(&"akd-1".parse()?).wait()?;
 //! assert!(info(&mut network, &mut drive).wait()?.is_drive);
 //! assert_eq!(status(&mut network, &mut drive, &PlainWording).wait()?.outcome, Outcome::Complete);
@@ -29,32 +25,12 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-use std::time::Duration;
-
 use client::status::{Verdict, diagnose};
 use client::{Advice, Drive, Error, Session};
 
 use crate::motion::leftovers;
-use crate::report::{FaultsReport, InfoReport, ScanReport, Station, StatusReport, Wording};
+use crate::report::{FaultsReport, InfoReport, StatusReport, Wording};
 use crate::{Outcome, Reported};
-
-/// Finds all stations that answer within `time`, by name and address. Where none does, the outcome is
-/// [`Outcome::NoAnswer`]; [`ScanReport::duplicates`] has the names and addresses of more than one station.
-///
-/// # Errors
-/// When the medium fails or the caller requests a stop.
-pub async fn scan(session: &mut Session, time: Duration) -> Result<Reported<ScanReport>, Error> {
-    let stations = session.scan(time).await?;
-    let report = ScanReport {
-        stations: stations.iter().map(Station::from).collect(),
-    };
-    let outcome = if report.stations.is_empty() {
-        Outcome::NoAnswer
-    } else {
-        Outcome::Complete
-    };
-    Ok(Reported { report, outcome })
-}
 
 /// Reads how a drive is and why it does not run, with what killed programs left changed at it. For a drive that is kept from
 /// running the outcome is [`Outcome::Difference`].
@@ -127,6 +103,8 @@ pub async fn faults(session: &mut Session, drive: &mut Drive, history: bool) -> 
 
 #[cfg(test)]
 mod tests {
+    use std::time::Duration;
+
     use super::*;
 
     #[test]

@@ -68,6 +68,7 @@ mod outcome;
 pub mod parameters;
 mod reach;
 pub mod report;
+pub mod scan;
 mod selector;
 pub mod settings;
 #[cfg(feature = "simulate")]

@@ -4,6 +4,7 @@ use std::fmt;
 use std::str::FromStr;
 
 use client::{DriveAddress, DriveAddressError};
+use profile::catalogue::vendor_name;
 use profile::model::Model;
 use profile::notation::wildcard_fits;
 use profinet::controller::Station;
@@ -151,22 +152,13 @@ impl Group {
             Self::Name(pattern) => wildcard_fits(pattern, &station.name),
             Self::Model(key) => model().catalogue.is_some() && model().key == *key,
             Self::Vendor(Vendor::Id(id)) => station.vendor_id == *id,
-            Self::Vendor(Vendor::Name(name)) => vendor(station.vendor_id).is_some_and(|vendor| {
+            Self::Vendor(Vendor::Name(name)) => vendor_name(station.vendor_id).is_some_and(|vendor| {
                 vendor
                     .get(..name.len())
                     .is_some_and(|start| start.eq_ignore_ascii_case(name))
             }),
         }
     }
-}
-
-/// Returns the name of a vendor whose drives have tables.
-fn vendor(id: u16) -> Option<&'static str> {
-    let tables = profile::model::ALL
-        .into_iter()
-        .filter_map(|model| model.catalogue);
-    let mut of_vendor = tables.filter(|tables| tables.device.vendor_id == id);
-    of_vendor.next().map(|tables| tables.device.vendor)
 }
 
 impl FromStr for Selector {

@@ -4,8 +4,9 @@
 use std::time::Duration;
 
 use profidrive::client::{Action, Drive, ErrorKind};
-use profidrive::inspection::{faults, info, scan, status};
+use profidrive::inspection::{faults, info, status};
 use profidrive::report::PlainWording;
+use profidrive::scan::discover;
 use profidrive::{Network, Outcome, Wait};
 
 const PLANT: &str = r#"
@@ -34,7 +35,7 @@ fn find(network: &mut Network, name: &str) -> Drive {
 fn a_scan_without_an_answer_is_an_outcome() {
     let mut network = open(PLANT);
     let time = Duration::from_secs(1);
-    let found = scan(&mut network, time).wait().unwrap();
+    let found = discover(&mut network, time).wait().unwrap();
     assert_eq!(found.outcome, Outcome::Complete);
     assert_eq!(found.report.stations.len(), 2);
     assert!(found.report.duplicates().is_empty());
@@ -42,7 +43,7 @@ fn a_scan_without_an_answer_is_an_outcome() {
     let pulled = "[[drive]]\nname = \"akd-1\"\nevent = [{ at = \"0s\", do = \"cable=pulled\" }]";
     let mut network = open(pulled);
     network.pass(Duration::from_millis(100)).wait().unwrap();
-    let found = scan(&mut network, time).wait().unwrap();
+    let found = discover(&mut network, time).wait().unwrap();
     assert!(found.report.stations.is_empty());
     assert_eq!(found.outcome.kind(), Some(ErrorKind::Unreachable));
 }

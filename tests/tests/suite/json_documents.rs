@@ -86,6 +86,7 @@ const OF_DRIVES: &[Call] = &[
 /// What is called besides.
 const OTHERS: &[Call] = &[
     ("scan", &[0]),
+    ("scan --quick", &[0]),
     ("status", &[0, 5]),
     ("status akd-1,vlt-1 --short", &[0, 5]),
     ("status nobody,akd-1", &[4]),

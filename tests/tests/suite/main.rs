@@ -40,6 +40,7 @@ mod position_words;
 mod reach;
 mod readings;
 mod reporting;
+mod scanning;
 mod selection;
 mod table;
 mod telegrams;

@@ -10,6 +10,7 @@ mod advice;
 mod catalogue;
 mod parameter;
 mod profile;
+mod vendors;
 mod words;
 
 /// What to do with the generated text.
@@ -38,6 +39,7 @@ pub fn run(root: &Path, mode: Mode) -> Outcome<()> {
     files.extend(parameter::files(root)?);
     files.extend(words::files(root)?);
     files.extend(advice::files(root)?);
+    files.push(vendors::file(root)?);
     let mut stale = Vec::new();
     for file in files {
         let text = rustfmt(

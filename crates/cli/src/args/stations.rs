@@ -12,6 +12,15 @@ pub struct Scan {
     /// How long to listen for answers
     #[arg(long = "for", value_name = "TIME", default_value = "1s", value_parser = duration)]
     pub time: Duration,
+    /// Only what discovery tells; firmware, serial number, state, controller and neighbours are not read
+    #[arg(long)]
+    pub quick: bool,
+    /// Print all that is known as CSV, with a line of headings
+    #[arg(long, conflicts_with = "watch")]
+    pub csv: bool,
+    /// Go on until Ctrl-C, and print who comes, goes or changes its name or address
+    #[arg(long, conflicts_with = "quick")]
+    pub watch: bool,
 }
 
 #[derive(Debug, Args)]

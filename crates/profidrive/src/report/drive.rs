@@ -1,8 +1,5 @@
 //! What the verbs report that look at drives.
 
-use std::collections::BTreeMap;
-use std::fmt;
-
 use client::{Action, Advice, Drive, FaultEntry, FaultReport, Info, LoggedFault, Snapshot};
 use profile::fault::Counting;
 use profile::state::Zsw1;
@@ -12,55 +9,6 @@ use serde::Serialize;
 use crate::monitor::Observation;
 
 use super::{Controller, DriveWords, Fault, Parameter, Quantity, Station, Warning, Wording, parameter};
-
-/// The stations on a network.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct ScanReport {
-    /// The stations that answered.
-    pub stations: Vec<Station>,
-}
-
-impl ScanReport {
-    /// Returns the names and addresses that more than one station has.
-    #[must_use]
-    pub fn duplicates(&self) -> Vec<Duplicate> {
-        let mut owners: BTreeMap<String, Vec<String>> = BTreeMap::new();
-        for station in &self.stations {
-            let name = station.name.as_ref().map(|name| format!("the name {name}"));
-            let ip = station.ip.as_ref().map(|ip| format!("the address {ip}"));
-            for what in [name, ip].into_iter().flatten() {
-                owners.entry(what).or_default().push(station.mac.clone());
-            }
-        }
-        owners
-            .into_iter()
-            .filter(|(_, stations)| stations.len() > 1)
-            .map(|(what, stations)| Duplicate { what, stations })
-            .collect()
-    }
-}
-
-/// A name or an address that more than one station has.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Duplicate {
-    /// `the name akd-1` or `the address 10.0.0.1`.
-    pub what: String,
-    /// The Ethernet addresses of the stations that have it.
-    pub stations: Vec<String>,
-}
-
-impl fmt::Display for Duplicate {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { what, stations } = self;
-        write!(
-            f,
-            "{} stations have {what}: {}",
-            stations.len(),
-            stations.join(" and ")
-        )
-    }
-}
 
 /// Who a drive is and in which state.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -390,35 +338,9 @@ pub struct ParametersReport {
 
 #[cfg(test)]
 mod tests {
+    use super::*;
     use profile::catalogue::Cleared;
     use profile::fault::Shape;
-    use profinet::MacAddress;
-
-    use super::*;
-
-    #[test]
-    fn duplicate_names_are_reported() {
-        let station = |last| {
-            Station::from(&profinet::controller::Station {
-                mac: MacAddress([2, 0, 0, 0, 0, last]),
-                name: "akd-1".into(),
-                vendor_id: 0x0105,
-                device_id: 1,
-                role: 1,
-                ..Default::default()
-            })
-        };
-        let report = ScanReport {
-            stations: vec![station(1), station(2)],
-        };
-        let texts: Vec<String> = report.duplicates().iter().map(ToString::to_string).collect();
-        assert_eq!(
-            texts,
-            ["2 stations have the name akd-1: 02:00:00:00:00:01 and 02:00:00:00:00:02"]
-        );
-        let first = &report.stations[0];
-        assert_eq!((first.model, first.role), (Some("AKD"), Some("device")));
-    }
 
     #[test]
     fn what_only_a_restart_clears_is_not_to_be_acknowledged() {

@@ -17,6 +17,7 @@ mod change;
 mod drive;
 mod drives;
 mod gsdml;
+mod scan;
 #[cfg(feature = "schema")]
 pub mod schema;
 mod shapes;
@@ -30,14 +31,15 @@ pub use dissect::report::{DriveState, Parameter, ParameterContent, ParameterErro
 pub use backup::{BackupReport, DiffReport, Difference, MotionTask, NumberedTask, TaskDifference};
 pub use change::{MotionTaskChange, RestoreReport, SettingChange, SkippedSetting, WriteReport};
 pub use drive::{
-    Duplicate, FaultsReport, Identity, InfoReport, LogEntry, Module, MonitorReading, Neighbour,
-    ParametersReport, ScanReport, Submodule,
+    FaultsReport, Identity, InfoReport, LogEntry, Module, MonitorReading, Neighbour, ParametersReport,
+    Submodule,
 };
 pub use drives::{Drives, OfDrive};
 pub use gsdml::{
     GsdmlAccessPoint, GsdmlCheckReport, GsdmlExportReport, GsdmlItem, GsdmlModule, GsdmlProblem,
     GsdmlShowReport, GsdmlSubmodule,
 };
+pub use scan::{Change, Duplicate, Remark, ScanReport, Scanned, Shared, StationChange};
 pub use shapes::{
     Action, Controller, DriveWords, Error, Fault, LossReaction, PlainWording, Quantity, Station, Warning,
     Wording, parameter, parameter_error,

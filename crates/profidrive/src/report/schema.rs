@@ -11,7 +11,7 @@ use super::{
     BackupReport, BlinkReport, DemoEvent, DescribeReport, DiffReport, Drives, Error, FaultsReport,
     GsdmlCheckReport, GsdmlExportReport, GsdmlShowReport, InfoReport, InjectReport, IpReport, ListReport,
     MonitorReading, NameReport, ParametersReport, ResetReport, RestoreReport, ScanReport, SimulationReport,
-    StatusReport, WriteReport,
+    StationChange, StatusReport, WriteReport,
 };
 use crate::motion::{self, JogPlan, Message, MoveReport, RunPlan, StopReport};
 
@@ -23,7 +23,7 @@ type Describe = fn(&mut SchemaGenerator) -> Value;
 
 /// What each command reports.
 const COMMANDS: &[(&str, Describe)] = &[
-    ("scan", of::<ScanReport>),
+    ("scan", of::<Scan>),
     ("info", each::<InfoReport, InfoReport>),
     ("read", each::<ParametersReport, ParametersReport>),
     ("list", of::<ListReport>),
@@ -55,6 +55,15 @@ const COMMANDS: &[(&str, Describe)] = &[
     ("ack", each::<Message, motion::Report>),
     ("stop", each::<StopReport, StopReport>),
 ];
+
+/// The stations that answered, or one document for each that comes, goes or changes.
+#[derive(Serialize, JsonSchema)]
+#[serde(untagged)]
+#[expect(dead_code, reason = "only its schema is used")]
+enum Scan {
+    Stations(ScanReport),
+    Change(Box<StationChange>),
+}
 
 /// What a motion reports while it goes on and at its end, or its plan in a dry run.
 #[derive(Serialize, JsonSchema)]

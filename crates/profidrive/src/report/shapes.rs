@@ -3,7 +3,7 @@
 use client::axis::SpeedUnit;
 use client::{Advice, ErrorKind, FaultEntry, Refusal, Snapshot, WarningEntry};
 use dissect::words;
-use profile::catalogue::Cleared;
+use profile::catalogue::{Cleared, vendor_name};
 use profile::model::Model;
 use profile::state::{Mode, Profile, State, Zsw1};
 use profile::value::{Beyond, Reading};
@@ -238,6 +238,8 @@ pub struct Station {
     pub gateway: Option<String>,
     /// VendorID.
     pub vendor_id: u16,
+    /// Name of the vendor, where it is in the tables.
+    pub vendor: Option<&'static str>,
     /// DeviceID.
     pub device_id: u16,
     /// Instance of the device.
@@ -272,6 +274,7 @@ impl From<&profinet::controller::Station> for Station {
                 .filter(|_| set),
             gateway: (!ip.gateway.is_unspecified()).then(|| ip.gateway.to_string()),
             vendor_id: station.vendor_id,
+            vendor: vendor_name(station.vendor_id),
             device_id: station.device_id,
             instance: station.instance,
             station_type: station.station_type.clone(),

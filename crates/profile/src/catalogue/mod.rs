@@ -22,12 +22,14 @@ mod backup;
 mod device;
 mod fault;
 mod generated_parts;
+mod generated_vendors;
 mod nearest;
 mod number;
 mod parameter;
 mod part;
 mod tables;
 mod vacon;
+mod vendor;
 mod vlt;
 mod word;
 
@@ -41,6 +43,7 @@ pub use parameter::{Access, Meaning, Parameter, Scale, Scaling, Size};
 pub use part::{PartNumbers, PartRow};
 pub use tables::{Tables, padded};
 pub use vacon::VACON;
+pub use vendor::vendor_name;
 pub use vlt::VLT;
 pub use word::{Field, Word, WordKind};
 
