@@ -29,6 +29,7 @@ mod summary;
 mod tests;
 mod timing;
 mod udp;
+mod view;
 
 use std::collections::HashMap;
 use std::time::Duration;
@@ -54,6 +55,7 @@ use neighbours::Neighbours;
 pub use event::{Event, Party};
 pub use names::seconds;
 pub use summary::{DeviceSummary, StreamSummary};
+pub use view::{Selection, Summary, View};
 
 /// What was seen, in numbers.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]

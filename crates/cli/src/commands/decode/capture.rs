@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use client::ErrorKind;
 use dissect::Weight;
-use dissect::capture::{Counts, DeviceSummary, Event, StreamSummary, Walker, seconds};
+use dissect::capture::{Counts, DeviceSummary, Event, Selection, StreamSummary, Summary, View, seconds};
 use dissect::report::DecodeReport;
 use indicatif::ProgressBar;
 use network::ethernet::Capture;
@@ -26,9 +26,8 @@ pub fn file(path: &Path, args: &Decode, output: &Output) -> Result<(), Failure> 
         return decode(
             source,
             "standard input",
-            None,
+            view(args),
             &ProgressBar::hidden(),
-            args,
             output,
         );
     }
@@ -39,50 +38,35 @@ pub fn file(path: &Path, args: &Decode, output: &Output) -> Result<(), Failure> 
         let reader = Reader::new(file).map_err(|error| unreadable(&shown, &error))?;
         Ok((reader, size))
     };
-    // a name may appear only after the first frames of its station
-    let known = match args.station {
-        Some(_) => Some(names(open()?.0, args)),
-        None => None,
-    };
+    let mut view = view(args);
+    if args.station.is_some() {
+        view = view.with_names(open()?.0.map_while(|captured| Some(captured.ok()?.frame)));
+    }
     let (source, size) = open()?;
-    let bar = progress(size, output);
-    decode(source, &shown, known, &bar, args, output)
+    decode(source, &shown, view, &progress(size, output), output)
+}
+
+fn view(args: &Decode) -> View {
+    let selection = Selection {
+        station: args.station.clone(),
+        only_trouble: args.only == Some(Only::Trouble),
+        since: args.since,
+        until: args.until,
+    };
+    View::new(args.model.model, selection)
 }
 
 fn unreadable(shown: &str, error: &dyn std::fmt::Display) -> Failure {
     Failure::new(ErrorKind::Local, format!("cannot read {shown}: {error}"))
 }
 
-/// Reads a whole capture for the names of its stations.
-fn names(source: Reader, args: &Decode) -> Walker {
-    let mut walker = Walker::new(args.model.model);
-    let mut clock = Clock::default();
-    for captured in source {
-        let Ok(captured) = captured else { break };
-        walker.frame(clock.since_start(captured.time), &captured.frame);
-    }
-    walker
-}
-
-/// Time since the first frame.
-#[derive(Debug, Default)]
-struct Clock(Option<Duration>);
-
-impl Clock {
-    fn since_start(&mut self, time: Duration) -> Duration {
-        time.saturating_sub(*self.0.get_or_insert(time))
-    }
-}
-
 fn decode(
     source: Reader,
     shown: &str,
-    known: Option<Walker>,
+    mut view: View,
     bar: &ProgressBar,
-    args: &Decode,
     output: &Output,
 ) -> Result<(), Failure> {
-    let mut session = Session::new(args, known, output);
     let mut damage: Option<ReadError> = None;
     for captured in source {
         let captured = match captured {
@@ -93,12 +77,16 @@ fn decode(
             }
         };
         bar.inc(captured.frame.len() as u64 + 32);
-        if !session.frame(captured.time, &captured.frame, bar) || output.is_closed() {
+        let Some(events) = view.frame(captured.time, &captured.frame) else {
+            break;
+        };
+        print(&events, bar, output);
+        if output.is_closed() {
             break;
         }
     }
     let damage = damage.map(|damage| damage.to_string());
-    session.end(damage.as_deref(), bar);
+    end(view, damage.as_deref(), bar, output);
     match damage {
         Some(damage) => Err(Failure::new(ErrorKind::Local, format!("{shown}: {damage}"))
             .hint("what is printed above comes from the sound part before it")),
@@ -121,23 +109,26 @@ pub fn live(interface: &str, args: &Decode, output: &Output) -> Result<(), Failu
     output.say(&format!(
         "capturing on {interface}; Ctrl-C ends and prints the summary"
     ));
-    let mut session = Session::new(args, None, output);
+    let mut view = view(args);
     let bar = ProgressBar::hidden();
     let result = loop {
         let wait = Duration::from_millis(200);
         match capture.next(wait) {
             Ok(Some((time, frame))) => {
-                let goes_on = session.frame(time, frame, &bar);
-                if !goes_on || stop.is_stopped() || output.is_closed() {
+                let Some(events) = view.frame(time, frame) else {
+                    break Ok(());
+                };
+                print(&events, &bar, output);
+                if stop.is_stopped() || output.is_closed() {
                     break Ok(());
                 }
             }
-            Ok(None) if stop.is_stopped() || output.is_closed() || session.is_over(wait) => break Ok(()),
+            Ok(None) if stop.is_stopped() || output.is_closed() || view.waited(wait) => break Ok(()),
             Ok(None) => {}
             Err(error) => break Err(failed(error)),
         }
     };
-    session.end(None, &bar);
+    end(view, None, &bar, output);
     let missed = capture.missed();
     if missed > 0 {
         output.warn(&format!(
@@ -147,102 +138,14 @@ pub fn live(interface: &str, args: &Decode, output: &Output) -> Result<(), Failu
     result
 }
 
-/// One pass over frames: which events are printed, and the summary at the end.
-struct Session<'a> {
-    walker: Walker,
-    /// The names of all of the capture, where it was read before.
-    known: Option<Walker>,
-    args: &'a Decode,
-    output: &'a Output,
-    clock: Clock,
-    /// Time without frames, of a live capture.
-    idle: Duration,
-    now: Duration,
-    began: bool,
-    /// An event of the station that was requested was seen, printed or not.
-    met: bool,
-}
-
-impl<'a> Session<'a> {
-    fn new(args: &'a Decode, known: Option<Walker>, output: &'a Output) -> Self {
-        Self {
-            walker: Walker::new(args.model.model),
-            known,
-            args,
-            output,
-            clock: Clock::default(),
-            idle: Duration::ZERO,
-            now: Duration::ZERO,
-            began: args.since.is_none(),
-            met: false,
-        }
+fn end(mut view: View, damage: Option<&str>, bar: &ProgressBar, output: &Output) {
+    print(&view.end(), bar, output);
+    bar.finish_and_clear();
+    let Summary { devices, counts, met } = view.summary();
+    if let Some(station) = missing {
+        output.warn(&format!("no frame is from, to or about {station}"));
     }
-
-    /// Looks at a frame; false when it is behind the time of --until.
-    fn frame(&mut self, time: Duration, frame: &[u8], bar: &ProgressBar) -> bool {
-        let at = self.clock.since_start(time);
-        self.now = at;
-        self.idle = Duration::ZERO;
-        if self.args.until.is_some_and(|until| at > until) {
-            return false;
-        }
-        if !self.began && self.args.since.is_some_and(|since| at >= since) {
-            self.began = true;
-            self.walker.restart_summary();
-        }
-        let events = self.walker.frame(at, frame);
-        self.print(&events, bar);
-        true
-    }
-
-    /// Counts time without a frame; true when the time of --until has passed.
-    fn is_over(&mut self, waited: Duration) -> bool {
-        self.idle += waited;
-        self.args.until.is_some_and(|until| self.now + self.idle > until)
-    }
-
-    fn end(&mut self, damage: Option<&str>, bar: &ProgressBar) {
-        // what waits for an answer when --until cuts the capture is not without one
-        if self.args.until.is_none() {
-            let events = self.walker.end();
-            self.print(&events, bar);
-        }
-        bar.finish_and_clear();
-        let mut devices = self.walker.summary();
-        if let Some(wanted) = &self.args.station {
-            devices.retain(|device| device.is(wanted));
-            if devices.is_empty() && !self.met {
-                self.output
-                    .warn(&format!("no frame is from, to or about {wanted}"));
-            }
-        }
-        summary(&devices, self.walker.counts(), damage, self.output);
-    }
-
-    fn print(&mut self, events: &[Event], bar: &ProgressBar) {
-        for event in events {
-            if !self.is_of_drive(event) {
-                continue;
-            }
-            self.met = true;
-            if self.wants(event) {
-                bar.suspend(|| print(event, self.output));
-            }
-        }
-    }
-
-    /// Returns true for an event of the station that was requested, or of any station without such a wish.
-    fn is_of_drive(&self, event: &Event) -> bool {
-        self.args.station.as_ref().is_none_or(|wanted| {
-            let mut walkers = std::iter::once(&self.walker).chain(&self.known);
-            walkers.any(|walker| walker.is_about(event, wanted))
-        })
-    }
-
-    fn wants(&self, event: &Event) -> bool {
-        self.args.since.is_none_or(|since| event.at >= since)
-            && (self.args.only != Some(Only::Trouble) || event.is_trouble())
-    }
+    summary(&devices, counts, damage, output);
 }
 
 fn progress(size: u64, output: &Output) -> ProgressBar {
@@ -253,11 +156,15 @@ fn progress(size: u64, output: &Output) -> ProgressBar {
     bytes(output, size)
 }
 
-fn print(event: &Event, output: &Output) {
-    if output.json() {
-        output.json_event(&DecodeReport::Event(event));
-    } else {
-        output.line(&line(event, output));
+fn print(events: &[Event], bar: &ProgressBar, output: &Output) {
+    for event in events {
+        bar.suspend(|| {
+            if output.json() {
+                output.json_event(&DecodeReport::Event(event));
+            } else {
+                output.line(&line(event, output));
+            }
+        });
     }
 }
 
