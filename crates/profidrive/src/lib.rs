@@ -51,12 +51,15 @@
 //! | move an axis, with every safety rule | [`motion`] |
 //! | restore settings, with a way back | [`settings`] |
 //! | name, address and reset stations, with every check | [`addressing`] |
+//! | read, check and show device descriptions (feature `gsdml`) | `device_description` |
 #![forbid(unsafe_code)]
 
 pub mod addressing;
 mod carrier;
 #[cfg(feature = "gsdml")]
 mod description;
+#[cfg(feature = "gsdml")]
+pub mod device_description;
 mod drive;
 mod driver;
 pub mod fleet;

@@ -28,10 +28,10 @@ pub struct Selection {
 ///
 /// let selection = Selection { only_trouble: true, ..Selection::default() };
 /// let mut view = View::new(None, selection);
-/// let too_short = [0_u8; 10];
-/// let events = view.frame(Duration::from_secs(1_700_000_000), &too_short).ok_or("at its end")?;
-/// assert_eq!(events[0].topic, "malformed");
-/// assert_eq!(events[0].at, Duration::ZERO);
+/// // a PROFINET frame that ends after its FrameID
+/// let cut = [[0x02; 12].as_slice(), &[0x88, 0x92, 0xFE, 0xFE]].concat();
+/// let events = view.frame(Duration::from_secs(1_700_000_000), &cut).ok_or("at its end")?;
+/// assert_eq!((events[0].topic, events[0].at), ("malformed", Duration::ZERO));
 /// # Ok::<(), &str>(())
 /// ```
 #[derive(Debug)]

@@ -104,6 +104,12 @@ pub struct GsdmlAccessPoint {
     pub max_output: u16,
     /// Its own submodules.
     pub submodules: Vec<GsdmlSubmodule>,
+    /// The submodule of its interface.
+    pub interface: Option<GsdmlSystemSubmodule>,
+    /// The submodules of its ports.
+    pub ports: Vec<GsdmlSystemSubmodule>,
+    /// Conformance class: `A`, `B` or `C`.
+    pub conformance_class: Option<String>,
     /// Identifiers of the modules that fit.
     pub modules: Vec<String>,
     /// Classes of real-time communication.
@@ -112,6 +118,16 @@ pub struct GsdmlAccessPoint {
     pub start_up: Vec<String>,
     /// Other protocols: `SNMP`, `LLDP`.
     pub protocols: Vec<String>,
+}
+
+/// A submodule that PROFINET defines: the interface or a port.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct GsdmlSystemSubmodule {
+    /// Its subslot, from 0x8000.
+    pub subslot: u16,
+    /// Ident number.
+    pub ident: u32,
 }
 
 /// A module.

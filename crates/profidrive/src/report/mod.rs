@@ -37,7 +37,7 @@ pub use drive::{
 pub use drives::{Drives, OfDrive};
 pub use gsdml::{
     GsdmlAccessPoint, GsdmlCheckReport, GsdmlExportReport, GsdmlItem, GsdmlModule, GsdmlProblem,
-    GsdmlShowReport, GsdmlSubmodule,
+    GsdmlShowReport, GsdmlSubmodule, GsdmlSystemSubmodule,
 };
 pub use scan::{Change, Duplicate, Remark, ScanReport, Scanned, Shared, StationChange};
 pub use shapes::{

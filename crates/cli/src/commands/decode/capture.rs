@@ -141,7 +141,11 @@ pub fn live(interface: &str, args: &Decode, output: &Output) -> Result<(), Failu
 fn end(mut view: View, damage: Option<&str>, bar: &ProgressBar, output: &Output) {
     print(&view.end(), bar, output);
     bar.finish_and_clear();
-    let Summary { devices, counts, met } = view.summary();
+    let Summary {
+        devices,
+        counts,
+        missing,
+    } = view.summary();
     if let Some(station) = missing {
         output.warn(&format!("no frame is from, to or about {station}"));
     }
