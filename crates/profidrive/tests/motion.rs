@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
-use client::{Drive, ErrorKind, Network, World, WriteMode};
+use client::{Action, Drive, ErrorKind, Network, World, WriteMode};
 use network::host::{Host, StationId};
 use network::segment::{Pace, Segment, SegmentMedium};
 use profidrive::Wait;
@@ -21,7 +21,7 @@ use profinet::device::Stored;
 use profinet::{IpSuite, MacAddress};
 use virtual_drive::drive::Injection;
 use virtual_drive::model::{self, Model};
-use virtual_drive::station::{Station, StationConfig};
+use virtual_drive::station::{AnswerFault, Station, StationConfig};
 
 const SECOND: Duration = Duration::from_secs(1);
 
@@ -62,10 +62,14 @@ impl Plant {
         }
     }
 
-    fn with_drive<T>(&self, look: impl FnOnce(&mut virtual_drive::drive::Drive) -> T) -> T {
+    fn with_station<T>(&self, look: impl FnOnce(&mut Station) -> T) -> T {
         let mut wire = self.world.wire();
-        let station: &mut Host<Station> = wire.segment_mut().station_mut(self.station).unwrap();
-        look(station.endpoint_mut().drive_mut())
+        let host: &mut Host<Station> = wire.segment_mut().station_mut(self.station).unwrap();
+        look(host.endpoint_mut())
+    }
+
+    fn with_drive<T>(&self, look: impl FnOnce(&mut virtual_drive::drive::Drive) -> T) -> T {
+        self.with_station(|station| look(station.drive_mut()))
     }
 
     fn is_at_rest(&self) -> bool {
@@ -291,6 +295,73 @@ fn a_jog_speed_is_put_back_after_a_failure_too() {
     let again = motion::acknowledge(&mut plant.network, &mut plant.drive, &control, &observer).wait();
     let again = again.unwrap();
     assert!(!again.released && again.result.reached);
+}
+
+/// Tells the drive to refuse all parameters from the start of a motion on.
+fn refusing(plant: &Plant) -> Observer {
+    let (station, world) = (plant.station, Arc::clone(&plant.world));
+    Observer::new(move |event| {
+        if matches!(event, Event::Starting { .. }) {
+            let mut wire = world.wire();
+            let host: &mut Host<Station> = wire.segment_mut().station_mut(station).unwrap();
+            host.endpoint_mut().set_answer_fault(AnswerFault::Error(17));
+        }
+    })
+}
+
+#[test]
+fn a_motion_after_which_a_setting_is_not_put_back_did_not_go_well() {
+    let mut plant = Plant::new(&model::AKD);
+    let before = plant.value("1004");
+    let wanted = Jog {
+        speed: Some(90.0),
+        ..Jog::lasting(SECOND)
+    };
+    let observer = refusing(&plant);
+    let error = motion::jog(&mut plant.network, &mut plant.drive, &wanted, &observer).wait();
+    let error = error.unwrap_err();
+    assert_eq!(error.kind(), ErrorKind::Partial, "{error}");
+    assert!(error.to_string().contains("was not put back to"), "{error}");
+    let report = error.report().unwrap();
+    assert!(report.released && report.result.reached, "{report:?}");
+    let [left] = report.put_back.as_slice() else {
+        panic!("{report:?}");
+    };
+    assert!(
+        left.failed.as_ref().is_some_and(|cause| cause.contains("0x11")),
+        "{left:?}"
+    );
+    assert!(plant.is_at_rest());
+    // the advice does what the program could not
+    let Some(advice) = error.advice() else {
+        panic!("no advice: {error}");
+    };
+    let Some(Action::Write { parameter, value }) = advice.actions().next() else {
+        panic!("{advice}");
+    };
+    plant.with_station(|station| station.set_answer_fault(AnswerFault::None));
+    assert!((plant.value("1004") - before).abs() > 1.0);
+    plant.write(&format!("{parameter}={value}"));
+    assert!((plant.value("1004") - before).abs() < 0.1);
+}
+
+#[test]
+fn mode_and_telegram_that_are_not_put_back_are_in_the_report() {
+    let mut plant = Plant::new(&model::AKD);
+    plant.write("930=2");
+    let wanted = Run {
+        control: SET_MODE,
+        ..for_a_second(300.0)
+    };
+    let observer = refusing(&plant);
+    let error = plant.run(&wanted, &observer).unwrap_err();
+    assert_eq!(error.kind(), ErrorKind::Partial, "{error}");
+    let report = error.report().unwrap();
+    assert!(
+        report.released && report.put_back.iter().any(|one| one.failed.is_some()),
+        "{report:?}"
+    );
+    assert!(plant.is_at_rest());
 }
 
 #[test]

@@ -10,7 +10,7 @@ use profidrive::report::{Drives, MonitorReading};
 use profile::notation::ParameterReference;
 use profile::value::{ParameterProblem, Selection};
 
-use super::axis::{self, UNLIMITED, fault_text};
+use super::axis::{self, UNLIMITED};
 use super::each;
 use crate::advice::Commands;
 use crate::args::{self, Ack, Target};
@@ -155,7 +155,7 @@ impl Watching<'_> {
             let Some(seen) = seen else { return Ok(()) };
             show(&seen, &label, &column, self.raw, self.output);
             for fault in &seen.faults {
-                self.output.warn(&format!("{column}{}", fault_text(fault)));
+                self.output.warn(&format!("{column}{fault}"));
             }
             if !monitor.pause(session, end).await? {
                 return Ok(());

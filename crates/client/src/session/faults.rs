@@ -1,5 +1,7 @@
 //! What is wrong with a drive, and what was: fault buffer and warnings, beside any controller.
 
+use std::fmt;
+
 use profile::catalogue::{Catalogue, Cleared, Fault, Part, Reaction};
 use profile::fault::{ConsistentRead, Counting, Next, Shape};
 use profile::notation::{Notation, ParameterReference};
@@ -69,6 +71,23 @@ impl FaultEntry {
         }
     }
 }
+
+/// `F702 Fieldbus communication lost`
+impl fmt::Display for FaultEntry {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "F{} {}", self.number, self.meaning.unwrap_or(UNKNOWN))
+    }
+}
+
+/// `n107 Positive limit reached: limit switch or software limit`
+impl fmt::Display for WarningEntry {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "n{} {}", self.number, self.meaning.unwrap_or(UNKNOWN))
+    }
+}
+
+/// In the place of a meaning that nobody knows.
+const UNKNOWN: &str = "not in the tables";
 
 /// One warning.
 #[derive(Debug, Clone, PartialEq, Eq)]

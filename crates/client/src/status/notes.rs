@@ -69,7 +69,7 @@ pub(super) fn beside(main: Cause, status: &DriveStatus) -> Vec<Note> {
     notes.extend(status.warnings.iter().filter(new).map(|warning| {
         Note {
             id: "warning",
-            sentence: format!("warning {}", warning_text(warning)),
+            sentence: format!("warning {warning}"),
             next: warning
                 .remedy
                 .filter(|remedy| !remedy.is_empty())
@@ -108,13 +108,4 @@ pub(super) fn switched_off_beside(status: &DriveStatus) -> Option<Note> {
         ),
         next: Some(advice.into()),
     })
-}
-
-/// `n107 Positive limit reached: limit switch or software limit`
-pub(super) fn warning_text(warning: &WarningEntry) -> String {
-    format!(
-        "n{} {}",
-        warning.number,
-        warning.meaning.unwrap_or("not in the tables")
-    )
 }

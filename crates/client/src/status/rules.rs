@@ -59,7 +59,7 @@ pub(super) const RULES: &[Rule] = &[
         |s| s.torque_allowed == Some(false) || vendors::warned(s, Cause::Sto).is_some(),
         |s| match vendors::warned(s, Cause::Sto) {
             Some(warning) if s.torque_allowed.is_none() => {
-                format!("safe torque off is active: {}", notes::warning_text(warning))
+                format!("safe torque off is active: {warning}")
             }
             _ => format!(
                 "safe torque off: the STO input is open{}",
@@ -79,10 +79,7 @@ pub(super) const RULES: &[Rule] = &[
             (Some(volts), ..) if bus_is_low(s) => {
                 format!("its DC bus has {volts:.0} V: mains are off or missing")
             }
-            (_, _, Some(warning)) => format!(
-                "its DC bus has too little voltage: {}",
-                notes::warning_text(warning)
-            ),
+            (_, _, Some(warning)) => format!("its DC bus has too little voltage: {warning}"),
             _ => "its DC bus has too little voltage".into(),
         },
     ),

@@ -57,7 +57,8 @@ pub async fn acknowledge(
         reached: result.is_ok(),
         ..MotionResult::default()
     };
-    taken.finish(result, found, (session, drive)).await
+    let done = taken.finish(result, found).await;
+    done.report(Vec::new(), observer, (session, drive)).await
 }
 
 /// How long a drive may take to clear its faults, and how often that is looked at.

@@ -8,8 +8,8 @@ use client::{Axis, AxisStatus, Drive, Error, Released, Rest, Session};
 
 use super::Control;
 use super::error::{End, MotionError, explained};
-use super::event::{Arrival, Ended, Event, Observer, Start, TelegramChange};
-use super::report::{Frames, MotionResult, Report};
+use super::event::{Arrival, Ended, Event, Observer, Setting, Start, TelegramChange};
+use super::report::{Frames, MotionResult, PutBack, Report};
 use crate::report::Quantity;
 
 /// From which time on a stop is a long one.
@@ -216,13 +216,8 @@ impl<'o> Taken<'o> {
         left_to
     }
 
-    /// Stops and releases the axis whatever happened, then reports what did.
-    pub(super) async fn finish(
-        self,
-        result: Result<(), Error>,
-        found: MotionResult,
-        (session, drive): (&mut Session, &mut Drive),
-    ) -> Result<Report, MotionError> {
+    /// Stops and releases the axis whatever happened.
+    pub(super) async fn finish(self, result: Result<(), Error>, found: MotionResult) -> Done {
         let statistics = self.axis.statistics();
         // a ramp that was under way may have ended meanwhile, by a trip for example
         let Released {
@@ -242,16 +237,78 @@ impl<'o> Taken<'o> {
             interrupted: interrupted && self.end != End::Open,
             frames: Frames::of(statistics),
             result: locked(&self.course).complete(found),
+            ..Report::default()
         };
-        self.observer.report(&Event::Ended(Box::new(Ended {
-            statistics,
-            interrupted,
-            report: report.clone(),
-        })));
-        match result.and(released) {
-            Ok(()) => Ok(report),
-            Err(error) => Err(explained(error, self.end, report, session, drive).await),
+        Done {
+            ended: Ended {
+                statistics,
+                interrupted,
+                report,
+            },
+            result: result.and(released),
+            end: self.end,
         }
+    }
+}
+
+/// A motion whose axis is released. What it changed at the drive is put back before it counts as ended.
+pub(super) struct Done {
+    ended: Ended,
+    result: Result<(), Error>,
+    end: End,
+}
+
+impl Done {
+    /// Reports how the motion ended, and what was put back and what was not.
+    pub(super) async fn report(
+        self,
+        put_back: Vec<Restored>,
+        observer: &Observer,
+        (session, drive): (&mut Session, &mut Drive),
+    ) -> Result<Report, MotionError> {
+        let Self {
+            mut ended,
+            result,
+            end,
+        } = self;
+        for Restored { setting, result } in &put_back {
+            let failed = result.as_ref().err().cloned();
+            ended.report.put_back.push(PutBack::of(setting.as_ref(), failed));
+        }
+        let report = ended.report.clone();
+        observer.report(&Event::Ended(Box::new(ended)));
+        match result {
+            Ok(()) if put_back.iter().all(|one| one.result.is_ok()) => Ok(report),
+            Ok(()) => Err(MotionError::NotPutBack {
+                drive: drive.label(),
+                report: Box::new(report),
+            }),
+            Err(error) => Err(explained(error, end, report, session, drive).await),
+        }
+    }
+}
+
+/// A setting that was changed for a motion, after it.
+#[derive(Debug)]
+pub(super) struct Restored {
+    /// The setting with its value from before; `None` where mode and telegram of the drive cannot be read.
+    pub(super) setting: Option<Setting>,
+    /// Why it was not put back.
+    pub(super) result: Result<(), String>,
+}
+
+impl Restored {
+    /// Tells what became of a setting.
+    pub(super) fn told(self, observer: &Observer) -> Self {
+        observer.report(&match (&self.result, &self.setting) {
+            (Ok(()), Some(setting)) => Event::PutBack(setting.clone()),
+            (Ok(()), None) => return self,
+            (Err(cause), setting) => Event::NotPutBack {
+                setting: setting.clone(),
+                cause: cause.clone(),
+            },
+        });
+        self
     }
 }
 

@@ -3,7 +3,7 @@
 use super::report::Report;
 use client::axis::Trouble;
 use client::status::{Cause, Diagnosis, Note, Verdict, diagnose, switched_off_beside};
-use client::{Action, Advice, Choice, Drive, Error, ErrorKind, FaultEntry, Session, WarningEntry};
+use client::{Action, Advice, Choice, Drive, Error, ErrorKind, FaultEntry, Session};
 
 /// How a motion ends by itself.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -61,6 +61,14 @@ pub enum MotionError {
         /// How it was to end.
         end: End,
         /// What it was like until then.
+        report: Box<Report>,
+    },
+    /// The motion went well, but a setting that was changed for it does not have its value from before.
+    #[error("{drive}: {}", kept(.report))]
+    NotPutBack {
+        /// The drive.
+        drive: String,
+        /// What the motion was like; [`Report::put_back`] has the settings.
         report: Box<Report>,
     },
     /// The speed is above the limit of the drive, which would never reach it.
@@ -151,6 +159,7 @@ impl MotionError {
             Self::Client(error) => error.kind(),
             Self::Failed { error, .. } => error.kind(),
             Self::Stopped { .. } => ErrorKind::Interrupted,
+            Self::NotPutBack { .. } => ErrorKind::Partial,
             Self::AboveLimit { .. } | Self::MovedFromOutside { .. } => ErrorKind::Safety,
             Self::Held { .. } => ErrorKind::Refused,
             Self::NeedsRestart { .. } | Self::FaultsStay { .. } => ErrorKind::Fault,
@@ -174,7 +183,9 @@ impl MotionError {
     #[must_use]
     pub fn report(&self) -> Option<&Report> {
         match self {
-            Self::Failed { report, .. } | Self::Stopped { report, .. } => Some(report),
+            Self::Failed { report, .. } | Self::Stopped { report, .. } | Self::NotPutBack { report, .. } => {
+                Some(report)
+            }
             _ => None,
         }
     }
@@ -191,6 +202,13 @@ impl MotionError {
                 Some(describe.and(" shows it; ask for a speed within it"))
             }
             Self::Held { diagnosis, .. } => diagnosis.next.clone(),
+            Self::NotPutBack { report, .. } => {
+                let left = report.put_back.iter().filter(|one| one.failed.is_some());
+                let mut named = left.filter_map(|one| one.number.clone().zip(one.value.clone()));
+                let (parameter, value) = named.next()?;
+                let value = value.replace(' ', "");
+                Some(Advice::from(Action::Write { parameter, value }).and(" puts it back"))
+            }
             Self::NoPpo { .. } => Some("use the number of a telegram".into()),
             Self::NeedsRestart { .. } => Some("remove the cause, then switch the drive off and on".into()),
             Self::NoClearParameter { .. } => {
@@ -219,6 +237,12 @@ impl MotionError {
             _ => None,
         }
     }
+}
+
+/// The settings that were not put back, in words.
+fn kept(report: &Report) -> String {
+    let left = report.put_back.iter().filter(|one| one.failed.is_some());
+    left.map(ToString::to_string).collect::<Vec<_>>().join("; ")
 }
 
 /// A failed motion with what the drive reports about itself: faults and warnings by number and text, and why it does not run.
@@ -264,9 +288,9 @@ pub(super) async fn explained(
         None
     };
     if let Some(status) = status {
-        findings.extend(status.faults.iter().map(fault_text));
+        findings.extend(status.faults.iter().map(ToString::to_string));
         let warnings = status.warnings.iter();
-        findings.extend(warnings.map(|warning| format!("warning {}", warning_text(warning))));
+        findings.extend(warnings.map(|warning| format!("warning {warning}")));
         let diagnosis = diagnose(&status);
         // by now the axis is off: what turns it then is not under control, and a fault that comes of it stays
         let turns = |note: &&Note| note.id == Cause::MovedExternally.id();
@@ -290,26 +314,8 @@ pub(super) async fn explained(
     }
 }
 
-/// `F702 Fieldbus communication lost`
-fn fault_text(fault: &FaultEntry) -> String {
-    format!(
-        "F{} {}",
-        fault.number,
-        fault.meaning.unwrap_or("not in the tables")
-    )
-}
-
-/// `n107 Positive limit reached: limit switch or software limit`
-fn warning_text(warning: &WarningEntry) -> String {
-    format!(
-        "n{} {}",
-        warning.number,
-        warning.meaning.unwrap_or("not in the tables")
-    )
-}
-
 fn staying(faults: &[FaultEntry], moved: Option<&Note>) -> String {
-    let faults = faults.iter().map(fault_text);
+    let faults = faults.iter().map(ToString::to_string);
     let moved = moved.map(|moved| moved.sentence.clone());
     faults.chain(moved).collect::<Vec<_>>().join("; ")
 }

@@ -14,6 +14,7 @@ use serde::Serialize;
 
 use super::leftover::{Leftover, UnreadableNote};
 use super::report::Report;
+use crate::report::Parameter;
 
 /// Something that happened on the way.
 #[derive(Debug, Clone)]
@@ -176,6 +177,37 @@ pub enum Setting {
         /// Its value.
         value: Quantity,
     },
+}
+
+impl Setting {
+    /// Returns the parameter in words.
+    #[must_use]
+    pub fn name(&self) -> String {
+        match self {
+            Self::Number { pnu, .. } => format!("PNU {pnu}"),
+            Self::Reading { parameter, .. } | Self::Noted { parameter, .. } => parameter.clone(),
+        }
+    }
+
+    /// Returns the number of the parameter as its vendor writes it.
+    #[must_use]
+    pub fn number(&self) -> String {
+        match self {
+            Self::Number { pnu, .. } => pnu.to_string(),
+            Self::Reading { reading, .. } => Parameter::from(&**reading).number,
+            Self::Noted { parameter, .. } => parameter.clone(),
+        }
+    }
+
+    /// Returns its value with unit and meaning.
+    #[must_use]
+    pub fn value(&self) -> String {
+        match self {
+            Self::Number { value, .. } => value.to_string(),
+            Self::Reading { reading, .. } => Parameter::from(&**reading).full(),
+            Self::Noted { value, .. } => value.to_string(),
+        }
+    }
 }
 
 /// What begins.

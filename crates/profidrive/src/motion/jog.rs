@@ -8,7 +8,7 @@ use client::{Axis, Drive, Enabled, Error, JogSpeed, Session, TemporaryChange};
 use profile::notation::{Number, ParameterReference, Quantity};
 use profile::value::{Assignment, CheckedValue, Content, Reading};
 
-use super::axis::{Taken, check_controller_loss, report_rounded, report_switch};
+use super::axis::{Done, Restored, Taken, check_controller_loss, report_rounded, report_switch};
 use super::check::checked_axis;
 use super::error::{End, MotionError};
 use super::event::{Event, Observer, Setting, Start};
@@ -109,22 +109,23 @@ pub async fn jog(
     // dropped after the axis: a change of the speed is put back once that is at rest
     let mut change = None;
     let result = with_setting(session, drive, wanted, &setting, &mut change, observer).await;
+    let mut restored = Vec::new();
     if let Some(SpeedChange { before, change }) = change {
         let done = change.put_back().await;
         let refused = done.map(|done| done.into_iter().find_map(|one| one.result.err()));
-        let setting = Setting::Reading {
-            parameter: setting.selection.label(),
-            reading: Box::new(before),
-        };
-        observer.report(&match refused {
-            Ok(None) => Event::PutBack(setting),
-            Ok(Some(error)) | Err(error) => Event::NotPutBack {
-                setting: Some(setting),
-                cause: error.to_string(),
+        let one = Restored {
+            setting: Some(Setting::Reading {
+                parameter: setting.selection.label(),
+                reading: Box::new(before),
+            }),
+            result: match refused {
+                Ok(None) => Ok(()),
+                Ok(Some(error)) | Err(error) => Err(error.to_string()),
             },
-        });
+        };
+        restored.push(one.told(observer));
     }
-    result
+    result?.report(restored, observer, (session, drive)).await
 }
 
 /// Jogs at a speed of the telegram.
@@ -154,7 +155,8 @@ pub async fn jog_in_real_time(
         Err(error) => Err(error),
     };
     found.speed = taken.speed();
-    taken.finish(result, found, (session, drive)).await
+    let done = taken.finish(result, found).await;
+    done.report(Vec::new(), observer, (session, drive)).await
 }
 
 /// Reads and checks everything that [`jog`] does; nothing is sent that changes anything.
@@ -248,7 +250,7 @@ async fn with_setting(
     setting: &JogSpeed,
     change: &mut Option<SpeedChange>,
     observer: &Observer,
-) -> Result<Report, MotionError> {
+) -> Result<Done, MotionError> {
     check_controller_loss(session, drive, &wanted.control, observer).await?;
     let facts = session.motion_facts(drive).await?;
     if let Some(speed) = wanted.speed {
@@ -274,7 +276,7 @@ async fn with_setting(
         Err(error) => Err(error),
     };
     found.speed = taken.speed();
-    taken.finish(result, found, (session, drive)).await
+    Ok(taken.finish(result, found).await)
 }
 
 /// What a killed program left, if the drive still has this value of it; reported, also where that is not known.

@@ -7,6 +7,7 @@ use profile::state::{Profile, bits};
 use serde::Serialize;
 
 use super::event::{Event, TelegramChange};
+use super::remark::Remark;
 use super::report::Report;
 use crate::report::{DriveWords, LossReaction, Quantity, Warning, Word, Wording};
 
@@ -39,6 +40,15 @@ pub enum Message {
         /// The warnings.
         warnings: Vec<Warning>,
     },
+    /// Something that is to be known and has no fields of its own.
+    Remark {
+        /// What happened, as a sentence.
+        remark: String,
+        /// Whether something is not as it should be.
+        warning: bool,
+        /// What to do, where there is something to do.
+        advice: Option<String>,
+    },
     /// The motion has ended; nothing follows.
     Ended {
         /// True.
@@ -50,10 +60,10 @@ pub enum Message {
 }
 
 impl Message {
-    /// Returns an event as a message. `None` for one that is a remark for people.
+    /// Returns an event as messages; none for one that tells nothing.
     #[must_use]
-    pub fn of(event: &Event, wording: &dyn Wording) -> Option<Self> {
-        Some(match event {
+    pub fn of(event: &Event, wording: &dyn Wording) -> Vec<Self> {
+        let one = match event {
             Event::RunsOn(loss) => {
                 let advice = loss
                     .remedy
@@ -74,8 +84,20 @@ impl Message {
                 warnings: warnings.iter().map(Warning::from).collect(),
             },
             Event::Ended(ended) => Self::from(ended.report.clone()),
-            _ => return None,
-        })
+            other => {
+                let remark = |Remark {
+                                  sentence,
+                                  is_warning,
+                                  next,
+                              }| Self::Remark {
+                    remark: sentence,
+                    warning: is_warning,
+                    advice: next.map(|next| wording.advice(&next)),
+                };
+                return other.remarks().into_iter().map(remark).collect();
+            }
+        };
+        vec![one]
     }
 }
 

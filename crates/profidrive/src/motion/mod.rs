@@ -68,6 +68,7 @@ mod message;
 mod mode;
 mod plan;
 mod position;
+mod remark;
 mod report;
 mod run;
 mod stop;
@@ -85,7 +86,8 @@ pub use leftover::{Leftover, UnreadableNote, leftovers};
 pub use message::{AxisState, CycleStrained, Message, RunsOn};
 pub use plan::{JogChange, JogPlan, MoveReport, RunPlan, Telegrams};
 pub use position::{Home, Move, Task, home, move_to, plan_move, task};
-pub use report::{Frames, MotionResult, Report};
+pub use remark::Remark;
+pub use report::{Frames, MotionResult, PutBack, Report};
 pub use run::{Run, TelegramName, plan_run, run};
 pub use stop::{StopReport, stop};
 

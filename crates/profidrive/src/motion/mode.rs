@@ -4,6 +4,7 @@ use client::{Drive, Error, ModeChange, PutBack, Session};
 use profile::state::Mode;
 
 use super::Control;
+use super::axis::Restored;
 use super::event::{Event, Observer, Setting};
 
 /// Puts the drive into the mode that is needed, where the caller allows that. What this returns puts mode and telegram back, also when it is
@@ -35,30 +36,30 @@ pub(super) async fn enter(
 }
 
 /// Puts mode and telegram back, whatever became of the motion.
-pub(super) async fn leave(change: Option<ModeChange>, observer: &Observer) {
-    let Some(change) = change else { return };
-    let done = match change.put_back().await {
-        Ok(done) => done,
-        Err(error) => {
-            observer.report(&Event::NotPutBack {
-                setting: None,
-                cause: error.to_string(),
-            });
-            return;
-        }
+pub(super) async fn leave(change: Option<ModeChange>, observer: &Observer) -> Vec<Restored> {
+    let Some(change) = change else {
+        return Vec::new();
     };
-    for PutBack { value, result } in done {
-        let number = value.raw().and_then(|raw| u16::try_from(raw & 0xFFFF).ok());
-        let setting = Setting::Number {
+    let restored = match change.put_back().await {
+        Ok(done) => done.into_iter().map(restored).collect(),
+        Err(error) => vec![Restored {
+            setting: None,
+            result: Err(error.to_string()),
+        }],
+    };
+    restored
+        .into_iter()
+        .map(|one: Restored| one.told(observer))
+        .collect()
+}
+
+fn restored(PutBack { value, result }: PutBack) -> Restored {
+    let number = value.raw().and_then(|raw| u16::try_from(raw & 0xFFFF).ok());
+    Restored {
+        setting: Some(Setting::Number {
             pnu: value.pnu,
             value: number.unwrap_or_default(),
-        };
-        observer.report(&match result {
-            Ok(()) => Event::PutBack(setting),
-            Err(error) => Event::NotPutBack {
-                setting: Some(setting),
-                cause: error.to_string(),
-            },
-        });
+        }),
+        result: result.map_err(|error| error.to_string()),
     }
 }

@@ -8,7 +8,7 @@ use profile::catalogue::Part;
 use profile::state::Mode;
 use profile::value::{Reading, Selection};
 
-use super::axis::{Taken, check_controller_loss};
+use super::axis::{Done, Taken, check_controller_loss};
 use super::error::{End, MotionError};
 use super::event::{Arrival, Observer, Start};
 use super::limit::within;
@@ -98,8 +98,8 @@ pub async fn move_to(
     check_mode(session, drive, &wanted.control).await?;
     let change = mode::enter(session, drive, Mode::Position, &wanted.control, observer).await?;
     let result = travel(session, drive, wanted, observer).await;
-    mode::leave(change, observer).await;
-    result
+    let restored = mode::leave(change, observer).await;
+    result?.report(restored, observer, (session, drive)).await
 }
 
 /// What a move would be, with everything that speaks against it. Reads only.
@@ -133,7 +133,7 @@ async fn travel(
     drive: &mut Drive,
     wanted: &Move,
     observer: &Observer,
-) -> Result<Report, MotionError> {
+) -> Result<Done, MotionError> {
     let plan = session.plan_move(drive, &wanted.order, wanted.limit).await?;
     if !plan.objections.is_empty() {
         return Err(MotionError::Client(Error::Objections {
@@ -160,7 +160,7 @@ async fn travel(
         plan: Some(MoveReport::of(&plan, drive)),
         ..MotionResult::default()
     };
-    taken.finish(result, found, (session, drive)).await
+    Ok(taken.finish(result, found).await)
 }
 
 async fn reach(enabled: &mut Enabled<'_>, wanted: &Move, last: &mut Option<AxisStatus>) -> Result<(), Error> {
@@ -201,8 +201,8 @@ pub async fn task(
 ) -> Result<Report, MotionError> {
     let change = mode::enter(session, drive, Mode::Position, &wanted.control, observer).await?;
     let result = carry_out(session, drive, wanted, observer).await;
-    mode::leave(change, observer).await;
-    result
+    let restored = mode::leave(change, observer).await;
+    result?.report(restored, observer, (session, drive)).await
 }
 
 async fn carry_out(
@@ -210,7 +210,7 @@ async fn carry_out(
     drive: &mut Drive,
     wanted: &Task,
     observer: &Observer,
-) -> Result<Report, MotionError> {
+) -> Result<Done, MotionError> {
     session.check_mode(drive, Mode::Position).await?;
     session.check_control(drive).await?;
     session.check_task(drive, wanted.number).await?;
@@ -238,7 +238,7 @@ async fn carry_out(
         active_task: last.and_then(|status| status.view.seen?.aktsatz),
         ..MotionResult::default()
     };
-    taken.finish(result, found, (session, drive)).await
+    Ok(taken.finish(result, found).await)
 }
 
 /// Sets the home position by the homing procedure of the drive.
@@ -253,8 +253,8 @@ pub async fn home(
 ) -> Result<Report, MotionError> {
     let change = mode::enter(session, drive, Mode::Position, &wanted.control, observer).await?;
     let result = set_home(session, drive, wanted, observer).await;
-    mode::leave(change, observer).await;
-    result
+    let restored = mode::leave(change, observer).await;
+    result?.report(restored, observer, (session, drive)).await
 }
 
 async fn set_home(
@@ -262,7 +262,7 @@ async fn set_home(
     drive: &mut Drive,
     wanted: &Home,
     observer: &Observer,
-) -> Result<Report, MotionError> {
+) -> Result<Done, MotionError> {
     check_controller_loss(session, drive, &wanted.control, observer).await?;
     let procedure = procedure(session, drive).await?;
     let settings = wanted.control.settings(Purpose::Home, f64::INFINITY);
@@ -286,7 +286,7 @@ async fn set_home(
         left_to: left_to.map(Quantity::turns),
         ..MotionResult::default()
     };
-    taken.finish(result, found, (session, drive)).await
+    Ok(taken.finish(result, found).await)
 }
 
 /// What decides over the homing procedure, as far as the drive reports it.

@@ -1,5 +1,7 @@
 //! What a motion was like.
 
+use std::fmt;
+
 use client::Rest;
 use profinet::cyclic::CyclicStatistics;
 use serde::Serialize;
@@ -25,6 +27,8 @@ pub struct Report {
     pub interrupted: bool,
     /// Counters of the cyclic connection; a serial line has none.
     pub frames: Frames,
+    /// The settings that were changed for it, after their values from before were written.
+    pub put_back: Vec<PutBack>,
     /// What came of it.
     #[serde(flatten)]
     pub result: MotionResult,
@@ -33,6 +37,33 @@ pub struct Report {
 #[expect(clippy::trivially_copy_pass_by_ref, reason = "the signature is that of serde")]
 fn by_id<S: serde::Serializer>(rest: &Rest, serializer: S) -> Result<S::Ok, S::Error> {
     serializer.serialize_str(rest.id())
+}
+
+/// A setting that was changed for a motion, after it.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct PutBack {
+    /// The parameter; null where mode and telegram of the drive cannot be read.
+    pub parameter: Option<String>,
+    /// Its number as its vendor writes it: `930`, `p1004`.
+    pub number: Option<String>,
+    /// Its value from before the motion.
+    pub value: Option<String>,
+    /// Why it does not have that value again; null where it has.
+    pub failed: Option<String>,
+}
+
+impl fmt::Display for PutBack {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let what = match (&self.parameter, &self.value) {
+            (Some(parameter), Some(value)) => (parameter.as_str(), format!(" to {value}")),
+            _ => ("mode and telegram (PNU 930, 922)", String::new()),
+        };
+        match &self.failed {
+            None => write!(f, "{} was put back{}", what.0, what.1),
+            Some(cause) => write!(f, "{} was not put back{}: {cause}", what.0, what.1),
+        }
+    }
 }
 
 /// Cyclic frames of a motion.

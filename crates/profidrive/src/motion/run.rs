@@ -8,7 +8,7 @@ use profile::catalogue::Part;
 use profile::state::Mode;
 use profile::telegram::Telegram;
 
-use super::axis::{Taken, check_controller_loss, report_rounded, report_switch};
+use super::axis::{Done, Taken, check_controller_loss, report_rounded, report_switch};
 use super::check::checked_axis;
 use super::error::{End, MotionError};
 use super::event::{Event, Observer, Start};
@@ -131,8 +131,8 @@ pub async fn run(
     wanted.check()?;
     let change = mode::enter(session, drive, Mode::Velocity, &wanted.control, observer).await?;
     let result = turn(session, drive, wanted, observer).await;
-    mode::leave(change, observer).await;
-    result
+    let restored = mode::leave(change, observer).await;
+    result?.report(restored, observer, (session, drive)).await
 }
 
 /// Reads and checks everything that [`run`] does; nothing is sent that changes anything.
@@ -196,7 +196,7 @@ async fn turn(
     drive: &mut Drive,
     wanted: &Run,
     observer: &Observer,
-) -> Result<Report, MotionError> {
+) -> Result<Done, MotionError> {
     permitted(session, drive, wanted, observer).await?;
     let end = if wanted.time.is_some() {
         End::Time
@@ -214,7 +214,7 @@ async fn turn(
         Err(error) => Err(error),
     };
     found.speed = taken.speed();
-    taken.finish(result, found, (session, drive)).await
+    Ok(taken.finish(result, found).await)
 }
 
 async fn keep(
