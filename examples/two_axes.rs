@@ -3,7 +3,8 @@
 //!
 //! `cargo run -p examples --example two_axes -- eth0 akd-1 akd-2`
 //!
-//! Without hardware: `profidrive simulate --count 2` on the other end of a cable, see README.
+//! Without hardware: `profidrive simulate --name akd-1 --count 2 --ip 192.168.77.11/24` on the other end of a cable, see
+//! README.
 
 use std::error::Error;
 use std::process::ExitCode;

@@ -366,10 +366,13 @@ fn a_signal_that_comes_twice_still_ends_in_a_ramp_stop() {
     let program = built("profidrive");
     let program = program.to_str().unwrap();
     for signal in ["TERM", "INT"] {
+        let shown = lab.folder().join(format!("{signal}.out"));
+        let shown = shown.display();
         // both at once to the whole group, as `timeout` and an impatient hand do
         let script = format!(
-            "setsid {program} -i ctl0 run akd-1 --velocity 600rpm --for 20s --watchdog 15 & \
-             sleep 2; kill -{signal} $!; kill -{signal} $!; sleep 0.05; kill -{signal} $!; wait $!"
+            "setsid {program} -i ctl0 run akd-1 --velocity 600rpm --for 20s --watchdog 15 >{shown} & \
+             for _ in $(seq 300); do grep -q 'actual   600' {shown} && break; sleep 0.05; done; \
+             kill -{signal} $!; kill -{signal} $!; sleep 0.05; kill -{signal} $!; wait $!"
         );
         let ended = lab.run(Side::Controller, "bash", ["-c", &script], SHORT);
         assert!(ended.err.contains("axis at rest"), "{signal}: {ended:?}");
