@@ -202,7 +202,7 @@ impl World {
     pub fn run_until(&mut self, until: Instant, record: &mut dyn FnMut(Entry)) {
         loop {
             self.act(record);
-            let next = self.next().min(until);
+            let next = self.next_event().min(until);
             let segment = self.medium.segment_mut();
             // all that was due until now is done, also what the time line had for this moment
             if segment.now() >= until && segment.next_event().is_none_or(|at| at > until) {
@@ -213,8 +213,9 @@ impl World {
         }
     }
 
-    /// When something happens next: of a time line, a program or a sample, or on the segment.
-    fn next(&self) -> Instant {
+    /// Returns when something happens next: of a time line, a program or a sample, or on the segment.
+    #[must_use]
+    pub fn next_event(&self) -> Instant {
         let own = [self.next_cue(), self.next_step(), self.sample.map(|(_, at)| at)];
         let next = own.into_iter().chain([self.medium.segment().next_event()]);
         next.flatten().min().unwrap_or(Instant::MAX)
@@ -357,7 +358,7 @@ impl Medium for World {
         loop {
             self.act(&mut record);
             // from event to event: a time line may wait for the place that an axis reaches
-            let next = self.next().min(until);
+            let next = self.next_event().min(until);
             let handled = self.medium.advance(endpoint, next);
             self.look(&mut record);
             if handled || self.now() >= until {

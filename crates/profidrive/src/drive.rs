@@ -4,7 +4,7 @@ use client::{Drive, DriveAddress, DriveAddressError, Error, ErrorKind, Session};
 use network::system::InterfaceInfo;
 use profinet::IpSuite;
 
-use crate::open::{Access, Network, OpenError, Opening, Place, Transport, open_line};
+use crate::open::{Access, Caller, Network, OpenError, Opening, Place, Transport, open_line};
 use crate::reach::{OtherSubnet, Reach, far, reach};
 
 /// A step of opening and finding a drive.
@@ -163,7 +163,7 @@ impl Opening {
     /// When the drive does not answer, is in another subnet, is not a drive, or the description is not one of it.
     pub async fn find(
         &self,
-        network: &mut Network,
+        network: &mut Caller,
         address: &DriveAddress,
         observer: &mut FindObserver<'_>,
     ) -> Result<Drive, DriveError> {

@@ -38,7 +38,7 @@ use profinet::controller::Station;
 
 use crate::drive::{DriveError, FindEvent};
 use crate::motion::{self, MotionError, StopReport};
-use crate::open::{Access, Network, OpenError, Opening, Transport};
+use crate::open::{Access, Caller, Network, OpenError, Opening, Transport};
 use crate::selector::{Group, Selector, Term};
 
 /// Drives that are worked on at the same time. Each has a connection of its own; the others wait for their turn.
@@ -106,7 +106,7 @@ impl Opening {
     ///
     /// # Errors
     /// When the network fails or the caller requests a stop.
-    pub async fn select(&self, network: &mut Network, selector: &Selector) -> Result<Fleet, DriveError> {
+    pub async fn select(&self, network: &mut Caller, selector: &Selector) -> Result<Fleet, DriveError> {
         let transport = network.transport().clone();
         let searched = selector.terms().iter().any(|term| matches!(term, Term::Group(_)));
         let answered = if searched {
@@ -201,7 +201,7 @@ pub async fn then<T, U, E>(
 /// When the network fails or the caller requests a stop. What became of each drive is in its member.
 pub async fn stop(
     opening: &Opening,
-    network: &mut Network,
+    network: &mut Caller,
     selector: &Selector,
     way: StopWay,
     limit: Duration,

@@ -85,7 +85,7 @@ pub use client::Wait;
 pub use description::{DescriptionError, describe};
 pub use drive::{DriveError, FindEvent, FindObserver};
 pub use network::system::{ForcedExit, Stop};
-pub use open::{Access, Network, OpenError, Opening, Transport, interface, open, open_line};
+pub use open::{Access, Caller, Network, OpenError, Opening, Transport, interface, open, open_line};
 pub use outcome::{Outcome, Reported};
 /// The drive profile: parameters, values, telegrams, models.
 pub use profile;

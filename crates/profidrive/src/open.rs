@@ -15,12 +15,24 @@ use profinet::{IpSuite, MacAddress};
 use crate::carrier::{Carrier, serial_settings};
 use crate::driver::Threaded;
 
-/// The drives of a real network, of a serial line or of a plant in memory. A thread of its own carries the bytes; those of a
-/// plant are carried by the calls that wait.
+/// The drives of a real network, of a serial line or of a plant in memory, with what carries the bytes to them: a thread of
+/// its own, or the calls that wait for a plant in virtual time.
+///
+/// Dropping it, by an error or a panic too, brings every axis under control to rest and closes the connections. Its calls are
+/// those of its [`Caller`].
 #[derive(Debug)]
 pub struct Network {
-    pub(crate) network: client::Network,
-    pub(crate) transport: Transport,
+    network: client::Network,
+    caller: Caller,
+}
+
+/// The calls of one caller on a [`Network`], which goes on for the others. A server gives a clone to each of its clients.
+///
+/// It does not keep the network open: when that is left, calls end with [`Error::Closed`](client::Error::Closed).
+#[derive(Debug, Clone)]
+pub struct Caller {
+    session: Session,
+    transport: Transport,
 }
 
 /// What carries a network.
@@ -50,12 +62,6 @@ impl Transport {
 }
 
 impl Network {
-    /// Returns what carries this network.
-    #[must_use]
-    pub const fn transport(&self) -> &Transport {
-        &self.transport
-    }
-
     fn start(
         client: Client,
         carrier: Carrier,
@@ -65,16 +71,18 @@ impl Network {
         let flag = stop.clone();
         let start = |engine| Threaded::start(engine, carrier, flag).map_err(OpenError::Thread);
         let network = client::Network::driven(client, start)?;
-        Ok(Self { network, transport }.stopped_by(stop))
+        Ok(Self::new(network, transport, stop))
     }
 
-    pub(crate) fn stopped_by(mut self, stop: Option<Stop>) -> Self {
+    pub(crate) fn new(mut network: client::Network, transport: Transport, stop: Option<Stop>) -> Self {
         if let Some(stop) = stop {
             let urgent = stop.clone();
-            self.interrupt_with(move || stop.is_stopped());
-            self.hurry_with(move || urgent.is_urgent());
+            network.interrupt_with(move || stop.is_stopped());
+            network.hurry_with(move || urgent.is_urgent());
         }
-        self
+        let session = Session::clone(&network);
+        let caller = Caller { session, transport };
+        Self { network, caller }
     }
 
     fn with_calls(self, receives_calls: bool) -> Self {
@@ -83,22 +91,44 @@ impl Network {
         }
         Self {
             network: self.network.without_calls(),
-            transport: self.transport,
+            caller: self.caller,
         }
     }
 }
 
-impl Deref for Network {
-    type Target = Session;
+impl Caller {
+    /// Returns what carries the network.
+    #[must_use]
+    pub const fn transport(&self) -> &Transport {
+        &self.transport
+    }
+}
 
-    fn deref(&self) -> &Session {
-        &self.network
+impl Deref for Network {
+    type Target = Caller;
+
+    fn deref(&self) -> &Caller {
+        &self.caller
     }
 }
 
 impl DerefMut for Network {
+    fn deref_mut(&mut self) -> &mut Caller {
+        &mut self.caller
+    }
+}
+
+impl Deref for Caller {
+    type Target = Session;
+
+    fn deref(&self) -> &Session {
+        &self.session
+    }
+}
+
+impl DerefMut for Caller {
     fn deref_mut(&mut self) -> &mut Session {
-        &mut self.network
+        &mut self.session
     }
 }
 
@@ -205,6 +235,8 @@ pub struct Opening {
     by_ip: bool,
     pub(crate) stop: Option<Stop>,
     pub(crate) model: Option<Model>,
+    #[cfg(feature = "simulate")]
+    pub(crate) real_time: bool,
     #[cfg(feature = "gsdml")]
     pub(crate) description: Option<std::sync::Arc<gsdml::Gsdml>>,
 }
@@ -229,6 +261,8 @@ impl Opening {
             by_ip: false,
             stop: None,
             model: None,
+            #[cfg(feature = "simulate")]
+            real_time: false,
             #[cfg(feature = "gsdml")]
             description: None,
         }
@@ -279,7 +313,7 @@ impl Opening {
     pub fn open(self) -> Result<Network, OpenError> {
         let name = match &self.place {
             #[cfg(feature = "simulate")]
-            Place::Plant(plant) => return crate::simulate::join(plant, self.stop),
+            Place::Plant(plant) => return crate::simulate::join(plant, self.real_time, self.stop),
             Place::Interface(Some(name)) => Some(name.clone()),
             Place::Interface(None) => interface()?,
         };
@@ -325,7 +359,7 @@ impl Opening {
         let network = Network::start(Client::new(config), carrier, Transport::Udp, self.stop)?;
         let network = Network {
             network: network.network.without_discovery(),
-            ..network
+            caller: network.caller,
         };
         Ok(network.with_calls(receives_calls))
     }

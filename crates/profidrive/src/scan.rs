@@ -37,7 +37,7 @@ use profinet::wire::dcp::role;
 use profinet::{Instant, MacAddress};
 
 use crate::fleet::AT_ONCE;
-use crate::open::{Network, Transport};
+use crate::open::{Caller, Transport};
 use crate::reach::{Reach, reach};
 use crate::report::{Change, Remark, ScanReport, Station, StationChange};
 use crate::{Outcome, Reported, inspection};
@@ -50,7 +50,7 @@ const MISSED: u8 = 3;
 ///
 /// # Errors
 /// When the medium fails or the caller requests a stop.
-pub async fn discover(network: &mut Network, time: Duration) -> Result<Reported<ScanReport>, Error> {
+pub async fn discover(network: &mut Caller, time: Duration) -> Result<Reported<ScanReport>, Error> {
     let answers = network.scan(time).await?;
     Ok(reported(of_answers(network, &answers)))
 }
@@ -62,7 +62,7 @@ pub async fn discover(network: &mut Network, time: Duration) -> Result<Reported<
 /// # Errors
 /// When the medium fails or the caller requests a stop.
 pub async fn survey(
-    network: &mut Network,
+    network: &mut Caller,
     time: Duration,
     progress: &mut (dyn FnMut(usize, usize) + Send),
 ) -> Result<Reported<ScanReport>, Error> {
@@ -82,7 +82,10 @@ pub async fn survey(
                 .iter()
                 .any(|remark| unreadable.contains(remark))
     };
-    let wanted: Vec<(usize, &Answer)> = answers.iter().enumerate().filter(readable).collect();
+    let wanted = answers.iter().enumerate().filter(readable);
+    let wanted: Vec<(usize, Drive)> = wanted
+        .map(|(at, answer)| (at, Drive::new(answer.clone())))
+        .collect();
     if let Some(name) = without_address {
         for (at, _) in &wanted {
             if let Some(one) = report.stations.get_mut(*at) {
@@ -94,8 +97,8 @@ pub async fn survey(
     let session: &Session = network;
     let all = wanted.len();
     let mut reading = stream::iter(wanted)
-        .map(|(at, answer)| {
-            let (mut session, mut drive) = (session.clone(), Drive::new(answer.clone()));
+        .map(|(at, mut drive)| {
+            let mut session = session.clone();
             async move { (at, inspection::info(&mut session, &mut drive).await) }
         })
         .buffer_unordered(AT_ONCE);
@@ -126,7 +129,7 @@ fn reported(report: ScanReport) -> Reported<ScanReport> {
     Reported { report, outcome }
 }
 
-fn of_answers(network: &Network, answers: &[Answer]) -> ScanReport {
+fn of_answers(network: &Caller, answers: &[Answer]) -> ScanReport {
     let place = network.transport().place();
     let remarked = answers.iter().map(|answer| {
         let other = place.and_then(|(name, own)| match reach(name, own, &answer.name, answer.ip) {
@@ -189,7 +192,7 @@ impl Watch {
     ///
     /// # Errors
     /// When the medium fails or the caller requests a stop.
-    pub async fn next(&mut self, network: &mut Network, time: Duration) -> Result<Vec<StationChange>, Error> {
+    pub async fn next(&mut self, network: &mut Caller, time: Duration) -> Result<Vec<StationChange>, Error> {
         let begin = *self.begin.get_or_insert(network.now());
         let answers = network.scan(time).await?;
         Ok(self.compare(answers, network.now() - begin))

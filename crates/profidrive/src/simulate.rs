@@ -1,15 +1,19 @@
 //! A plant in memory, opened like a network.
 
+mod clock;
+
 use std::path::Path;
 use std::sync::Arc;
 
-use client::World;
+use client::Client;
 use network::system::Stop;
 use plant::PlantPlan;
 use profinet::controller::ControllerConfig;
 use profinet::{IpSuite, MacAddress};
 
 use crate::open::{Access, Network, OpenError, Opening, Place, Transport};
+
+use clock::{ByTheClock, Shared};
 
 /// The address of this program in a plant. The drives have others: those of a file are locally administered ones made of
 /// their names.
@@ -18,7 +22,7 @@ const MAC: MacAddress = MacAddress([0x02, 0x50, 0x4E, 0, 0, 0xC0]);
 /// Opens a plant file: drives and what happens to them, in memory and in virtual time.
 ///
 /// The network is of the same type as one of [`open`](crate::open()), and a program runs on both. Time advances only while a
-/// call waits, as fast as the computer can. The time line of the file plays meanwhile, its controllers run, and cables lose
+/// call waits or an executor polls it, as fast as the computer can ([`Opening::in_real_time`] has the time of the clock). The time line of the file plays meanwhile, its controllers run, and cables lose
 /// and delay frames as the file defines. One thread gets the same run every time; the seed in the file decides what happens by chance.
 ///
 /// This program has the address [`PlantPlan::client_address`].
@@ -53,6 +57,14 @@ impl Opening {
         self.place = Place::Plant(Arc::new(plant));
         self
     }
+
+    /// Lets the plant go on by the clock of this computer, in a thread of its own, whether calls wait or not: for people who
+    /// watch it. Otherwise its time is virtual.
+    #[must_use]
+    pub const fn in_real_time(mut self) -> Self {
+        self.real_time = true;
+        self
+    }
 }
 
 /// A plant that this program has joined.
@@ -73,7 +85,7 @@ impl Opening {
 /// ```
 #[derive(Debug, Clone)]
 pub struct Joined {
-    world: Arc<World<plant::World>>,
+    plant: Shared,
     pub(crate) ip: IpSuite,
 }
 
@@ -81,17 +93,23 @@ impl Joined {
     /// Calls `work` with the plant, to look at its drives, to let something happen to them and to record the traffic. Nothing
     /// happens meanwhile: a call for the network inside of `work` would wait for ever.
     pub fn with_world<T>(&self, work: impl FnOnce(&mut plant::World) -> T) -> T {
-        work(&mut self.world.wire())
+        work(&mut self.plant.lock())
     }
 }
 
-pub(crate) fn join(plant: &PlantPlan, stop: Option<Stop>) -> Result<Network, OpenError> {
+pub(crate) fn join(plant: &PlantPlan, real_time: bool, stop: Option<Stop>) -> Result<Network, OpenError> {
     let ip = plant.client_address()?;
     let config = ControllerConfig::new(MAC, ip, "profidrive", plant.seed);
-    let (network, world) = client::Network::on(plant::World::new(plant)?, config);
+    let plant = Shared::new(plant::World::new(plant)?);
+    let network = if real_time {
+        let start = |engine| ByTheClock::start(engine, plant.clone()).map_err(OpenError::Thread);
+        client::Network::driven(Client::new(config), start)?
+    } else {
+        client::Network::on(plant.clone(), config).0
+    };
     let network = network.simulated();
-    let transport = Transport::Plant(Joined { world, ip });
-    Ok(Network { network, transport }.stopped_by(stop))
+    let transport = Transport::Plant(Joined { plant, ip });
+    Ok(Network::new(network, transport, stop))
 }
 
 #[cfg(test)]

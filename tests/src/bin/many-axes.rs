@@ -17,7 +17,7 @@ use std::time::{Duration, Instant};
 
 use client::axis::{Purpose, Trouble};
 use client::{Axis, AxisSettings, Enabled, Error, Samples, Session, StopHandle};
-use profidrive::{Access, Network, Opening, Stop, Wait};
+use profidrive::{Access, Caller, Network, Opening, Stop, Wait};
 use profile::state::Zsw1;
 use profinet::Instant as NetworkTime;
 use serde_json::{Value, json};
@@ -156,7 +156,7 @@ fn ends(interface: &str, names: &[&str]) -> Done<ExitCode> {
 
 /// One caller with one axis.
 fn caller(
-    mut session: Session,
+    mut session: Caller,
     name: &str,
     (number, axes): (usize, usize),
     course: &Course,
@@ -240,7 +240,7 @@ fn ramp_after(samples: &mut Samples, stopped_at: NetworkTime) -> Option<f64> {
 
 /// Stops the axis of a drive once a thousand callers wait for an answer of it.
 fn stop_among_readers(
-    network: &Session,
+    network: &Caller,
     name: &str,
     handle: &StopHandle,
     course: &Arc<Course>,
@@ -332,7 +332,7 @@ fn run_until(how: &str, interface: &str, time: Duration, names: &[&str]) -> Done
 }
 
 /// Turns an axis until something ends it.
-fn run(mut session: Session, name: &str, may_run_on: bool, turning_axes: &AtomicUsize) -> Done<()> {
+fn run(mut session: Caller, name: &str, may_run_on: bool, turning_axes: &AtomicUsize) -> Done<()> {
     let mut axis = take(&mut session, name, AxisSettings::default().lease, may_run_on)?;
     let mut enabled = turning(&mut axis)?;
     turning_axes.fetch_add(1, Ordering::SeqCst);

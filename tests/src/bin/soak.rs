@@ -11,9 +11,9 @@ use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
 use client::axis::Purpose;
-use client::{AxisSettings, Error, Session};
+use client::{AxisSettings, Error};
 use futures::future::join_all;
-use profidrive::{Access, Opening, Wait};
+use profidrive::{Access, Caller, Opening, Wait};
 use profile::notation::Notation;
 use profile::value::Selection;
 use serde_json::{Value, json};
@@ -212,14 +212,14 @@ fn control(interface: &str, rounds: usize, names: &[&str]) -> Done<()> {
     Ok(())
 }
 
-async fn take(mut session: Session, name: &str) -> Result<client::Axis, Error> {
+async fn take(mut session: Caller, name: &str) -> Result<client::Axis, Error> {
     let mut drive = session.find(&name.parse().unwrap()).await?;
     let settings = AxisSettings::for_purpose(Purpose::Speed);
     session.take_axis(&mut drive, settings).await
 }
 
 /// Returns whether each parameter had an answer, an answer that refuses it included.
-async fn read(mut session: Session, mut drive: client::Drive) -> bool {
+async fn read(mut session: Caller, mut drive: client::Drive) -> bool {
     let wanted = READ.map(|pnu| Selection::number(pnu, Notation::Name));
     match session.read(&mut drive, &wanted).await {
         Ok(readings) => readings.len() == READ.len(),

@@ -511,6 +511,18 @@ impl Future for NextTurn {
     type Output = Result<(), Error>;
 
     fn poll(mut self: Pin<&mut Self>, context: &mut Context<'_>) -> Poll<Self::Output> {
+        let answer = self.look(context.waker());
+        if answer.is_pending() {
+            // no lock is held: this may take a turn
+            wait::driven_by(self.engine.shared.driver.get(), context.waker());
+        }
+        answer
+    }
+}
+
+impl NextTurn {
+    /// Takes a place among those who wait, or returns what a turn has brought.
+    fn look(&mut self, waker: &Waker) -> Poll<Result<(), Error>> {
         let engine = self.engine.clone();
         let mut turns = locked(&engine.shared.turns);
         if turns.ended {
@@ -519,37 +531,34 @@ impl Future for NextTurn {
         if let Some(key) = self.key {
             let begun = match turns.waiting.get_mut(&key) {
                 Some(one) if !one.woken => {
-                    one.waker.clone_from(context.waker());
-                    None
+                    one.waker.clone_from(waker);
+                    return Poll::Pending;
                 }
-                Some(one) => Some(one.begun),
-                None => Some(u64::MAX),
+                Some(one) => one.begun,
+                None => u64::MAX,
             };
-            if let Some(begun) = begun {
-                let failure = turns.failure.as_ref().filter(|(turn, _)| *turn > begun);
-                return Poll::Ready(failure.map_or(Ok(()), |(_, why)| Err(Error::Medium(why.clone()))));
-            }
-        } else if self.since.is_some_and(|since| since != engine.events()) {
-            return Poll::Ready(Ok(()));
-        } else {
-            let key = turns.next_key;
-            turns.next_key += 1;
-            let one = Waiting {
-                begun: turns.number,
-                until: self.until,
-                interest: self.interest,
-                woken: false,
-                waker: context.waker().clone(),
-            };
-            turns.waiting.insert(key, one);
-            self.key = Some(key);
-            drop(turns);
-            let touched = engine.shared.touched.swap(false, Ordering::AcqRel);
-            if touched || self.until.as_nanos() < engine.shared.wakes.load(Ordering::Acquire) {
-                engine.ring();
-            }
+            let failure = turns.failure.as_ref().filter(|(turn, _)| *turn > begun);
+            return Poll::Ready(failure.map_or(Ok(()), |(_, why)| Err(Error::Medium(why.clone()))));
         }
-        wait::driven_by(engine.shared.driver.get());
+        if self.since.is_some_and(|since| since != engine.events()) {
+            return Poll::Ready(Ok(()));
+        }
+        let key = turns.next_key;
+        turns.next_key += 1;
+        let one = Waiting {
+            begun: turns.number,
+            until: self.until,
+            interest: self.interest,
+            woken: false,
+            waker: waker.clone(),
+        };
+        turns.waiting.insert(key, one);
+        self.key = Some(key);
+        drop(turns);
+        let touched = engine.shared.touched.swap(false, Ordering::AcqRel);
+        if touched || self.until.as_nanos() < engine.shared.wakes.load(Ordering::Acquire) {
+            engine.ring();
+        }
         Poll::Pending
     }
 }

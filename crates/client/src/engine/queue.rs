@@ -149,7 +149,7 @@ impl Engine {
                     Poll::Ready(_) => return Poll::Ready(false),
                 }
             }
-            wait::driven_by(self.shared.driver.get());
+            wait::driven_by(self.shared.driver.get(), context.waker());
             Poll::Pending
         });
         let begin = self.now();

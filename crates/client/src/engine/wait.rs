@@ -1,6 +1,6 @@
 //! Waiting for a call without a runtime.
 
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use std::future::Future;
 use std::pin::pin;
 use std::sync::{Arc, Weak};
@@ -12,11 +12,40 @@ use super::Driver;
 thread_local! {
     /// Who carries the calls that this thread looked at.
     static DRIVERS: RefCell<Vec<Weak<dyn Driver>>> = const { RefCell::new(Vec::new()) };
+    /// This thread turns drivers itself: it waits, or takes a turn for an executor.
+    static TURNS: Cell<bool> = const { Cell::new(false) };
 }
 
-/// Registers the driver of a waiting call.
-pub(super) fn driven_by(driver: Option<&Weak<dyn Driver>>) {
+/// Sets that this thread turns drivers, until it is dropped.
+struct Turning {
+    before: bool,
+}
+
+impl Turning {
+    fn begin() -> Self {
+        Self {
+            before: TURNS.replace(true),
+        }
+    }
+}
+
+impl Drop for Turning {
+    fn drop(&mut self) {
+        TURNS.set(self.before);
+    }
+}
+
+/// Registers the driver of a pending call. Under an executor that is not [`Wait::wait`], nothing else would carry a network in
+/// memory: there each look at a pending call is a turn, after which the call is to be looked at again.
+pub(super) fn driven_by(driver: Option<&Weak<dyn Driver>>, waker: &Waker) {
     let Some(driver) = driver else { return };
+    if !TURNS.get() {
+        let _turning = Turning::begin();
+        if driver.upgrade().is_some_and(|driver| driver.turn()) {
+            waker.wake_by_ref();
+        }
+        return;
+    }
     DRIVERS.with_borrow_mut(|drivers| {
         if !drivers.iter().any(|known| known.ptr_eq(driver)) {
             drivers.push(driver.clone());
@@ -27,7 +56,7 @@ pub(super) fn driven_by(driver: Option<&Weak<dyn Driver>>) {
 /// Waits for calls; every future has it.
 ///
 /// Where a thread of its own carries the bytes of a network, the caller sleeps meanwhile. Otherwise the caller carries
-/// them itself: a network in memory advances only while a call waits. Several calls at once are one future:
+/// them itself: a network in memory advances only while a call waits, or while an executor looks at one. Several calls at once are one future:
 /// `futures::future::join_all(calls).wait()`.
 pub trait Wait: Future + Sized {
     /// Waits for the result.
@@ -35,6 +64,7 @@ pub trait Wait: Future + Sized {
         let mut call = pin!(self);
         let waker = Waker::from(Arc::new(Sleeper(std::thread::current())));
         let mut context = Context::from_waker(&waker);
+        let _turning = Turning::begin();
         let before = DRIVERS.take();
         let result = loop {
             if let Poll::Ready(result) = call.as_mut().poll(&mut context) {

@@ -108,8 +108,12 @@ const BESIDE: Duration = Duration::from_millis(500);
 /// ```
 pub struct Session {
     engine: Engine,
-    /// Requests of the caller meanwhile.
-    caller_requests: Arc<Mutex<CallerRequests>>,
+    /// Asks whether the caller requests a stop.
+    interrupted: Arc<Mutex<Question>>,
+    /// Asks whether the caller requests a quick stop of an axis.
+    hurry: Arc<Mutex<Hurry>>,
+    /// Follows the steps on the ways to records.
+    route_follower: Arc<Mutex<RouteFollower>>,
     /// How its requests are carried out at present.
     manner: Arc<Mutex<Manner>>,
     /// When and how a caller that waits for an answer is notified of its absence.
@@ -120,21 +124,27 @@ pub struct Session {
     interest: Interest,
 }
 
-/// Requests of a caller while it waits.
-struct CallerRequests {
-    /// Records that the caller requests a stop.
-    interrupted: Box<dyn FnMut() -> bool + Send>,
-    /// Requests a quick stop of an axis, and whether it has done so.
-    hurry: Box<dyn FnMut() -> bool + Send>,
-    hurried: bool,
-    /// Follows the steps on the ways to records.
-    route_follower: RouteFollower,
+/// Asks the caller something, now and then while a call waits.
+type Question = Box<dyn FnMut() -> bool + Send>;
+
+/// The wish for a quick stop, which holds once it was there.
+struct Hurry {
+    question: Question,
+    requested: bool,
+}
+
+impl Hurry {
+    fn is_requested(&mut self) -> bool {
+        self.requested = self.requested || (self.question)();
+        self.requested
+    }
 }
 
 /// A caller that waits for an answer.
 struct Silence {
     due: Instant,
-    notify: Box<dyn FnMut() + Send>,
+    /// In a lock, so that threads can share a session.
+    notify: Mutex<Box<dyn FnMut() + Send>>,
 }
 
 /// How long a network that is left may still wait for each drive.
@@ -143,11 +153,21 @@ const FAREWELL: Duration = Duration::from_secs(1);
 /// Takes the name of a drive and a step on the way to its records.
 type RouteFollower = Box<dyn FnMut(&str, &RouteNotice) + Send>;
 
+fn shared<T>(inner: T) -> Arc<Mutex<T>> {
+    Arc::new(Mutex::new(inner))
+}
+
+fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
 impl Clone for Session {
     fn clone(&self) -> Self {
         Self {
             engine: self.engine.clone(),
-            caller_requests: self.caller_requests.clone(),
+            interrupted: Arc::clone(&self.interrupted),
+            hurry: Arc::clone(&self.hurry),
+            route_follower: Arc::clone(&self.route_follower),
             manner: Arc::new(Mutex::new(self.manner().clone())),
             silence: None,
             under_control: self.under_control.clone(),
@@ -166,12 +186,12 @@ impl Session {
     pub(crate) fn new(engine: Engine) -> Self {
         Self {
             engine,
-            caller_requests: Arc::new(Mutex::new(CallerRequests {
-                interrupted: Box::new(|| false),
-                hurry: Box::new(|| false),
-                hurried: false,
-                route_follower: Box::new(|_, _| {}),
-            })),
+            interrupted: shared(Box::new(|| false)),
+            hurry: shared(Hurry {
+                question: Box::new(|| false),
+                requested: false,
+            }),
+            route_follower: shared(Box::new(|_, _| {})),
             manner: Arc::default(),
             silence: None,
             under_control: None,
@@ -179,21 +199,20 @@ impl Session {
         }
     }
 
-    fn caller_requests(&self) -> MutexGuard<'_, CallerRequests> {
-        self.caller_requests
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner)
-    }
-
     /// Calls `interrupted` now and then to check whether the caller requests a stop; calls then end with
-    /// [`Error::Interrupted`]. An axis under control is stopped all the same.
+    /// [`Error::Interrupted`]. An axis under control is stopped as well. It holds for this session and the clones that are
+    /// made of it from now on.
     pub fn interrupt_with(&mut self, interrupted: impl FnMut() -> bool + Send + 'static) {
-        self.caller_requests().interrupted = Box::new(interrupted);
+        self.interrupted = shared(Box::new(interrupted));
     }
 
-    /// Calls `hurry` while an axis stops along its ramp, until it returns true: what remains is a quick stop (OFF3).
+    /// Calls `hurry` while an axis stops along its ramp, until it returns true: what remains is a quick stop (OFF3). It holds
+    /// for this session and the clones that are made of it from now on.
     pub fn hurry_with(&mut self, hurry: impl FnMut() -> bool + Send + 'static) {
-        self.caller_requests().hurry = Box::new(hurry);
+        self.hurry = shared(Hurry {
+            question: Box::new(hurry),
+            requested: false,
+        });
     }
 
     /// Makes a ramp stop a quick one once the caller requests it.
@@ -202,12 +221,7 @@ impl Session {
         if !ramp {
             return;
         }
-        let hurried = {
-            let mut caller_requests = self.caller_requests();
-            caller_requests.hurried = caller_requests.hurried || (caller_requests.hurry)();
-            caller_requests.hurried
-        };
-        if hurried {
+        if locked(&self.hurry).is_requested() {
             let now = self.now();
             self.client().hurry(now, link);
         }
@@ -215,7 +229,7 @@ impl Session {
 
     /// True once the caller requested a quick stop.
     fn has_hurried(&self) -> bool {
-        self.caller_requests().hurried
+        locked(&self.hurry).requested
     }
 
     /// Brings every axis to rest and closes every connection.
@@ -295,7 +309,7 @@ impl Session {
         notify: impl FnMut() + Send + 'static,
     ) -> T {
         let due = self.now() + limit;
-        let notify = Box::new(notify);
+        let notify: Mutex<Box<dyn FnMut() + Send>> = Mutex::new(Box::new(notify));
         let before = self.silence.replace(Silence { due, notify });
         let result = work(self).await;
         self.silence = before;
@@ -314,7 +328,7 @@ impl Session {
     /// # Errors
     /// When the caller requests a stop ([`interrupt_with`](Self::interrupt_with)).
     pub fn glance(&mut self) -> Result<(), Error> {
-        if !self.manner().stopping && (self.caller_requests().interrupted)() {
+        if !self.manner().stopping && (locked(&self.interrupted))() {
             return Err(Error::Interrupted);
         }
         Ok(())
@@ -332,10 +346,11 @@ impl Session {
         self.glance()?;
         let now = self.now();
         if let Some(mut silence) = self.silence.take_if(|silence| silence.due <= now) {
-            (silence.notify)();
+            let notify = silence.notify.get_mut().unwrap_or_else(PoisonError::into_inner);
+            notify();
         }
         turn.await.map_err(|error| match (error, &self.under_control) {
-            // the drive hears nothing any more, wherever the way ends
+            // nothing reaches the drive any more, wherever the way ends
             (Error::Medium(error), Some((drive, reaction))) => Error::CarrierLost {
                 drive: drive.clone(),
                 error,

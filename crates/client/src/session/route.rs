@@ -7,7 +7,7 @@ use profinet::controller::{LostCause, ServiceError};
 use profinet::wire::PnioStatus;
 use profinet::wire::status::{DECODE_RECORD, record};
 
-use super::Session;
+use super::{Session, locked, shared};
 use crate::{ClosedRoute, Drive, Error, Route, RouteNotice};
 
 /// What is known about the ways to one drive.
@@ -27,9 +27,10 @@ impl Routes {
 }
 
 impl Session {
-    /// Reports each step on the way to the records of a drive to `follow`: the drive's name and what happened.
+    /// Reports each step on the way to the records of a drive to `follow`: the drive's name and what happened. It
+    /// holds for this session and the clones that are made of it from now on.
     pub fn follow_routes(&mut self, follow: impl FnMut(&str, &RouteNotice) + Send + 'static) {
-        self.caller_requests().route_follower = Box::new(follow);
+        self.route_follower = shared(Box::new(follow));
     }
 
     /// Returns the way on which records of a drive are read, once one was taken.
@@ -91,7 +92,7 @@ impl Session {
     }
 
     pub(super) fn describe_route(&mut self, drive: &Drive, notice: &RouteNotice) {
-        (self.caller_requests().route_follower)(&drive.label(), notice);
+        (locked(&self.route_follower))(&drive.label(), notice);
     }
 
     /// Every way is closed.

@@ -384,8 +384,8 @@ fn a_call_that_is_dropped_half_way_changes_nothing_for_the_next() {
     // the wish to stop counts again
     let wish = Shared::new(true);
     let wished = wish.clone();
-    session.interrupt_with(move || wished.get());
     let (inner, _) = axis.session();
+    inner.interrupt_with(move || wished.get());
     let passed = inner.pass(SECOND).wait();
     assert!(matches!(passed, Err(Error::Interrupted)), "{passed:?}");
     wish.set(false);
