@@ -42,7 +42,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// A command line that is none, or that requests help. With `--json` a mistake is a document too.
+/// An invalid command line, or one that requests help. With `--json` a mistake is a document too.
 fn misunderstood(error: &clap::Error, command: String) -> ExitCode {
     let json = error.use_stderr() && std::env::args_os().any(|argument| argument == "--json");
     let output = Output::new(json, false).of_command(command);

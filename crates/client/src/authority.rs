@@ -1,4 +1,4 @@
-//! Who commands a drive, and what it is at work with.
+//! Who commands a drive, and what keeps it busy.
 
 use std::fmt;
 

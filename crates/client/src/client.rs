@@ -40,7 +40,7 @@ pub enum Connection {
     Released,
 }
 
-/// A connection that a client has: a relation of PROFINET, or a drive at a serial line.
+/// A connection that a client has: an application relationship (AR), or a drive at a serial line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Link {
     /// On the network.
@@ -215,7 +215,7 @@ pub struct AxisView {
     pub accepted: bool,
     /// The task that an intermediate stop holds.
     pub held: Option<Traverse>,
-    /// What the drive is for, as the control was reported.
+    /// What the drive is for, as passed to the control.
     pub mode: Mode,
     /// True once it was in operation under this control.
     pub operated: bool,

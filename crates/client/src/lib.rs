@@ -1,6 +1,6 @@
 //! Client for drives: finds and identifies them, reads and writes their parameters, runs their axes.
 //!
-//! The profile (`profidrive`) and the controller (`profinet::controller`) meet here. Still no I/O: a
+//! The profile (`profile`) and the controller (`profinet::controller`) meet here. Still no I/O: a
 //! [`Medium`](profinet::Medium) carries the bytes. [`Client`] is the state machine, for programs with a loop of their own.
 //! An [`Engine`] shares it between any number of callers, and a [`Driver`] carries its bytes: the calls of a [`Session`] are
 //! futures that need no runtime; [`Wait::wait`] waits for one.

@@ -27,7 +27,7 @@ impl fmt::Display for Position {
 pub enum Severity {
     /// Allowed, but tools may stumble.
     Warning,
-    /// Against the rules; the file can be used all the same.
+    /// Against the rules; the file can be used anyway.
     Error,
     /// What the file means is not certain: it is not used.
     Unusable,

@@ -15,7 +15,7 @@ use crate::carrier::Carrier;
 const AFTER_FAILURE: Duration = Duration::from_millis(20);
 
 /// A carrier with a thread of its own. It goes on whatever the rest of the program does: an axis whose owner hangs or
-/// has panicked is brought to rest all the same.
+/// has panicked is brought to rest anyway.
 pub(crate) struct Threaded {
     bell: Bell,
     ended: Arc<AtomicBool>,

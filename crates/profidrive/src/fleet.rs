@@ -380,7 +380,7 @@ fn none_of(group: &Group, answered: Vec<String>) -> Wanted {
     }
 }
 
-/// A station whose name or address another one has cannot be told from that one.
+/// A station whose name or address another one has cannot be distinguished from that one.
 fn of_station(station: &Station, answered: &[Station]) -> Wanted {
     let nothing = |error| Wanted::Nothing {
         name: label(station),

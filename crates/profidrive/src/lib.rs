@@ -44,6 +44,10 @@
 //! | end waiting calls and stop axes by Ctrl-C | [`Stop`] with [`Opening::stopped_by`] |
 //! | check whether both sides can reach each other | [`reach`](reach()) |
 //! | find, read, write | [`Network`], which is a [`client::Session`] |
+//! | share a network between threads or the clients of a server | [`Caller`], a clone of what a [`Network`] is |
+//! | let several axes run at once | [`client::Axis`], one for each; `examples/two_axes.rs` |
+//! | record every cyclic sample of an axis | [`client::Axis::samples`]; `examples/record_samples.rs` |
+//! | decide by the kind of an error | [`client::ErrorKind`], which every error type has as `kind()`; [`client::Error::advice`] has what to do |
 //! | select many drives and work on them side by side | [`Selector`], [`fleet`] |
 //! | scan, and see status, identity and faults of a drive | [`inspection`] |
 //! | watch the values and faults of a drive | [`monitor`] |
@@ -87,8 +91,12 @@ pub use drive::{DriveError, FindEvent, FindObserver};
 pub use network::system::{ForcedExit, Stop};
 pub use open::{Access, Caller, Network, OpenError, Opening, Transport, interface, open, open_line};
 pub use outcome::{Outcome, Reported};
+/// Plants of virtual drives: their file, and what happens to them.
+#[cfg(feature = "simulate")]
+pub use plant;
 /// The drive profile: parameters, values, telegrams, models.
 pub use profile;
+pub use profinet::{Instant, IpSuite, MacAddress};
 pub use reach::{OtherSubnet, Reach, far, reach};
 pub use selector::{Selector, SelectorError};
 #[cfg(feature = "simulate")]

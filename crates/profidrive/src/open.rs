@@ -298,7 +298,7 @@ impl Opening {
         self
     }
 
-    /// Calls end with [`client::Error::Interrupted`] once `stop` is raised. An axis is brought to rest all the same; once
+    /// Calls end with [`client::Error::Interrupted`] once `stop` is raised. An axis is brought to rest anyway; once
     /// `stop` is urgent, by its quick stop (OFF3). [`Session::interrupt_with`] and [`Session::hurry_with`] replace this.
     #[must_use]
     pub fn stopped_by(mut self, stop: Stop) -> Self {

@@ -1,4 +1,4 @@
-//! How a call ended whose report is there all the same.
+//! How a call ended whose report is there anyway.
 
 use client::ErrorKind;
 

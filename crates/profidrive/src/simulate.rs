@@ -93,7 +93,7 @@ impl Joined {
     /// Calls `work` with the plant, to look at its drives, to let something happen to them and to record the traffic. Nothing
     /// happens meanwhile: a call for the network inside of `work` would wait for ever.
     pub fn with_world<T>(&self, work: impl FnOnce(&mut plant::World) -> T) -> T {
-        work(&mut self.plant.lock())
+        self.plant.with(work)
     }
 }
 

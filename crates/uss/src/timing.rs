@@ -60,8 +60,8 @@ impl Timing {
         }
     }
 
-    /// Bears octets of one telegram that come up to `gap` apart, as from adapters and systems that hand them over in
-    /// lumps. Never below the rule of the line.
+    /// Tolerates gaps of up to `gap` between the octets of one telegram: some adapters and systems deliver them in
+    /// bursts. Never below the rule of the line.
     #[must_use]
     pub fn with_gap(self, gap: Duration) -> Self {
         Self {

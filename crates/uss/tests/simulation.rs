@@ -1,6 +1,6 @@
 //! The parameter channel on a bad line, in virtual time: a master with a client for each drive, octets that are lost,
 //! flipped or strange, an adapter that hands replies over late, drives that are switched off and on, masters that stop
-//! and start anew.
+//! and start again.
 
 #![allow(clippy::unwrap_used, clippy::indexing_slicing)] // the helpers of a test report by panicking
 

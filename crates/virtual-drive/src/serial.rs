@@ -11,9 +11,7 @@ use profile::pkw::{PkwDialect, PkwErrorNumber, Server};
 use profile::state::Stw1;
 use profile::telegram::Telegram;
 use profinet::Instant;
-use uss::{
-    Layout, MAX_DATA, Parts, PkwPart, Protocol, ReceiverStatistics, Slave, SlaveConfig, SlaveCounters,
-};
+use uss::{Layout, MAX_DATA, Parts, PkwPart, ReceiverStatistics, Slave, SlaveConfig, SlaveCounters};
 
 use crate::axis::Plant;
 use crate::drive::{Disconnect, Drive, Event as DriveEvent};
@@ -119,12 +117,7 @@ impl SerialStation {
         }
         let vendor = config.model.catalogue.device.vendor_id;
         let layout = config.slave.layout;
-        // without one of the vendor it is that of whose protocol it is
-        let dialect = PkwDialect::of_line(vendor, layout.pkw == PkwPart::Variable);
-        let dialect = dialect.unwrap_or(match config.slave.protocol {
-            Protocol::Fc => PkwDialect::DANFOSS_FC,
-            Protocol::Uss => PkwDialect::SIEMENS_USS,
-        });
+        let dialect = PkwDialect::of_line(Some(vendor), layout.pkw == PkwPart::Variable);
         let telegram = Telegram::of_line(vendor).map_or(1, |telegram| telegram.number);
         let mut station = Self {
             drive,

@@ -78,10 +78,10 @@ fn at_work(error: Error) -> Failure {
     let hint = match &error {
         Error::AtWork { works, .. } => match works {
             AtWork::Controller(_) => {
-                "its axis would lose the controller; {blink} shows which drive it is; --force asks the drive all the same, which may refuse"
+                "its axis would lose the controller; {blink} shows which drive it is; --force sends the request anyway; the drive may refuse it"
             }
             AtWork::Turns(_) | AtWork::Enabled => {
-                "it would lose its parameters under way and coast; {disable} stops it; --force asks the drive all the same, which may refuse"
+                "it would lose its parameters under way and coast; {disable} stops it; --force sends the request anyway; the drive may refuse it"
             }
         },
         _ => return error.into(),

@@ -170,7 +170,7 @@ fn incomplete(kind: ErrorKind, missing: &Missing, drive: &str) -> Failure {
     Failure::new(kind, message).hint(hints.join("; "))
 }
 
-/// A backup without a value is none.
+/// An empty backup is an error.
 fn without_content(missing: &Missing, drive: &str) -> Failure {
     let why = if missing.settings.is_empty() {
         "it has no settings that can be listed".to_owned()

@@ -27,7 +27,7 @@ pub trait Each {
     const DOING: &'static str;
     /// The columns of many drives, behind their names.
     const COLUMNS: &'static [&'static str];
-    /// What is the matter with drives that have problems, of which the table tells: `kept from running`. `None` where each
+    /// What is the matter with drives that have problems, which the table shows: `kept from running`. `None` where each
     /// problem has a message of its own.
     const MATTER: Option<&'static str> = None;
 
@@ -206,12 +206,12 @@ fn table<V: Each>(verb: &V, rows: &[Row<V::Done>], output: &Output) {
     output.table(&table);
 }
 
-/// Prints the messages of the problems and returns how the command ends. With `matter` the table has told what is the matter
+/// Prints the messages of the problems and returns how the command ends. With `matter` the table has shown what is the matter
 /// with drives that answered.
 pub fn ended<D>(rows: &[Row<D>], matter: Option<&str>, output: &Output) -> Result<(), Failure> {
     let troubled = || rows.iter().filter(|row| !row.problems.is_empty());
-    let told = |row: &Row<D>| matter.is_some() && row.done.is_some();
-    for row in troubled().filter(|row| !told(row)) {
+    let shown = |row: &Row<D>| matter.is_some() && row.done.is_some();
+    for row in troubled().filter(|row| !shown(row)) {
         let output = output.clone().about(Some(&row.name));
         for problem in &row.problems {
             let named = problem.message.contains(&row.name);

@@ -39,11 +39,7 @@ pub fn ack(args: &Ack, target: &Target, output: &Output) -> Result<(), Failure> 
             let observer = axis::observer(&drive.label(), Box::new(|_, _| None), output);
             acknowledge(session, drive, &observer).wait()
         })?;
-        if args.by_parameter {
-            output.say("no fault is present");
-        } else if !report.released {
-            output.say("no fault: nothing to acknowledge");
-        }
+        output.say(acknowledged(&report));
         return Ok(());
     }
     let (mut session, found) = connect::drives(target, need, output)?;
@@ -66,17 +62,20 @@ pub fn ack(args: &Ack, target: &Target, output: &Output) -> Result<(), Failure> 
     if !output.json() {
         let mut table = Table::new(&["drive", "result"]);
         for row in &rows {
-            let result = match &row.done {
-                None => "not acknowledged",
-                Some(report) if report.released || args.by_parameter => "no fault is present",
-                Some(_) => "no fault: nothing to acknowledge",
-            };
+            let result = row.done.as_ref().map_or("not acknowledged", acknowledged);
             table.row([row.name.clone(), result.to_owned()]);
         }
         output.table(&table);
     }
     each::ended(&rows, None, output)?;
     Ok(closed?)
+}
+
+const fn acknowledged(report: &MotionReport) -> &'static str {
+    match report.result.acknowledged {
+        Some(false) => "no fault: nothing to acknowledge",
+        _ => "no fault is present",
+    }
 }
 
 pub fn monitor(args: &args::Monitor, target: &Target, output: &Output) -> Result<(), Failure> {

@@ -97,7 +97,7 @@ impl From<RestoreError> for Failure {
         match error {
             RestoreError::Client(error) => error.into(),
             RestoreError::Misfit(_) => {
-                failure.hint("--force goes on all the same: names and numbers can mean something else there")
+                failure.hint("--force continues anyway: names and numbers can mean something else there")
             }
             RestoreError::Nothing => Self::usage("--only: nothing in the file fits"),
             RestoreError::WayBack { .. } => failure.hint("give another file with --way-back PATH"),

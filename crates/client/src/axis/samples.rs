@@ -19,7 +19,7 @@ pub struct Sample {
     pub missed: u64,
     /// Decoded inputs of the drive.
     pub seen: Seen,
-    /// What it was reported.
+    /// The command in force when it came.
     pub command: Command,
 }
 

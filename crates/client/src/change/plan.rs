@@ -307,7 +307,7 @@ fn decide(
                 ..*now
             };
             let target = here.converted(parameter, raw, &wanted.parameters().scaling);
-            // a value that is scaled anew is written again, whatever number it has now
+            // a value that is scaled again is written again, whatever number it has now
             if old.raw() == Some(target) && now.scales_as(parameter, scaling) {
                 return Err(Skip::Same);
             }

@@ -9,7 +9,7 @@ use crate::WireFailure;
 
 /// Carries the bytes and the time of an [`Engine`]: a thread of its own on a real network, or the thread that waits.
 pub trait Driver: Send + Sync {
-    /// Returns the present time, if it can be reported now; else it is that of the last turn.
+    /// Returns the present time, if it is available now; else it is that of the last turn.
     fn now(&self) -> Option<Instant>;
 
     /// Lets one thing happen. False where that happens without the caller, who then sleeps until it is woken.

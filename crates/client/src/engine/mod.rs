@@ -117,7 +117,7 @@ struct Turns {
     tasks: Vec<Task>,
     /// Of them, those that the driver looks at now and has therefore taken out.
     under_way: usize,
-    /// The last failure of the wire, with its turn: a call that was woken later finds it all the same.
+    /// The last failure of the wire, with its turn: a call that was woken later finds it anyway.
     failure: Option<(u64, WireFailure)>,
     /// There are no more turns.
     ended: bool,

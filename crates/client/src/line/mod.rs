@@ -66,12 +66,7 @@ impl LineConfig {
     /// Returns the dialect of the parameter channel for this vendor; for an unknown vendor, or one without a dialect,
     /// that of the protocol.
     pub(crate) fn dialect(self, vendor: Option<u16>) -> PkwDialect {
-        let texts = self.layout().pkw == PkwPart::Variable;
-        let by_vendor = vendor.and_then(|vendor| PkwDialect::of_line(vendor, texts));
-        by_vendor.unwrap_or(match self.protocol {
-            Protocol::Fc => PkwDialect::DANFOSS_FC,
-            Protocol::Uss => PkwDialect::SIEMENS_USS,
-        })
+        PkwDialect::of_line(vendor, self.layout().pkw == PkwPart::Variable)
     }
 
     fn layout(self) -> Layout {

@@ -63,7 +63,7 @@ impl<'a> Enabled<'a> {
     /// nothing else was set.
     ///
     /// # Errors
-    /// A speed above the limit or one that cannot be reported ([`Session::check_speed`](crate::Session::check_speed)),
+    /// A speed above the limit or one that is not representable ([`Session::check_speed`](crate::Session::check_speed)),
     /// a drive in position mode, and when the axis is not enabled any more.
     pub async fn run(&mut self, rpm: f64) -> Result<(), Error> {
         let limit = self.axis.settings.speed_limit;

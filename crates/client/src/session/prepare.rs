@@ -201,8 +201,8 @@ impl Session {
             .collect())
     }
 
-    /// Returns the mode of the drive, the telegram for a purpose and the modules to connect with, which a serial line
-    /// has none of; in the telegram everything in it that no command carries preset to what the drive has now.
+    /// Returns the mode of the drive, the telegram for a purpose and the modules to connect with (none on a serial
+    /// line). Signals of the telegram that no command carries are preset to the present values of the drive.
     pub(super) async fn prepare(
         &mut self,
         drive: &mut Drive,

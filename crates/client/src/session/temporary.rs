@@ -137,7 +137,7 @@ impl TemporaryChange {
     }
 
     /// Puts the settings back and returns those that the drive had not. A caller's wish to stop does not interrupt it; where
-    /// this call is dropped, they are put back all the same.
+    /// this call is dropped, they are put back anyway.
     ///
     /// # Errors
     /// When what the drive has now cannot be read; a value that is refused is reported in the list.

@@ -376,7 +376,7 @@ fn without_a_way_back_nothing_is_written() {
             .wait();
         let error = result.unwrap_err();
         assert!(matches!(error, Error::Journal { .. }), "{error}");
-        // what was kept last holds all the same
+        // what was kept last holds anyway
         claims.check(&mut bench.wire());
     }
 }

@@ -54,7 +54,7 @@ fn a_connection_lost_on_the_ramp_is_no_success() {
     assert!(matches!(error, Error::ConnectionLost { .. }), "{error}");
 }
 
-/// When the medium fails before there is cyclic data, the drive that is out of reach is named all the same.
+/// When the medium fails before there is cyclic data, the drive that is out of reach is named anyway.
 #[test]
 fn a_medium_that_fails_before_cyclic_data_names_the_drive() {
     for transport in [Transport::Profinet, Transport::Fc] {

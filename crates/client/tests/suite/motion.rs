@@ -716,7 +716,7 @@ fn a_scale_changed_by_another_client_counts_for_a_kept_drive() {
     axis.release().wait().expect("released");
 }
 
-/// Another client changes the scale all the same: the axis is stopped and the cause reported.
+/// Another client changes the scale anyway: the axis is stopped and the cause reported.
 #[test]
 fn a_scale_changed_under_a_running_axis_stops_it() {
     let (mut session, ids) = bench(&[("akd-1", 1)]);

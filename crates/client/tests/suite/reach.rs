@@ -509,7 +509,7 @@ fn the_device_description_completes_modules_that_are_not_in_the_tables() {
         assert_eq!(expected, complete);
         session.close().wait().expect("closed");
         let station = drive_at(&session, ids[0]);
-        assert_eq!(station.device().plugged(1), plugged, "nothing is plugged anew");
+        assert_eq!(station.device().plugged(1), plugged, "nothing is plugged again");
         assert!(!station.drive().has_fault());
     }
 }

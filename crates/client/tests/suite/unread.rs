@@ -173,7 +173,7 @@ fn the_profile_on_a_line_is_recognised_by_the_status_word() {
     }
 }
 
-/// The controller that has the control word is named all the same: that is read from a record.
+/// The controller that has the control word is named anyway: that is read from a record.
 #[test]
 fn a_drive_with_an_owner_is_not_taken_over_without_its_parameters() {
     let world = World::new(&model::VLT, Transport::Profinet, 7);

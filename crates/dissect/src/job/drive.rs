@@ -186,11 +186,7 @@ impl JobDrive {
 
     /// Returns its parameter channel at a serial line: that of its vendor, or that of the protocol.
     pub fn line(&self, protocol: Protocol) -> PkwDialect {
-        let of_vendor = |vendor| PkwDialect::of_line(vendor, protocol == Protocol::Fc);
-        self.vendor().and_then(of_vendor).unwrap_or(match protocol {
-            Protocol::Fc => PkwDialect::DANFOSS_FC,
-            Protocol::Uss => PkwDialect::SIEMENS_USS,
-        })
+        PkwDialect::of_line(self.vendor(), protocol == Protocol::Fc)
     }
 
     fn vendor(&self) -> Option<u16> {

@@ -50,7 +50,7 @@ impl fmt::Display for Side {
     }
 }
 
-/// Octets that are not parameter job of this side.
+/// Octets that are not a valid parameter job in this direction.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("not a valid parameter {side}: {reason}")]
 pub struct NoJob {

@@ -96,7 +96,7 @@ impl Error {
             }
             Self::NoSuchPort { existing, .. } => Some(format!("there are: {}", existing.join(", "))),
             Self::NoPermission { .. } => Some(
-                "the group of the port is usually dialout: sudo usermod -a -G dialout $USER, then log in anew".to_owned(),
+                "the group of the port is usually dialout: sudo usermod -a -G dialout $USER, then log in again".to_owned(),
             ),
             Self::Busy { holders, .. } if !holders.is_empty() => {
                 let numbers: Vec<String> = holders.iter().map(|holder| holder.number.to_string()).collect();

@@ -29,11 +29,11 @@ pub async fn acknowledge(
 ) -> Result<Report, MotionError> {
     match session.fault_report(drive).await {
         Ok(report) => {
-            // a drive that does not report its faults so may have one all the same
+            // a drive that does not report its faults so may have one anyway
             let bit = report.zsw1.is_none_or(|word| Zsw1(word).has(Zsw1::FAULT));
             let present: Vec<FaultEntry> = report.present().cloned().collect();
             if present.is_empty() && !bit {
-                return Ok(without_control(Vec::new(), observer));
+                return Ok(without_control(false, Vec::new(), observer));
             }
             observer.report(&Event::Faults(present));
             if report.needs_restart() {
@@ -55,6 +55,7 @@ pub async fn acknowledge(
     };
     let found = MotionResult {
         reached: result.is_ok(),
+        acknowledged: Some(true),
         ..MotionResult::default()
     };
     let done = taken.finish(result, found).await;
@@ -102,7 +103,7 @@ pub async fn acknowledge_by_parameter(
         }
         session.pass(GLANCE).await?;
     };
-    let report = without_control(left.iter().map(Fault::from).collect(), observer);
+    let report = without_control(true, left.iter().map(Fault::from).collect(), observer);
     if left.is_empty() {
         return Ok(report);
     }
@@ -116,9 +117,10 @@ pub async fn acknowledge_by_parameter(
 }
 
 /// The end of an acknowledgement for which control of the axis was not taken.
-fn without_control(faults: Vec<Fault>, observer: &Observer) -> Report {
+fn without_control(acknowledged: bool, faults: Vec<Fault>, observer: &Observer) -> Report {
     let result = MotionResult {
         reached: faults.is_empty(),
+        acknowledged: Some(acknowledged),
         faults,
         ..MotionResult::default()
     };

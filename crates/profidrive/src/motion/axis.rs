@@ -298,8 +298,8 @@ pub(super) struct Restored {
 }
 
 impl Restored {
-    /// Tells what became of a setting.
-    pub(super) fn told(self, observer: &Observer) -> Self {
+    /// Reports what became of a setting.
+    pub(super) fn reported(self, observer: &Observer) -> Self {
         observer.report(&match (&self.result, &self.setting) {
             (Ok(()), Some(setting)) => Event::PutBack(setting.clone()),
             (Ok(()), None) => return self,

@@ -123,7 +123,7 @@ pub async fn jog(
                 Ok(Some(error)) | Err(error) => Err(error.to_string()),
             },
         };
-        restored.push(one.told(observer));
+        restored.push(one.reported(observer));
     }
     result?.report(restored, observer, (session, drive)).await
 }

@@ -60,7 +60,7 @@ pub enum Message {
 }
 
 impl Message {
-    /// Returns an event as messages; none for one that tells nothing.
+    /// Returns an event as messages; none for one without a message.
     #[must_use]
     pub fn of(event: &Event, wording: &dyn Wording) -> Vec<Self> {
         let one = match event {

@@ -49,7 +49,7 @@ pub(super) async fn leave(change: Option<ModeChange>, observer: &Observer) -> Ve
     };
     restored
         .into_iter()
-        .map(|one: Restored| one.told(observer))
+        .map(|one: Restored| one.reported(observer))
         .collect()
 }
 

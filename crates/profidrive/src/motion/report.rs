@@ -111,6 +111,8 @@ pub struct MotionResult {
     pub active_task: Option<u16>,
     /// The move.
     pub plan: Option<MoveReport>,
+    /// Whether there were faults to acknowledge, where that was requested.
+    pub acknowledged: Option<bool>,
     /// The faults that are left, where they were to be acknowledged.
     pub faults: Vec<Fault>,
 }

@@ -63,7 +63,7 @@ impl ParameterError {
                 parameter: (*whole).to_owned(),
             }),
             Self::Undescribed { .. } => {
-                Advice::from("the drive does not describe it; {read} may read it all the same")
+                Advice::from("the drive does not describe it; {read} may read it anyway")
             }
             Self::Differs { .. } => {
                 Advice::from("the drive may round, limit or change it by itself; read it again")

@@ -24,9 +24,9 @@ pub struct Scanned {
     pub station: Station,
     /// What is to be known about its name and its address.
     pub remarks: Vec<Remark>,
-    /// What it tells about itself; null where it was not read.
+    /// Its own description; null where it was not read.
     pub info: Option<InfoReport>,
-    /// Why it was not read; null where it was, or where nobody asked for that.
+    /// Why it was not read; null where it was, or where this was not requested.
     pub unread: Option<String>,
 }
 

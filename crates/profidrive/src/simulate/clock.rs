@@ -31,12 +31,12 @@ impl Shared {
         }
     }
 
-    pub fn lock(&self) -> MutexGuard<'_, plant::World> {
-        locked(&self.world)
-    }
-
-    fn next_event(&self) -> Instant {
-        self.lock().next_event()
+    /// Calls `work` with the plant, which may also let it go on.
+    pub fn with<T>(&self, work: impl FnOnce(&mut plant::World) -> T) -> T {
+        let mut world = locked(&self.world);
+        let result = work(&mut world);
+        self.time.store(world.now().as_nanos(), Ordering::Release);
+        result
     }
 }
 
@@ -48,10 +48,7 @@ impl Medium for Shared {
     }
 
     fn step(&mut self, endpoint: &mut dyn Endpoint, until: Instant) -> Result<(), Self::Error> {
-        let mut world = locked(&self.world);
-        let result = world.step(endpoint, until);
-        self.time.store(world.now().as_nanos(), Ordering::Release);
-        result
+        self.with(|world| world.step(endpoint, until))
     }
 }
 
@@ -123,7 +120,7 @@ fn carry(engine: &Engine, mut plant: Shared, waker: &Waker) {
         }
         if now >= due.min(clock) {
             let next = engine.poll_timeout().map_or(due, |own| own.min(due));
-            let next = next.min(plant.next_event());
+            let next = next.min(plant.with(|world| world.next_event()));
             waker.sleep(next - (origin + begin.elapsed()));
         }
     }

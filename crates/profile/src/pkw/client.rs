@@ -59,7 +59,7 @@ pub struct Spontaneous {
 /// * At rest it sends AK 0. Spontaneous messages are kept aside.
 ///
 /// That no reply is ever taken for another's holds when the carrier keeps the order of telegrams and none is older than
-/// `round_trip`; loss, repetition and a slave that starts anew do no harm.
+/// `round_trip`; loss, repetition and a slave that starts again do no harm.
 /// Source: Parker Compax3 p. 358, Kollmorgen S300 PROFIBUS p. 46.
 ///
 /// ```
@@ -214,7 +214,7 @@ impl Client {
                 self.text_length = text.len().min(self.text.len());
             }
             self.job = None;
-            // a request whose address cannot be reported was never sent
+            // a request whose address cannot be encoded was never sent
             self.rest = self
                 .standing()
                 .address(&self.dialect)

@@ -181,20 +181,26 @@ impl PkwDialect {
         ..Self::DANFOSS_FC
     };
 
-    /// Returns the PKW dialect of a vendor's drives at a serial line, with any protocol; `None` for a vendor
-    /// without a channel of its own. `texts`: whether the parameter part has room for them.
+    /// Returns the PKW dialect of a vendor's drives at a serial line: their own with any protocol, else that of the protocol.
+    /// `texts`: the parameter part has room for them, as in the Danfoss FC protocol and not in USS.
     ///
     /// ```
     /// use profidrive_profile::pkw::PkwDialect;
     /// use profidrive_profile::telegram::{DANFOSS, KOLLMORGEN};
-    /// assert_eq!(PkwDialect::of_line(DANFOSS, true), Some(PkwDialect::DANFOSS_FC));
-    /// assert!(PkwDialect::of_line(DANFOSS, false).is_some_and(|dialect| !dialect.has_text()));
-    /// assert_eq!(PkwDialect::of_line(KOLLMORGEN, false), None);
+    /// assert_eq!(PkwDialect::of_line(Some(DANFOSS), true), PkwDialect::DANFOSS_FC);
+    /// assert!(!PkwDialect::of_line(Some(DANFOSS), false).has_text());
+    /// assert_eq!(PkwDialect::of_line(Some(KOLLMORGEN), false), PkwDialect::SIEMENS_USS);
+    /// assert_eq!(PkwDialect::of_line(None, true), PkwDialect::DANFOSS_FC);
     /// ```
     #[must_use]
-    pub fn of_line(vendor: u16, texts: bool) -> Option<Self> {
-        let (_, with, without) = VENDORS.iter().find(|(of, ..)| *of == vendor)?;
-        Some(if texts { *with } else { *without })
+    pub fn of_line(vendor: Option<u16>, texts: bool) -> Self {
+        let own = VENDORS.iter().find(|(of, ..)| vendor == Some(*of));
+        match (own, texts) {
+            (Some((_, with, _)), true) => *with,
+            (Some((_, _, without)), false) => *without,
+            (None, true) => Self::DANFOSS_FC,
+            (None, false) => Self::SIEMENS_USS,
+        }
     }
 
     /// Returns true when the request exists.

@@ -205,7 +205,7 @@ const CONTINUE: &[Also] = &[
 ///
 /// Source: AKD manual 5.4 and 5.10; ABB FSPS and FENA for the meaning of bits 4 and 5. Ours: jog 1 and 2 end with each
 /// of bits 4 to 6, as in velocity mode; two simultaneous jog requests stop; a jog bit that is 1 during a task, homing
-/// or a stop by a command has to be set anew; a task is taken with bits 4 and 5 only; what comes while the axis brakes
+/// or a stop by a command has to be set again; a task is taken with bits 4 and 5 only; what comes while the axis brakes
 /// is lost.
 #[rustfmt::skip]
 pub static POSITION_TRANSITIONS: &[PositionTransition] = &[

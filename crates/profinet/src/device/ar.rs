@@ -85,7 +85,7 @@ impl Activity {
         }
     }
 
-    /// Starts anew, unless it was stopped.
+    /// Starts again, unless it was stopped.
     pub(super) fn restart(&mut self, now: Instant) {
         if self.deadline.is_some() {
             self.deadline = Some(now + self.limit);

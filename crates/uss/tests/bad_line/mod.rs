@@ -54,7 +54,7 @@ pub struct Run {
     pub damage: u64,
     /// Replies in a hundred that are handed over late.
     pub late: u64,
-    /// Either side stops and starts anew.
+    /// Either side stops and starts again.
     pub stops: bool,
     /// The master hears itself.
     pub echo: bool,

@@ -152,7 +152,7 @@ fn fault_actions_make_a_warning_or_nothing_of_a_fault() {
         bench.now = next;
         bench.drive.tick(next, None, &mut []);
     }
-    assert!(!bench.drive.is_enabled(), "it stops all the same");
+    assert!(!bench.drive.is_enabled(), "it stops anyway");
     bench.drive.connect(1, Duration::from_millis(48)).unwrap();
     assert_eq!(
         bench.send(0x047E, 0, 2) & WARNING,

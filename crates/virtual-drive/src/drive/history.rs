@@ -1,6 +1,6 @@
 //! The historic log (VLT 15-20 to 15-22): which of a few words changed, to what, and when.
 //!
-//! Source: FC 300 programming guide 15-2*, from memory. It begins anew with each power on, which is ours.
+//! Source: FC 300 programming guide 15-2*, from memory. It begins again with each power on, which is ours.
 
 use std::time::Duration;
 

@@ -242,7 +242,7 @@ pub struct Drive {
     /// When it was requested.
     disable_since: Instant,
     stop_requested: bool,
-    /// Ticks for which a drive that rests is looked after all the same: something happened to it.
+    /// Ticks for which a drive that rests is looked after anyway: something happened to it.
     restless: u16,
     last: Instant,
     events: VecDeque<Event>,

@@ -33,7 +33,7 @@ pub enum AnswerFault {
     /// All is well.
     #[default]
     None,
-    /// Takes requests and never has an answer: "not ready" for ever. What was requested is done all the same.
+    /// Takes requests and never has an answer: "not ready" for ever. What was requested is done anyway.
     Silent,
     /// Has its answer ready only after this time.
     Late(Duration),

@@ -37,7 +37,7 @@ pub(super) enum Phase {
 }
 
 impl AxisControl {
-    /// Where a new wish begins: the task that a pause holds goes on, everything else starts anew.
+    /// Where a new wish begins: the task that a pause holds goes on, everything else starts again.
     pub(super) fn keep_task(&mut self, now: Instant, goal: Goal) {
         let phase = match (self.goal, goal) {
             (Goal::Pause, Goal::Traverse(task)) if self.paused == Some(task) => Phase::UnderWay,

@@ -23,7 +23,7 @@ pub enum Objection {
         /// Its number.
         number: u16,
     },
-    /// The target is outside of the software limits.
+    /// The target is outside the software limits.
     SoftwareLimit {
         /// Target in turns.
         target: f64,
@@ -61,11 +61,11 @@ pub enum Objection {
         /// Requested distance, in increments.
         counts: f64,
     },
-    /// A speed between two that can be reported, and neither is near.
+    /// A speed between two that are representable in the setpoint, and neither is near.
     SpeedStep {
         /// Requested speed, rpm.
         speed: f64,
-        /// The speeds below and above it that can be reported, rpm.
+        /// The representable speeds below and above it, rpm.
         nearest: [f64; 2],
     },
     /// Above what the setpoint carries.

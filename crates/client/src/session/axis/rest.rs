@@ -317,7 +317,7 @@ impl Axis {
     /// for.
     ///
     /// # Errors
-    /// When the axis does not come to a standstill or the connection is lost; it is closed all the same.
+    /// When the axis does not come to a standstill or the connection is lost; it is closed anyway.
     pub async fn release(self) -> Result<(), Error> {
         self.release_and_look().await.result
     }

@@ -98,7 +98,7 @@ fn a_drive_without_descriptions_is_used_by_number() {
         .wait()
         .expect("reached");
     assert!(drive.model.catalogue.is_none());
-    assert_eq!(drive.model.dialect.axis, 0, "the axis was found all the same");
+    assert_eq!(drive.model.dialect.axis, 0, "the axis was found anyway");
     assert_eq!(number(&mut session, &mut drive, "341"), 300.0);
     write(&mut session, &mut drive, "341=750", WriteMode::Write).expect("taken");
     assert_eq!(number(&mut session, &mut drive, "341"), 750.0);

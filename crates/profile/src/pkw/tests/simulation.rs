@@ -98,7 +98,7 @@ struct Tally {
     old: u32,
     /// Jobs that took longer than they may.
     late: u32,
-    /// Values written more than once although the slave never started anew.
+    /// Values written more than once although the slave never started again.
     twice: u32,
 }
 
@@ -108,7 +108,7 @@ struct Run {
     seed: u64,
     /// Telegrams in a hundred that are lost.
     loss: u64,
-    /// Either side stops, starts anew, or loses the connection.
+    /// Either side stops, starts again, or loses the connection.
     stops: bool,
     dialect: PkwDialect,
     timing: ClientTiming,

@@ -142,7 +142,7 @@ fn the_connect_of_a_real_vlt_gets_its_answer() {
     assert_eq!(frame_ids, [0x8061, 0x8010]);
     assert_eq!(response.alarm_cr.unwrap().max_alarm_data_length, 1432);
     assert_eq!(response.diff, Some(expected_diff()));
-    // the block reports a substitute, and data is exchanged all the same
+    // the block reports a substitute, and data is exchanged anyway
     let state = expected_diff().modules[0].submodules[0].state;
     assert_eq!(
         (state, state.ident_info(), state.is_usable()),
