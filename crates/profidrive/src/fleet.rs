@@ -28,6 +28,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod write;
+
 use std::cmp::Ordering;
 use std::time::Duration;
 
@@ -40,6 +42,8 @@ use crate::drive::{DriveError, FindEvent};
 use crate::motion::{self, MotionError, StopReport};
 use crate::open::{Access, Caller, Network, OpenError, Opening, Transport};
 use crate::selector::{Group, Selector, Term};
+
+pub use write::{WritePlan, WrittenMembers, plan_write};
 
 /// Drives that are worked on at the same time. Each has a connection of its own; the others wait for their turn.
 pub const AT_ONCE: usize = 64;
@@ -162,36 +166,6 @@ impl Opening {
         let name = drive.as_ref().map_or(name, Drive::label);
         (named, Selected { name, notes, drive })
     }
-}
-
-/// Goes on with what came of the work on each drive: see [`each`]. Drives whose work failed stay as they are.
-pub async fn then<T, U, E>(
-    session: &Session,
-    members: Vec<Member<Result<T, E>>>,
-    work: impl AsyncFn(&mut Session, &mut Drive, T) -> Result<U, E>,
-) -> Vec<Member<Result<U, E>>> {
-    let work = &work;
-    let all = stream::iter(members).map(|Member { name, drive, result }| {
-        let mut session = session.clone();
-        async move {
-            match (drive, result) {
-                (Some(mut drive), Ok(before)) => {
-                    let result = work(&mut session, &mut drive, before).await;
-                    let drive = Some(drive);
-                    Some(Member { name, drive, result })
-                }
-                (drive, Err(error)) => Some(Member {
-                    name,
-                    drive,
-                    result: Err(error),
-                }),
-                // only what failed has no drive
-                (None, Ok(_)) => None,
-            }
-        }
-    });
-    let all: Vec<_> = all.buffered(AT_ONCE).collect().await;
-    all.into_iter().flatten().collect()
 }
 
 /// Brings the drives that a selector means to rest, each as soon as it is found: see [`motion::stop`]. No drive waits for

@@ -151,3 +151,31 @@ fn one_that_does_not_answer_costs_the_others_nothing() {
     };
     assert!(spent < alone * 2, "{spent:?}, one alone {alone:?}");
 }
+
+/// The machine keeps one set of values: what one drive cannot take, none gets.
+#[test]
+fn a_write_that_one_drive_cannot_take_changes_no_drive() {
+    let (opening, mut network) = plant(PLANT);
+    let acceleration = |network: &mut Network| {
+        let mut drive = network.find(&"akd-2".parse().unwrap()).wait().unwrap();
+        let selection = drive.select("DRV.ACC").unwrap();
+        network.read_one(&mut drive, &selection).wait().unwrap().number()
+    };
+    let wanted = parameters::Write::default();
+    let plan = |network: &mut Network, selector: &str| {
+        let fleet = select(&opening, network, selector);
+        let assignments = ["DRV.ACC=4000rpm/s".parse().unwrap()];
+        fleet::plan_write(network, fleet.members, &assignments, wanted).wait()
+    };
+    let mixed = plan(&mut network, "akd-2,vlt-1");
+    assert_eq!((mixed.changing(), mixed.is_whole()), (1, false));
+    let refused = mixed.carry_out(&network).wait().unwrap_err();
+    assert!(refused.members()[1].result.is_err());
+    assert_eq!(acceleration(&mut network), Some(3000.0));
+
+    let same = plan(&mut network, "akd-*");
+    assert_eq!((same.changing(), same.is_whole()), (2, true));
+    let written = same.carry_out(&network).wait().unwrap();
+    assert!(written.iter().all(|member| member.result.is_ok()));
+    assert_eq!(acceleration(&mut network), Some(4000.0));
+}

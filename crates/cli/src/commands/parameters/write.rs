@@ -2,7 +2,8 @@
 
 use client::change::{Change, Persistence, Step};
 use client::{Drive, Wait};
-use profidrive::fleet::{self, Member};
+use profidrive::DriveError;
+use profidrive::fleet::{self, Member, WritePlan, WrittenMembers};
 use profidrive::parameters::{self, Write as Wanted, Written};
 use profidrive::report::Drives;
 use profile::value::{Assignment, Content};
@@ -64,27 +65,20 @@ fn many(
 ) -> Result<(), Failure> {
     let (mut session, found) = connect::drives(target, Need::Records, output)?;
     let left_out = found.left_out;
-    let planned = fleet::each(&session, found.members, async |session, drive| {
-        let planned = parameters::plan(session, drive, assignments, wanted).await;
-        planned.map_err(Failure::from)
-    });
-    let planned = planned.wait();
-    let drives = planned.len();
-    let failed = planned.iter().any(|member| member.result.is_err());
-    let plans = || planned.iter().filter_map(|member| member.result.as_ref().ok());
-    let changing = plans().filter(|planned| planned.is_change()).count();
-    let ends_here = failed || args.dry_run || changing == 0;
+    let plan = fleet::plan_write(&session, found.members, assignments, wanted).wait();
+    let (drives, changing) = (plan.members().len(), plan.changing());
+    let ends_here = !plan.is_whole() || args.dry_run || changing == 0;
     if !output.json() {
         if ends_here || !args.yes {
-            table(&planned, true, output);
+            table(plan.members(), true, output);
         }
-        if let Some(first) = plans().next() {
+        if let Some(first) = plan.plans().next() {
             remark(assignments, first, output);
         }
     }
     if ends_here {
         let closed = session.close().wait();
-        ended(planned, left_out, output).map_err(|failure| Failure {
+        ended(plan.into_members(), left_out, output).map_err(|failure| Failure {
             message: format!("nothing was written; {}", failure.message),
             ..failure
         })?;
@@ -103,11 +97,10 @@ fn many(
         };
         confirm(&mut session, &question, output)?;
     }
-    let written = fleet::then(&session, planned, async |session, drive, planned| {
-        let written = parameters::carry_out(session, drive, planned).await;
-        written.map_err(Failure::from)
-    });
-    let written = written.wait();
+    let written = plan
+        .carry_out(&session)
+        .wait()
+        .unwrap_or_else(WritePlan::into_members);
     let closed = session.close().wait();
     if !output.json() {
         table(&written, false, output);
@@ -125,7 +118,7 @@ fn many(
     Ok(closed?)
 }
 
-fn table(members: &[Member<Result<Written, Failure>>], planned: bool, output: &Output) {
+fn table(members: &[Member<Result<Written, DriveError>>], planned: bool, output: &Output) {
     let mut table = Table::new(&[&["drive"], &COLUMNS[..]].concat());
     for member in members {
         let changes = member.result.as_ref().ok().into_iter().flat_map(Written::changes);
@@ -136,11 +129,7 @@ fn table(members: &[Member<Result<Written, Failure>>], planned: bool, output: &O
     output.table(&table);
 }
 
-fn ended(
-    members: Vec<Member<Result<Written, Failure>>>,
-    left_out: Vec<String>,
-    output: &Output,
-) -> Result<(), Failure> {
+fn ended(members: WrittenMembers, left_out: Vec<String>, output: &Output) -> Result<(), Failure> {
     let problems = |written: &Written, drive: &Drive| -> Vec<Failure> {
         let problems = written.problems(&drive.label());
         problems.into_iter().map(Failure::from).collect()
@@ -204,7 +193,7 @@ fn report_saved(written: &Written, output: &Output) {
 }
 
 /// The same for many drives: those of which the same is to be said are named together.
-fn report_all_saved(members: &[Member<Result<Written, Failure>>], output: &Output) {
+fn report_all_saved(members: &[Member<Result<Written, DriveError>>], output: &Output) {
     let mut remarks: Vec<(Remark, Vec<String>)> = Vec::new();
     for member in members {
         let written = member.result.as_ref().ok();
