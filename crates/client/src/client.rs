@@ -509,6 +509,13 @@ impl Client {
         }
     }
 
+    /// Sets the time at which a motion of an axis is halted, unless it is extended.
+    pub(crate) fn set_beat(&mut self, link: Link, beat: Option<Instant>) {
+        if let Some(axis) = self.axes.iter_mut().find(|axis| axis.link == link) {
+            axis.control.set_beat(beat);
+        }
+    }
+
     /// Notes that an axis is in operation, though nothing was commanded yet.
     pub(crate) fn note_operated(&mut self, link: impl Into<Link>) {
         let link = link.into();

@@ -70,6 +70,8 @@ pub struct AxisControl {
     astray: Option<Instant>,
     /// Time at which operation ends unless it is extended.
     deadline: Option<Instant>,
+    /// Time at which a motion is halted unless it is extended.
+    beat: Option<Instant>,
     /// It is brought to rest and released for good.
     ending: bool,
 }
@@ -104,6 +106,7 @@ impl AxisControl {
             homed_before: false,
             astray: None,
             deadline: None,
+            beat: None,
             ending: false,
         }
     }
@@ -178,6 +181,12 @@ impl AxisControl {
     /// Says when operation ends by a ramp stop, unless it is said again; with `None` it never does.
     pub const fn set_deadline(&mut self, deadline: Option<Instant>) {
         self.deadline = deadline;
+    }
+
+    /// Says when a motion is halted along its ramp, unless it is said again; the axis stays in operation. From the first beat on
+    /// a motion without one is halted at once; with `None` it needs none.
+    pub const fn set_beat(&mut self, beat: Option<Instant>) {
+        self.beat = beat;
     }
 
     /// Returns the goal.
@@ -266,6 +275,9 @@ impl AxisControl {
 
     fn choose_blind(&mut self, now: Instant) -> Command {
         let too_long = self.took(now) > self.limits.step;
+        if self.goal.moves() && self.beat.is_some_and(|beat| beat <= now) {
+            self.pursue(now, Goal::Enabled);
+        }
         match self.goal {
             Goal::Released => {
                 self.progress = Progress::Reached;
@@ -315,6 +327,9 @@ impl AxisControl {
         }
         if self.goal.operates() && self.deadline.is_some_and(|deadline| deadline <= now) {
             self.give_up(now, Trouble::Unattended);
+        }
+        if self.goal.moves() && self.beat.is_some_and(|beat| beat <= now) {
+            self.pursue(now, Goal::Enabled);
         }
         match self.goal {
             Goal::Released => {

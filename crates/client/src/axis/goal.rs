@@ -80,6 +80,19 @@ impl Goal {
         )
     }
 
+    /// Returns true when this moves the axis, or may.
+    #[must_use]
+    pub const fn moves(self) -> bool {
+        matches!(
+            self,
+            Self::Run { .. }
+                | Self::Jog(_)
+                | Self::RealTimeJog { .. }
+                | Self::Traverse(_)
+                | Self::Home { .. }
+        )
+    }
+
     /// Returns the mode of the drive that this needs; `None` when it does not matter.
     #[must_use]
     pub const fn mode(self) -> Option<Mode> {

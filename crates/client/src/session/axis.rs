@@ -584,6 +584,20 @@ impl Axis {
         engine.quietly().set_deadline(self.link, Some(deadline));
     }
 
+    /// Keeps a motion going for this time from now on: without another beat the axis is halted along its ramp and stays in
+    /// operation, whatever the caller does. For motions that last while a person holds a button. From the first beat on every motion
+    /// needs one, before it begins too; `None` ends that.
+    pub fn beat(&self, time: Option<Duration>) {
+        let beat = time.map(|time| self.session.now() + time);
+        self.session.engine().quietly().set_beat(self.link, beat);
+    }
+
+    /// Returns the axis in operation, where it was left there: see [`Enabled::leave`].
+    pub fn operation(&mut self) -> Option<Enabled<'_>> {
+        let operates = |status: AxisStatus| status.view.goal.operates() && !status.lost;
+        self.status().is_some_and(operates).then(|| Enabled::new(self))
+    }
+
     /// Calls the watcher and returns the trouble of the axis.
     pub(super) async fn look(&mut self) -> Result<AxisStatus, Error> {
         let status = self.show();

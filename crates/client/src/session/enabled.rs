@@ -32,6 +32,8 @@ const ON_THE_SPOT: [i64; 2] = [0, 13];
 /// what happened and nothing is sent: the axis has to be enabled again.
 pub struct Enabled<'a> {
     axis: &'a mut Axis,
+    /// Dropping it stops the axis.
+    stops: bool,
 }
 
 impl std::fmt::Debug for Enabled<'_> {
@@ -56,7 +58,7 @@ impl DerefMut for Enabled<'_> {
 
 impl<'a> Enabled<'a> {
     pub(super) const fn new(axis: &'a mut Axis) -> Self {
-        Self { axis }
+        Self { axis, stops: true }
     }
 
     /// Follows this speed from now on, in the unit of the axis ([`AxisSettings::unit`](crate::AxisSettings::unit)): rpm if
@@ -369,6 +371,12 @@ impl<'a> Enabled<'a> {
         self.axis.stop().await
     }
 
+    /// Leaves the axis in operation, with the motion that is under way: [`Axis::operation`] goes on with it. It ends with
+    /// its lease ([`AxisSettings::lease`](crate::AxisSettings::lease)) and with the axis.
+    pub fn leave(mut self) {
+        self.stops = false;
+    }
+
     async fn begin(&mut self, traverse: Traverse, target: Option<f64>) -> Result<(), Error> {
         self.pursue_enabled(Goal::Traverse(traverse)).await?;
         self.axis.evidence = None;
@@ -476,7 +484,7 @@ impl Drop for Enabled<'_> {
             .axis
             .status()
             .is_some_and(|status| status.view.goal.operates());
-        if operates && self.axis.connection() == Connection::Running {
+        if self.stops && operates && self.axis.connection() == Connection::Running {
             self.axis.begin_stop();
         }
     }

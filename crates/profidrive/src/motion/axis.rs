@@ -131,22 +131,17 @@ impl LongStop {
 }
 
 /// An axis under control, watched and measured.
-pub(super) struct Taken<'o> {
+#[derive(Debug)]
+pub(super) struct Taken {
     pub(super) axis: Axis,
-    observer: &'o Observer,
+    observer: Observer,
     course: Arc<Mutex<Course>>,
     end: End,
 }
 
-impl<'o> Taken<'o> {
+impl Taken {
     /// Reports the start and what taking the axis has changed at the drive, and watches it from now on.
-    pub(super) fn begin(
-        mut axis: Axis,
-        end: End,
-        start: Start,
-        set_mode: bool,
-        observer: &'o Observer,
-    ) -> Self {
+    pub(super) fn begin(mut axis: Axis, end: End, start: Start, set_mode: bool, observer: &Observer) -> Self {
         let telegram = axis.telegram();
         observer.report(&Event::Starting { telegram, start });
         if let Some(before) = axis.telegram_before() {
@@ -181,10 +176,14 @@ impl<'o> Taken<'o> {
         });
         Self {
             axis,
-            observer,
+            observer: observer.clone(),
             course,
             end,
         }
+    }
+
+    pub(super) const fn observer(&self) -> &Observer {
+        &self.observer
     }
 
     /// The last speed of the motor that was seen.

@@ -214,6 +214,8 @@ impl Setting {
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub enum Start {
+    /// Nothing yet: the axis is held, and moves by the calls of its owner.
+    Hold,
     /// A speed.
     Run,
     /// The jog function of the drive.

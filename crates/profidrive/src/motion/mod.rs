@@ -9,6 +9,7 @@
 //! | go to a position | [`move_to`] | [`plan_move`] |
 //! | carry out a motion task of the drive | [`task`] | |
 //! | set the home position | [`home`] | |
+//! | hold an axis, and move it as often as wanted | [`hold`] | |
 //! | acknowledge faults by the control word | [`acknowledge`] | |
 //! | acknowledge faults by a parameter, beside the controller | [`acknowledge_by_parameter`] | |
 //! | bring a drive to rest | [`stop`] | |
@@ -61,6 +62,7 @@ mod axis;
 mod check;
 mod error;
 mod event;
+mod held;
 mod jog;
 mod leftover;
 mod limit;
@@ -81,6 +83,7 @@ use client::axis::Purpose;
 pub use acknowledge::{acknowledge, acknowledge_by_parameter};
 pub use error::{End, MotionError};
 pub use event::{Arrival, Ended, Event, Observer, Setting, Start, TelegramChange};
+pub use held::{HeldAxis, Hold, hold};
 pub use jog::{Jog, RealTimeJog, jog, jog_in_real_time, plan_jog, plan_jog_in_real_time};
 pub use leftover::{Leftover, UnreadableNote, leftovers};
 pub use message::{AxisState, CycleStrained, Message, RunsOn};

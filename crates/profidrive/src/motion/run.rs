@@ -166,7 +166,7 @@ pub async fn plan_run(
     })
 }
 
-/// The objections of the drive to a speed, before anything is sent.
+/// The objections of the drive to a run, before anything is sent.
 async fn permitted(
     session: &mut Session,
     drive: &mut Drive,
@@ -180,15 +180,27 @@ async fn permitted(
         if known && wanted.telegram.is_none() && wanted.reference_speed.is_none() {
             session.check_speed(drive, speed).await?;
         }
-        let facts = session.motion_facts(drive).await?;
-        report_switch(speed, &facts, observer);
-        // the value for 100 % that the caller gives takes precedence
-        let counts = |part: &Option<Part>| *part != Some(Part::Reference) || wanted.reference_speed.is_none();
-        if let Some(limit) = above(speed, &facts).filter(|(_, part)| counts(part)) {
-            return Err(too_fast(speed, limit, drive));
-        }
+        permit_speed(session, drive, speed, wanted.reference_speed, observer).await?;
     }
     Ok(check_controller_loss(session, drive, &wanted.control, observer).await?)
+}
+
+/// The objections of the drive to a speed in rpm: its own limits. A limit switch in that direction is reported. The value for
+/// 100 % that the caller gives takes precedence over that of the drive.
+pub(super) async fn permit_speed(
+    session: &mut Session,
+    drive: &mut Drive,
+    speed: f64,
+    reference_speed: Option<f64>,
+    observer: &Observer,
+) -> Result<(), MotionError> {
+    let facts = session.motion_facts(drive).await?;
+    report_switch(speed, &facts, observer);
+    let counts = |part: &Option<Part>| *part != Some(Part::Reference) || reference_speed.is_none();
+    match above(speed, &facts).filter(|(_, part)| counts(part)) {
+        Some(limit) => Err(too_fast(speed, limit, drive)),
+        None => Ok(()),
+    }
 }
 
 async fn turn(
