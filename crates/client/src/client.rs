@@ -742,10 +742,7 @@ impl Endpoint for Client {
     }
 
     fn poll_timeout(&self) -> Option<Instant> {
-        [self.controller.poll_timeout(), self.mapper.poll_timeout()]
-            .into_iter()
-            .flatten()
-            .min()
+        Instant::earliest([self.controller.poll_timeout(), self.mapper.poll_timeout()])
     }
 }
 

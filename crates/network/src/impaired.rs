@@ -230,10 +230,7 @@ impl<S: Station> Station for Impaired<S> {
     }
 
     fn poll_timeout(&self) -> Option<Instant> {
-        [self.inner.poll_timeout(), self.inward.next(), self.outward.next()]
-            .into_iter()
-            .flatten()
-            .min()
+        Instant::earliest([self.inner.poll_timeout(), self.inward.next(), self.outward.next()])
     }
 }
 

@@ -216,9 +216,13 @@ impl World {
     /// Returns when something happens next: of a time line, a program or a sample, or on the segment.
     #[must_use]
     pub fn next_event(&self) -> Instant {
-        let own = [self.next_cue(), self.next_step(), self.sample.map(|(_, at)| at)];
-        let next = own.into_iter().chain([self.medium.segment().next_event()]);
-        next.flatten().min().unwrap_or(Instant::MAX)
+        Instant::earliest([
+            self.next_cue(),
+            self.next_step(),
+            self.sample.map(|(_, at)| at),
+            self.medium.segment().next_event(),
+        ])
+        .unwrap_or(Instant::MAX)
     }
 
     fn next_cue(&self) -> Option<Instant> {
@@ -228,7 +232,7 @@ impl World {
     fn next_step(&self) -> Option<Instant> {
         let next = |seat: &ControllerSeat| {
             let step = seat.next.as_ref().map(|step| Instant::ZERO + step.at);
-            [step, seat.connect_at].into_iter().flatten().min()
+            Instant::earliest([step, seat.connect_at])
         };
         self.controllers.iter().filter_map(next).min()
     }

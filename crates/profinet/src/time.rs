@@ -47,6 +47,28 @@ impl Instant {
         self.0 / 1_000_000
     }
 
+    /// Returns the earliest of these times.
+    ///
+    /// ```
+    /// use profidrive_profinet::Instant;
+    /// let [soon, late] = [1, 2].map(|at| Some(Instant::from_millis(at)));
+    /// assert_eq!(Instant::earliest([late, None, soon]), soon);
+    /// assert_eq!(Instant::earliest([None, None]), None);
+    /// ```
+    #[must_use]
+    pub fn earliest<const N: usize>(times: [Option<Self>; N]) -> Option<Self> {
+        // asked several times in a cycle by everything with a deadline: plainer for the compiler than a chain of iterators
+        let mut earliest: Option<Self> = None;
+        for time in &times {
+            if let Some(time) = *time
+                && earliest.is_none_or(|earliest| time < earliest)
+            {
+                earliest = Some(time);
+            }
+        }
+        earliest
+    }
+
     /// Returns the time since `earlier`, zero if `earlier` is later.
     #[must_use]
     pub const fn saturating_since(self, earlier: Self) -> Duration {

@@ -268,10 +268,7 @@ impl SerialStation {
             Master::Present { since, .. } => Some(since + self.control_timeout()),
             Master::None => None,
         };
-        [line, lost, self.restart, self.next_tick()]
-            .into_iter()
-            .flatten()
-            .min()
+        Instant::earliest([line, lost, self.restart, self.next_tick()])
     }
 
     fn next_tick(&self) -> Option<Instant> {

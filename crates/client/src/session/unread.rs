@@ -82,7 +82,7 @@ impl Session {
     /// Returns the time when the parameter request under way is given up, if not by its own limit.
     pub(super) fn due(&self) -> Option<Instant> {
         let manner = self.manner();
-        [manner.silent(), manner.bound].into_iter().flatten().min()
+        Instant::earliest([manner.silent(), manner.bound])
     }
 
     /// Returns the end of a wait that may take so long.

@@ -108,9 +108,6 @@ impl Acquire {
     /// Returns the time when [`poll`](Self::poll) has something to do.
     pub fn poll_timeout(&self) -> Option<Instant> {
         let link_local = self.link_local.as_ref().and_then(LinkLocal::poll_timeout);
-        [self.dhcp.poll_timeout(), self.fall_back, link_local]
-            .into_iter()
-            .flatten()
-            .min()
+        Instant::earliest([self.dhcp.poll_timeout(), self.fall_back, link_local])
     }
 }

@@ -211,15 +211,12 @@ impl Stack {
     /// Returns the time when [`handle_timeout`](Self::handle_timeout) must be called at the latest.
     #[must_use]
     pub fn poll_timeout<E: Endpoint + ?Sized>(&self, endpoint: &E) -> Option<Instant> {
-        [
+        Instant::earliest([
             endpoint.poll_timeout(),
             self.neighbours.next_due(),
             self.announce_at,
             self.acquire.as_ref().and_then(|acquire| acquire.poll_timeout()),
-        ]
-        .into_iter()
-        .flatten()
-        .min()
+        ])
     }
 
     /// Finds an address for an endpoint that has none of its own.

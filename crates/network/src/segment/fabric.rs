@@ -1,7 +1,7 @@
 //! The switch: who gets a frame, when, and how often.
 
 use std::cmp::Reverse;
-use std::collections::{BinaryHeap, HashMap, VecDeque};
+use std::collections::{BTreeMap, BinaryHeap, VecDeque};
 use std::io;
 use std::time::Duration;
 
@@ -80,7 +80,7 @@ struct Link {
 /// Ports, frames under way, chance and taps.
 pub(super) struct Fabric {
     links: Vec<Link>,
-    by_mac: HashMap<MacAddress, usize>,
+    by_mac: BTreeMap<MacAddress, usize>,
     conditions: Conditions,
     under_way: BinaryHeap<Reverse<Delivery>>,
     order: u64,
@@ -95,7 +95,7 @@ impl Fabric {
     pub(super) fn new(seed: u64) -> Self {
         Self {
             links: Vec::new(),
-            by_mac: HashMap::new(),
+            by_mac: BTreeMap::new(),
             conditions: Conditions::default(),
             under_way: BinaryHeap::with_capacity(256),
             order: 0,

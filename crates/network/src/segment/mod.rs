@@ -194,11 +194,7 @@ impl Segment {
         if !self.dirty.is_empty() {
             return Some(self.now);
         }
-        [self.fabric.next_delivery(), self.deadlines.earliest()]
-            .into_iter()
-            .flatten()
-            .min()
-            .map(|at| at.max(self.now))
+        Instant::earliest([self.fabric.next_delivery(), self.deadlines.earliest()]).map(|at| at.max(self.now))
     }
 
     /// Jumps to the next event and does it; returns the new time, or `None` when nothing ever happens again.

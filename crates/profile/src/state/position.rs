@@ -259,6 +259,28 @@ pub static POSITION_TRANSITIONS: &[PositionTransition] = &[
     row(Braking, Basic, ANY, &[Also::Standstill], PositionEffect::None, 1, "stands still"),
 ];
 
+/// Where the rows of each state begin in the table, and its end: a cycle looks at those of its state only.
+const ROWS_OF: [usize; PositionState::ALL.len() + 1] = {
+    let mut begins = [0; PositionState::ALL.len() + 1];
+    let mut row = 0;
+    while row < POSITION_TRANSITIONS.len() {
+        let state = POSITION_TRANSITIONS[row].from as usize;
+        assert!(
+            row == 0 || state <= POSITION_TRANSITIONS[row - 1].from as usize + 1,
+            "every state has rows, in the order of the states"
+        );
+        begins[state + 1] = row + 1;
+        row += 1;
+    }
+    begins
+};
+
+/// Returns the transitions from a state.
+fn transitions_from(state: PositionState) -> &'static [PositionTransition] {
+    let [begin, end] = [0, 1].map(|next| ROWS_OF.get(state as usize + next).copied().unwrap_or_default());
+    POSITION_TRANSITIONS.get(begin..end).unwrap_or_default()
+}
+
 const fn row(
     from: PositionState,
     to: PositionState,
@@ -463,9 +485,9 @@ impl PositionMachine {
             Also::Command(command) => inputs.command == Some(command),
             Also::PausedByCommand(by_command) => self.paused_by_command == by_command,
         };
-        let transition = POSITION_TRANSITIONS.iter().find(|row| {
-            row.from == self.state && inputs.stw1.0 & row.mask == row.value && row.also.iter().all(holds)
-        });
+        let transition = transitions_from(self.state)
+            .iter()
+            .find(|row| inputs.stw1.0 & row.mask == row.value && row.also.iter().all(holds));
         let spends = matches!(self.state, Homing | HomingStop | Task | Pause | Reject)
             || inputs.command == Some(PositionCommand::Stop);
         self.spent_jogs = inputs.stw1.0 & if spends { JOG_BITS } else { self.spent_jogs };

@@ -324,16 +324,13 @@ impl Alarms {
     /// due.
     #[must_use]
     pub fn poll_timeout(&self) -> Option<Instant> {
-        [&self.high, &self.low]
-            .into_iter()
-            .flat_map(|side| {
-                [
-                    side.channel.poll_timeout(),
-                    side.active.as_ref().map(|(_, until)| *until),
-                ]
-            })
-            .flatten()
-            .min()
+        let until = |side: &Side| side.active.as_ref().map(|(_, until)| *until);
+        Instant::earliest([
+            self.high.channel.poll_timeout(),
+            until(&self.high),
+            self.low.channel.poll_timeout(),
+            until(&self.low),
+        ])
     }
 }
 

@@ -443,7 +443,7 @@ impl Ar {
         }
         let cyclic = self.phase.is_cyclic();
         let idle = self.inflight.is_none();
-        [
+        Instant::earliest([
             self.until,
             self.lookup.settle,
             self.provider.as_ref().filter(|_| cyclic).map(Provider::next_send),
@@ -456,10 +456,7 @@ impl Ar {
                 .filter(|_| idle)
                 .map(|job| job.due.max(self.writes_from.unwrap_or(job.due))),
             self.keep_alive_due().filter(|_| idle),
-        ]
-        .into_iter()
-        .flatten()
-        .min()
+        ])
     }
 
     /// Writes the next frame of this connection.

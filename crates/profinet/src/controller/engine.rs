@@ -335,14 +335,11 @@ impl Endpoint for Controller {
     }
 
     fn poll_timeout(&self) -> Option<Instant> {
-        [
+        Instant::earliest([
             self.due.earliest(),
             self.dcp.poll_timeout(),
             self.rpc.poll_timeout(),
             self.server.poll_timeout(),
-        ]
-        .into_iter()
-        .flatten()
-        .min()
+        ])
     }
 }

@@ -510,14 +510,11 @@ impl Endpoint for Device {
             None => self.next_acyclic(),
         };
         let io = self.controller.as_ref();
-        [
+        Instant::earliest([
             io.map(|io| io.provider.next_send()),
             io.and_then(|io| io.consumer.deadline()),
             acyclic,
-        ]
-        .into_iter()
-        .flatten()
-        .min()
+        ])
     }
 }
 
@@ -566,7 +563,7 @@ impl Device {
     /// Returns the time when something other than cyclic data is due.
     fn next_acyclic(&self) -> Option<Instant> {
         let io = self.controller.as_ref();
-        [
+        Instant::earliest([
             io.and_then(|io| io.activity.deadline()),
             io.and_then(|io| io.alarms.poll_timeout()),
             self.delayed.front().map(|(due, _)| *due),
@@ -578,10 +575,7 @@ impl Device {
             self.server.poll_timeout(),
             self.client.poll_timeout(),
             self.port.poll_timeout().filter(|_| self.config.neighbourhood),
-        ]
-        .into_iter()
-        .flatten()
-        .min()
+        ])
     }
 
     fn take_answers(&mut self, now: Instant) {

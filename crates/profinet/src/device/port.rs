@@ -153,7 +153,7 @@ impl Port {
 
     pub(super) fn poll_timeout(&self) -> Option<Instant> {
         let next = Some(self.next);
-        [next, self.neighbours.poll_timeout()].into_iter().flatten().min()
+        Instant::earliest([next, self.neighbours.poll_timeout()])
     }
 
     /// Sends a changed announcement to the neighbour at once.

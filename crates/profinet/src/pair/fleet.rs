@@ -55,10 +55,7 @@ impl Fleet {
             self.exchange();
             events.extend(core::iter::from_fn(|| self.controller.poll_event()));
             let stations = self.stations.iter().filter_map(Endpoint::poll_timeout).min();
-            let next = [self.controller.poll_timeout(), stations]
-                .into_iter()
-                .flatten()
-                .min();
+            let next = Instant::earliest([self.controller.poll_timeout(), stations]);
             match next.filter(|next| *next <= end) {
                 Some(next) => self.now = next,
                 None => {

@@ -147,10 +147,7 @@ impl<A: Endpoint, B: Endpoint> Pair<A, B> {
     pub(crate) fn step(&mut self, until: Instant) -> bool {
         self.drain();
         let arrival = self.wire.under_way.first_key_value().map(|(key, _)| key.0);
-        let next = [arrival, self.a.poll_timeout(), self.b.poll_timeout()]
-            .into_iter()
-            .flatten()
-            .min();
+        let next = Instant::earliest([arrival, self.a.poll_timeout(), self.b.poll_timeout()]);
         let Some(next) = next.filter(|next| *next < until) else {
             self.now = self.now.max(until);
             return false;

@@ -200,9 +200,8 @@ impl Electrical {
         }
     }
 
-    /// `power` W flow from the bus into the shaft, `current` A through the motor.
-    pub(super) fn step(&mut self, dt: f64, power: f64, current: f64, drive: &Endurance, motor: &Endurance) {
-        let heat = current * current;
+    /// One step of the bus: `power` W flow from it into the shaft, `heat` A^2 through the motor.
+    pub(super) fn step(&mut self, dt: f64, power: f64, heat: f64) {
         let mut flow = -(power + self.stage.loss * heat + self.stage.own_power) * self.feed;
         if self.square < self.mains {
             flow += (self.mains - self.square) / self.stage.filling_time;
@@ -214,11 +213,17 @@ impl Electrical {
             flow -= self.burnt * self.feed;
         }
         self.square = (self.square + flow * dt).clamp(0.0, MOST * MOST);
+    }
+
+    /// What takes seconds to minutes, after some steps of the bus together: temperatures and foldback. `heat` is the mean of
+    /// the squared current, A^2.
+    pub(super) fn warm(&mut self, seconds: f64, heat: f64, drive: &Endurance, motor: &Endurance) {
+        let share = |time: f64| (seconds / time).min(1.0);
         self.power_stage += (AMBIENT + IDLE_HEAT + self.stage.stage_heat * heat - self.power_stage)
-            * (dt / self.stage.stage_time);
-        self.motor += (AMBIENT + self.stage.motor_heat * heat - self.motor) * (dt / self.stage.motor_time);
-        self.drive_foldback.step(dt, heat, drive);
-        self.motor_foldback.step(dt, heat, motor);
+            * share(self.stage.stage_time);
+        self.motor += (AMBIENT + self.stage.motor_heat * heat - self.motor) * share(self.stage.motor_time);
+        self.drive_foldback.step(seconds, heat, drive);
+        self.motor_foldback.step(seconds, heat, motor);
     }
 
     /// A time of any length without current.
@@ -236,11 +241,7 @@ impl Electrical {
         };
         self.square = (self.square + filling - own).max(lowest);
         self.burnt = 0.0;
-        self.power_stage +=
-            (AMBIENT + IDLE_HEAT - self.power_stage) * (seconds / self.stage.stage_time).min(1.0);
-        self.motor += (AMBIENT - self.motor) * (seconds / self.stage.motor_time).min(1.0);
-        self.drive_foldback.step(seconds, 0.0, drive);
-        self.motor_foldback.step(seconds, 0.0, motor);
+        self.warm(seconds, 0.0, drive, motor);
     }
 
     /// Highest current that the foldback allows, A (IL.IFOLD).

@@ -170,6 +170,14 @@ impl Sensors {
         }
     }
 
+    /// Returns true when there is no switch, and none reads on.
+    pub const fn is_free(&self) -> bool {
+        self.free
+            && self.negative.forced.is_none()
+            && self.positive.forced.is_none()
+            && self.home.forced.is_none()
+    }
+
     pub fn force_limit(&mut self, positive: bool, on: Option<bool>, position: i64) {
         let switch = if positive {
             &mut self.positive

@@ -135,10 +135,7 @@ impl Axis {
         }
         let steps = ((seconds / LONGEST_STEP).ceil() as usize).clamp(1, MOST_STEPS);
         let mut stride = self.stride(seconds / steps as f64, tuning);
-        let command = self.aim(command, tuning);
-        for _ in 0..steps {
-            self.substep(&command, &mut stride);
-        }
+        self.steps_by(&mut stride, command, steps, false);
     }
 
     /// Prepares steps of `seconds`, at most 1 ms, with these gains and limits: for an axis that gets another command before
@@ -158,12 +155,45 @@ impl Axis {
         }
     }
 
-    /// Moves on by one prepared step.
-    pub fn step_by(&mut self, stride: &mut Stride, command: Command) {
-        if stride.dt > 0.0 {
-            let command = self.aim(command, &stride.tuning);
-            self.substep(&command, stride);
+    /// Moves on by up to `most` prepared steps with one command. Returns how many: with `until_done` it ends with the step in
+    /// which the reference arrives.
+    pub fn steps_by(
+        &mut self,
+        stride: &mut Stride,
+        command: Command,
+        most: usize,
+        until_done: bool,
+    ) -> usize {
+        if stride.dt <= 0.0 || most == 0 {
+            return most;
         }
+        let command = self.aim(command, &stride.tuning);
+        // what depends on heat changes over seconds: once for all of these steps is enough
+        stride.gains.limit = self.electrical.foldback_limit();
+        let mut heat = 0.0;
+        let mut done = 0;
+        while done < most {
+            self.substep(&command, stride);
+            heat += self.current * self.current;
+            done += 1;
+            if until_done && self.trajectory_done() {
+                break;
+            }
+        }
+        let (count, tuning) = (done as f64, &stride.tuning);
+        self.electrical.warm(
+            count * stride.dt,
+            heat / count,
+            &tuning.drive_endurance,
+            &tuning.motor_endurance,
+        );
+        done
+    }
+
+    /// Returns true when no limit switch can change what the axis does: there is none, and none is forced.
+    #[must_use]
+    pub const fn is_without_switches(&self) -> bool {
+        self.sensors.is_free()
     }
 
     /// Gives the command to the trajectory; returns the one that is in force.
@@ -173,10 +203,9 @@ impl Axis {
         command
     }
 
-    fn substep(&mut self, command: &Command, stride: &mut Stride) {
+    fn substep(&mut self, command: &Command, stride: &Stride) {
         let Stride { dt, gains, tuning } = stride;
         let dt = *dt;
-        gains.limit = self.electrical.foldback_limit();
         let seen = Feedback {
             position: self.seen.position.wrapping_add(self.shift),
             ..self.seen
@@ -192,13 +221,7 @@ impl Axis {
             power
         };
         self.sensors.pass(before, self.mechanics.position);
-        self.electrical.step(
-            dt,
-            power,
-            self.current,
-            &tuning.drive_endurance,
-            &tuning.motor_endurance,
-        );
+        self.electrical.step(dt, power, self.current * self.current);
         if !self.feedback_lost {
             self.measure(dt);
         }

@@ -392,7 +392,7 @@ fn prepared_steps_are_the_same_steps() {
     let mut task = 0;
     for _ in 0..3200 {
         let command = to(targets[task], 600.0);
-        prepared.step_by(&mut stride, command);
+        prepared.steps_by(&mut stride, command, 1, false);
         single.step(0.001, command, &tuning);
         assert_eq!(prepared.position(), single.position());
         if single.trajectory_done() {

@@ -2,6 +2,7 @@
 
 use profile::state::{Inputs, Motion, Orders, Profile, State, Stw1, Zsw1};
 
+use super::position::GoesOn;
 use super::velocity::on_ramp;
 use super::{Drive, Event, Mode, Service};
 use crate::axis::{Command, Ramps};
@@ -107,8 +108,10 @@ impl Drive {
         let feedrate = self.feedrate();
         let mut gentle = self.positioning.is_gentle();
         let mut stride = self.axis.stride(dt, &self.position_tuning());
-        for _ in 0..steps as usize {
-            let command = if self.state() == State::S4 {
+        let mut left = steps as usize;
+        while left > 0 {
+            let operates = self.state() == State::S4;
+            let command = if operates {
                 self.position_command(dt, feedrate)
             } else {
                 self.command()
@@ -117,7 +120,16 @@ impl Drive {
                 gentle = !gentle;
                 stride = self.axis.stride(dt, &self.position_tuning());
             }
-            self.axis.step_by(&mut stride, command);
+            // the next steps have the same command until the reference arrives
+            let goes_on = if operates {
+                self.positioning.goes_on(&self.axis)
+            } else {
+                GoesOn::No
+            };
+            let most = if goes_on == GoesOn::No { 1 } else { left };
+            left -= self
+                .axis
+                .steps_by(&mut stride, command, most, goes_on == GoesOn::UntilDone);
         }
     }
 

@@ -566,9 +566,6 @@ impl Endpoint for Station {
 
     fn poll_timeout(&self) -> Option<Instant> {
         let later = self.later.map(|(due, _)| due);
-        [self.device.poll_timeout(), self.drive.next_tick(), later]
-            .into_iter()
-            .flatten()
-            .min()
+        Instant::earliest([self.device.poll_timeout(), self.drive.next_tick(), later])
     }
 }

@@ -110,6 +110,17 @@ impl Seen {
     }
 }
 
+/// How long a command for the axis stays the same.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum GoesOn {
+    /// The next step may need another one.
+    No,
+    /// To the end of the tick, or until the reference arrives.
+    UntilDone,
+    /// To the end of the tick.
+    Always,
+}
+
 /// Brakes along a ramp and stays.
 const fn stop(ramps: Ramps) -> Command {
     Command::Travel {
@@ -404,6 +415,26 @@ impl Positioning {
             PositionState::Task => self.follow(&seen, seconds, feedrate, rules),
             PositionState::Pause => self.pause(&seen, rules),
             _ => stop(self.brakes),
+        }
+    }
+
+    /// Returns whether the following steps of this tick have the command of the last one, whatever they show.
+    pub fn goes_on(&self, axis: &Axis) -> GoesOn {
+        if self.presses {
+            return GoesOn::No;
+        }
+        match (self.machine.state(), &self.run) {
+            (PositionState::Basic, _) => GoesOn::Always,
+            (PositionState::Task, Some(run))
+                if run.wait.is_none() && run.has_one_pace() && !self.failed && axis.is_without_switches() =>
+            {
+                if self.finished {
+                    GoesOn::Always
+                } else {
+                    GoesOn::UntilDone
+                }
+            }
+            _ => GoesOn::No,
         }
     }
 

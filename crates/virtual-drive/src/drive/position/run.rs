@@ -211,6 +211,11 @@ impl Run {
         if limits.is_left(place, rest) { 0.0 } else { speed }
     }
 
+    /// Returns true when [`pace`](Self::pace) gives the same all the way.
+    pub fn has_one_pace(&self) -> bool {
+        !matches!(self.next, Next::Task { .. }) || self.hurried || self.end_speed <= self.leg.speed
+    }
+
     /// Speed and acceleration that apply now, with `command` as the commanded position: those of the task, or of the
     /// next one when its speed has to be there already at the target.
     pub fn pace(&mut self, command: i64) -> (f64, f64) {
