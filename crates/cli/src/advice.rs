@@ -66,6 +66,7 @@ pub fn command(action: &Action, drive: &str) -> Option<String> {
         Action::Jog => format!("jog {drive}"),
         Action::Move => format!("move {drive} --to POSITION --velocity SPEED"),
         Action::Home => format!("home {drive}"),
+        Action::Backup => format!("backup {drive} -o FILE"),
         _ => return None,
     };
     Some(format!("profidrive {rest}"))
@@ -84,6 +85,9 @@ fn option(choice: Choice) -> String {
         Choice::Percent => "--velocity 20%",
         Choice::ReferenceSpeed => "--reference-speed 1500rpm",
         Choice::RunOn => "--may-run-on",
+        Choice::Interface => "-i IFACE, or PROFIDRIVE_INTERFACE",
+        Choice::Force => "--force",
+        Choice::WayBack => "--way-back PATH",
         _ => "another option",
     };
     fixed.to_owned()

@@ -165,30 +165,26 @@ fn without_permission(error: OpenError) -> Failure {
 
 /// Words the failure of a drive that was not found, or cannot be worked with.
 fn failed(error: DriveError, taken_for: &Kind) -> Failure {
-    let kind = error.kind();
     match error {
         DriveError::Open(error) => without_permission(error),
-        DriveError::Client(error) => error.into(),
-        DriveError::Far { error, subnets } => Failure::from(*error).hint(subnets),
-        DriveError::Subnet(error) => error.into(),
-        DriveError::Description(error) => {
+        DriveError::Description(ref inner) => {
             let file = taken_for
                 .gsdml
                 .as_deref()
                 .unwrap_or_else(|| "-".as_ref())
                 .display();
-            let failure = Failure::new(kind, format!("{file}: {}", clean(&error.to_string())));
-            match error {
-                DescriptionError::UnknownTelegrams { .. } => {
-                    failure.hint("{choose model} takes it for one of the known drives")
-                }
+            let failure = Failure {
+                message: format!("{file}: {}", clean(&inner.to_string())),
+                ..Failure::explained(&error)
+            };
+            match inner {
                 DescriptionError::Modules(_) => failure.hint(format!(
                     "`profidrive gsdml show {file}` shows access points and modules"
                 )),
                 _ => failure,
             }
         }
-        other => Failure::new(kind, other.to_string()),
+        other => Failure::explained(&other),
     }
 }
 

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use client::{Advice, ErrorKind};
-use profidrive::{CarrierError, OpenError, OtherSubnet, report};
+use profidrive::{Explained, report};
 use serde_json::{Map, Value};
 
 use crate::advice::Commands;
@@ -42,6 +42,16 @@ impl Failure {
             message: message.into(),
             details: Vec::new(),
             hint: Advice::default(),
+        }
+    }
+
+    /// An error of the library.
+    pub fn explained(error: &impl Explained) -> Self {
+        Self {
+            kind: error.kind(),
+            message: error.message(),
+            details: error.details(),
+            hint: error.advice(),
         }
     }
 
@@ -89,88 +99,27 @@ impl fmt::Display for Failure {
 
 impl std::error::Error for Failure {}
 
-impl From<network::system::Error> for Failure {
-    fn from(error: network::system::Error) -> Self {
-        Self::new(ErrorKind::Unreachable, error.to_string()).hint(words(error.hint()))
-    }
-}
-
-impl From<network::serial::Error> for Failure {
-    fn from(error: network::serial::Error) -> Self {
-        Self::new(ErrorKind::Unreachable, error.to_string()).hint(words(error.hint()))
-    }
-}
-
-/// Advice in words alone.
-fn words(text: Option<impl Into<String>>) -> Advice {
-    text.map_or_else(Advice::default, |text| text.into().into())
-}
-
-impl From<client::Error> for Failure {
-    fn from(error: client::Error) -> Self {
-        // the message of a carrier already names what failed
-        let message = match (&error, carrier(&error)) {
-            (client::Error::Medium(_), Some(carrier)) => carrier.to_string(),
-            _ => error.to_string(),
-        };
-        Self::new(error.kind(), message)
-            .hint(error.advice().unwrap_or_default())
-            .and_hint(of_carrier(&error))
-    }
-}
-
-impl From<OpenError> for Failure {
-    fn from(error: OpenError) -> Self {
-        match error {
-            OpenError::Network(error) => error.into(),
-            OpenError::Serial(error) => {
-                let busy = matches!(error, network::serial::Error::Busy { .. });
-                let failure = Self::from(error);
-                if busy {
-                    // that program may have left an axis turning
-                    failure.and_hint("then {stop} brings its axis to rest")
-                } else {
-                    failure
-                }
+/// Errors of the library, in its words.
+macro_rules! explained {
+    ($($error:ty),+ $(,)?) => {
+        $(impl From<$error> for Failure {
+            fn from(error: $error) -> Self {
+                Self::explained(&error)
             }
-            OpenError::NoInterface { ref existing } => {
-                let there = match existing.as_slice() {
-                    [] => "there is none".to_owned(),
-                    names => format!("there are: {}", names.join(", ")),
-                };
-                Self::usage(error.to_string()).hint(format!("-i IFACE, or PROFIDRIVE_INTERFACE; {there}"))
-            }
-            other => Self::new(other.kind(), other.to_string()),
-        }
-    }
+        })+
+    };
 }
 
-impl From<OtherSubnet> for Failure {
-    fn from(error: OtherSubnet) -> Self {
-        let (drive, interface, prefix) = (&error.drive, &error.interface, error.prefix());
-        let (near, subnet) = (error.own_subnet(), error.subnet());
-        let hint = format!(
-            "give the drive an address in {near}: `profidrive ip {drive} A.B.C.D/NN`; \
-             or this computer one more in {subnet}: ip address add A.B.C.D/{prefix} dev {interface}"
-        );
-        Self::new(ErrorKind::Unreachable, error.to_string()).hint(hint)
-    }
-}
-
-/// The carrier that failed.
-fn carrier(error: &client::Error) -> Option<&CarrierError> {
-    match error {
-        client::Error::Medium(inner) | client::Error::CarrierLost { error: inner, .. } => {
-            inner.downcast_ref()
-        }
-        _ => None,
-    }
-}
-
-/// What to do about the carrier that failed.
-pub fn of_carrier(error: &client::Error) -> Advice {
-    words(carrier(error).and_then(CarrierError::hint))
-}
+explained!(
+    network::system::Error,
+    network::serial::Error,
+    client::Error,
+    profidrive::OpenError,
+    profidrive::addressing::AddressingError,
+    profidrive::monitor::MonitorError,
+    profidrive::parameters::ParameterError,
+    profidrive::settings::CompareError,
+);
 
 impl From<profile::value::ParameterProblem> for Failure {
     fn from(problem: profile::value::ParameterProblem) -> Self {
@@ -181,6 +130,7 @@ impl From<profile::value::ParameterProblem> for Failure {
 #[cfg(test)]
 mod tests {
     use client::{LossAction, LossReaction};
+    use profidrive::CarrierError;
 
     use super::*;
 

@@ -71,6 +71,8 @@ pub enum Action {
     Move,
     /// Set the home position.
     Home,
+    /// Write all settings of the drive to a file.
+    Backup,
     /// Repeat what was tried with another choice.
     Choose(Choice),
 }
@@ -99,10 +101,16 @@ pub enum Choice {
     ReferenceSpeed,
     /// Consent to an axis that runs on when its controller is lost.
     RunOn,
+    /// The network interface.
+    Interface,
+    /// Go on although something speaks against it.
+    Force,
+    /// The file for the values before.
+    WayBack,
 }
 
 /// Every choice with its stable name.
-const CHOICES: [(&str, Choice); 10] = [
+const CHOICES: [(&str, Choice); 13] = [
     ("description", Choice::Description),
     ("model", Choice::Model),
     ("cycle", Choice::Cycle),
@@ -113,6 +121,9 @@ const CHOICES: [(&str, Choice); 10] = [
     ("percent", Choice::Percent),
     ("reference-speed", Choice::ReferenceSpeed),
     ("run-on", Choice::RunOn),
+    ("interface", Choice::Interface),
+    ("force", Choice::Force),
+    ("way-back", Choice::WayBack),
 ];
 
 impl Action {
@@ -143,6 +154,7 @@ impl Action {
             Self::Jog => "jog",
             Self::Move => "move",
             Self::Home => "home",
+            Self::Backup => "backup",
             Self::Choose(_) => "choose",
         }
     }
@@ -184,6 +196,7 @@ impl Action {
             "jog" => Self::Jog,
             "move" => Self::Move,
             "home" => Self::Home,
+            "backup" => Self::Backup,
             "choose" => {
                 let found = CHOICES.iter().find(|(id, _)| *id == first());
                 Self::Choose(found.map(|(_, choice)| *choice)?)
@@ -237,6 +250,7 @@ impl Action {
             Self::Jog => "turns it at its jog speed",
             Self::Move => "moves it to a position",
             Self::Home => "sets the home position",
+            Self::Backup => "writes its settings to a file",
             Self::Choose(_) => "tries it in another way",
             Self::Info
             | Self::Status

@@ -47,7 +47,7 @@
 //! | share a network between threads or the clients of a server | [`Caller`], a clone of what a [`Network`] is |
 //! | let several axes run at once | [`client::Axis`], one for each; `examples/two_axes.rs` |
 //! | record every cyclic sample of an axis | [`client::Axis::samples`]; `examples/record_samples.rs` |
-//! | decide by the kind of an error | [`client::ErrorKind`], which every error type has as `kind()`; [`client::Error::advice`] has what to do |
+//! | decide by the kind of an error | [`client::ErrorKind`], [`Explained`]: kind, message and advice of every error |
 //! | select many drives and work on them side by side | [`Selector`], [`fleet`] |
 //! | scan, and see status, identity and faults of a drive | [`inspection`] |
 //! | watch the values and faults of a drive | [`monitor`] |
@@ -66,6 +66,7 @@ mod description;
 pub mod device_description;
 mod drive;
 mod driver;
+mod explained;
 pub mod fleet;
 pub mod inspection;
 pub mod monitor;
@@ -88,6 +89,7 @@ pub use client::Wait;
 #[cfg(feature = "gsdml")]
 pub use description::{DescriptionError, describe};
 pub use drive::{DriveError, FindEvent, FindObserver};
+pub use explained::Explained;
 pub use network::system::{ForcedExit, Stop};
 pub use open::{Access, Caller, Network, OpenError, Opening, Transport, interface, open, open_line};
 pub use outcome::{Outcome, Reported};

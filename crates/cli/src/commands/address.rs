@@ -2,7 +2,7 @@
 
 use std::net::Ipv4Addr;
 
-use client::{AtWork, Error, ErrorKind, Wait, describe};
+use client::{Error, ErrorKind, Wait, describe};
 use profidrive::addressing::{self, AddressingError, FactoryReset, NewAddress, NewName, check_station_name};
 use profinet::IpSuite;
 
@@ -11,7 +11,6 @@ use crate::confirm::{Question, confirm};
 use crate::connect::{self, Need};
 use crate::failure::Failure;
 use crate::output::Output;
-use crate::render::table::clean;
 
 pub fn name(args: &Name, interface: &Interface, output: &Output) -> Result<(), Failure> {
     // a bad name needs no network
@@ -35,31 +34,6 @@ pub fn name(args: &Name, interface: &Interface, output: &Output) -> Result<(), F
     Ok(())
 }
 
-impl From<AddressingError> for Failure {
-    fn from(error: AddressingError) -> Self {
-        let failed = |hint: &str| Self::new(error.kind(), error.to_string()).hint(hint);
-        match error {
-            AddressingError::BadName { ref legal, .. } => {
-                let failure = Self::usage(error.to_string());
-                match legal {
-                    Some(legal) => failure.hint(format!("perhaps {legal}")),
-                    None => failure,
-                }
-            }
-            AddressingError::NameTaken { .. } => {
-                failed("one name belongs to one station; rename the other first")
-            }
-            AddressingError::AddressTaken { .. } | AddressingError::OwnAddress { .. } => {
-                failed("choose a free address")
-            }
-            AddressingError::Client(error @ Error::AtWork { .. }) => at_work(error),
-            AddressingError::Client(error) => error.into(),
-            AddressingError::Interfaces(error) => error.into(),
-            error => Self::new(error.kind(), error.to_string()),
-        }
-    }
-}
-
 fn shown(name: &str) -> &str {
     if name.is_empty() { "without a name" } else { name }
 }
@@ -71,24 +45,6 @@ fn kept(temporary: bool, then: &str) -> String {
     } else {
         "kept over power-off".into()
     }
-}
-
-/// Words the failure and its hint for a drive at work.
-fn at_work(error: Error) -> Failure {
-    let hint = match &error {
-        Error::AtWork { works, .. } => match works {
-            AtWork::Controller(_) => {
-                "its axis would lose the controller; {blink} shows which drive it is; --force sends the request anyway; the drive may refuse it"
-            }
-            AtWork::Turns(_) | AtWork::Enabled => {
-                "it would lose its parameters under way and coast; {disable} stops it; --force sends the request anyway; the drive may refuse it"
-            }
-        },
-        _ => return error.into(),
-    };
-    let mut failure = Failure::from(error).hint(hint);
-    failure.message = clean(&failure.message);
-    failure
 }
 
 pub fn ip(args: &Ip, interface: &Interface, output: &Output) -> Result<(), Failure> {
@@ -190,6 +146,7 @@ impl From<ResetMode> for FactoryReset {
 
 #[cfg(test)]
 mod tests {
+    use client::AtWork;
     use profinet::controller::DcpError;
     use profinet::wire::dcp::{BlockError, DcpOption};
 
@@ -198,17 +155,17 @@ mod tests {
     #[test]
     fn refuses_a_drive_at_work_and_names_the_cause() {
         let failure = |works| {
-            at_work(Error::AtWork {
+            Failure::from(AddressingError::Client(Error::AtWork {
                 drive: "akd-1".into(),
                 undone: "reset",
                 works,
-            })
+            }))
         };
         for (works, message, hint) in [
             (
                 AtWork::Controller("plc".into()),
                 "akd-1 is not reset: controller \"plc\" is running it",
-                "--force",
+                "[choose force]",
             ),
             (
                 AtWork::Turns(-600.04),
@@ -218,7 +175,7 @@ mod tests {
             (
                 AtWork::Enabled,
                 "akd-1 is not reset: its power stage is on",
-                "--force",
+                "[choose force]",
             ),
         ] {
             let failure = failure(works);

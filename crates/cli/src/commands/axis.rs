@@ -11,7 +11,7 @@ use profinet::cyclic::Timing;
 use crate::advice::{self, Commands};
 use crate::args::{Cyclic, Enabling, InMode, Target};
 use crate::connect::{self, Live, Need};
-use crate::failure::{self, Failure};
+use crate::failure::Failure;
 use crate::output::Output;
 use crate::render::live::LiveView;
 
@@ -77,30 +77,18 @@ pub fn with_drive<T>(
     Ok(done)
 }
 
-/// A motion that failed, in the words of this program.
+/// A motion that failed. What stops one is this program's own.
 impl From<MotionError> for Failure {
     fn from(error: MotionError) -> Self {
-        let (kind, advice) = (error.kind(), error.advice().unwrap_or_default());
-        let message = match error {
-            MotionError::Client(error) => return error.into(),
-            MotionError::Failed { error, findings, .. } => {
-                let of_carrier = failure::of_carrier(&error);
-                let mut failure = Self::from(*error).hint(advice.then(of_carrier));
-                for finding in findings {
-                    failure.message = format!("{}; {finding}", failure.message);
-                }
-                return failure;
-            }
-            MotionError::Stopped { drive, end, .. } => {
-                let how = match end {
-                    End::Open | End::Time => "stopped before the end by Ctrl-C or a signal".to_owned(),
-                    other => format!("stopped by Ctrl-C or a signal, {}", other.missing()),
-                };
-                format!("{drive}: {how}")
-            }
-            other => other.to_string(),
+        let failure = Self::explained(&error);
+        let MotionError::Stopped { drive, end, .. } = error else {
+            return failure;
         };
-        Self::new(kind, message).hint(advice)
+        let message = match end {
+            End::Open | End::Time => format!("{drive}: stopped before the end by Ctrl-C or a signal"),
+            other => format!("{drive}: stopped by Ctrl-C or a signal, {}", other.missing()),
+        };
+        Self { message, ..failure }
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use client::backup::{Backup, Cause, TaskCoverage};
+use client::backup::{Backup, TaskCoverage};
 use client::{Drive, ErrorKind, Session, Wait};
 use profidrive::Reported;
 use profidrive::report::BackupReport;
@@ -200,37 +200,10 @@ pub fn whole(target: &Target, output: &Output) -> Result<(Reported<Backup>, Driv
 
 impl From<FileError> for Failure {
     fn from(error: FileError) -> Self {
-        let failure = Self::new(error.kind(), error.to_string());
+        let failure = Self::explained(&error);
         match error {
-            FileError::Wrong { path, error } => match error.problems.as_slice() {
-                [one] => match hint(&one.cause) {
-                    Some(hint) => failure.hint(hint),
-                    None => failure,
-                },
-                many => Self {
-                    message: format!("{}: {} lines are wrong", path.display(), many.len()),
-                    details: many.iter().map(ToString::to_string).collect(),
-                    ..failure
-                },
-            },
             FileError::NotReplaceable(_) => failure.hint("without -o the settings go to stdout"),
-            FileError::OtherContent(_) => failure.hint("choose another name; --force writes over it"),
             _ => failure,
         }
-    }
-}
-
-/// What to do about a file that is not read.
-const fn hint(cause: &Cause) -> Option<&'static str> {
-    match cause {
-        Cause::TooLong { .. } | Cause::NotText { .. } | Cause::OtherKind { .. } => {
-            Some("`profidrive backup DRIVE -o FILE` writes a backup")
-        }
-        Cause::OtherVersion { .. } => Some("another version of profidrive wrote it; that version reads it"),
-        Cause::NoLineBreak => Some("if the file is complete, end its last line with a line break"),
-        Cause::Changed { .. } => {
-            Some("if the file was changed on purpose and is complete, remove its last line, the checksum")
-        }
-        _ => None,
     }
 }

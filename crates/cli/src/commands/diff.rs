@@ -177,15 +177,6 @@ fn no_file(failure: Failure, name: &str) -> Failure {
     }
 }
 
-impl From<CompareError> for Failure {
-    fn from(error: CompareError) -> Self {
-        match error {
-            CompareError::Client(error) => error.into(),
-            other => Self::new(other.kind(), other.to_string()),
-        }
-    }
-}
-
 /// Returns the parameters of a file, as the drive has them.
 fn like(file: &Backup, target: &Target, output: &Output) -> Result<Backup, Failure> {
     let (mut session, mut drive) = connect::drive(target, Need::Records, output)?;

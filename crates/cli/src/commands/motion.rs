@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use client::{Drive, Session, Wait};
 use profidrive::fleet;
-use profidrive::monitor::{Monitor, MonitorError, Observation};
+use profidrive::monitor::{Monitor, Observation};
 use profidrive::motion::{self, Observer, Report as MotionReport};
 use profidrive::report::{Drives, MonitorReading};
 use profile::notation::ParameterReference;
@@ -159,16 +159,6 @@ impl Watching<'_> {
             if !monitor.pause(session, end).await? {
                 return Ok(());
             }
-        }
-    }
-}
-
-impl From<MonitorError> for Failure {
-    fn from(error: MonitorError) -> Self {
-        let advice = error.advice();
-        match error {
-            MonitorError::Client(error) if !MonitorError::is_of_drive(&error) => error.into(),
-            other => Self::new(other.kind(), other.to_string()).hint(advice),
         }
     }
 }

@@ -6,7 +6,7 @@ mod list;
 mod write;
 
 use client::{Drive, Session};
-use profidrive::parameters::{self, ParameterError, Values};
+use profidrive::parameters::{self, Values};
 use profidrive::report::{Parameter as ParameterValue, ParametersReport};
 use profile::notation::ParameterReference;
 use profile::value::ParameterProblem;
@@ -67,15 +67,6 @@ impl Each for Reading {
     fn problems(&self, done: &Values, drive: &Drive) -> Vec<Failure> {
         let problems = done.problems(&drive.label());
         problems.into_iter().map(Failure::from).collect()
-    }
-}
-
-impl From<ParameterError> for Failure {
-    fn from(error: ParameterError) -> Self {
-        match error {
-            ParameterError::Client(error) => error.into(),
-            error => Self::new(error.kind(), error.to_string()).hint(error.advice()),
-        }
     }
 }
 

@@ -90,20 +90,11 @@ fn way_back(args: &Restore) -> Result<PathBuf, Failure> {
     }
 }
 
-/// What speaks against it, in the words of this program.
 impl From<RestoreError> for Failure {
     fn from(error: RestoreError) -> Self {
-        let failure = Self::new(error.kind(), error.to_string());
         match error {
-            RestoreError::Client(error) => error.into(),
-            RestoreError::Misfit(_) => {
-                failure.hint("--force continues anyway: names and numbers can mean something else there")
-            }
             RestoreError::Nothing => Self::usage("--only: nothing in the file fits"),
-            RestoreError::WayBack { .. } => failure.hint("give another file with --way-back PATH"),
-            _ => failure.hint(
-                "it can switch the axis on while values change; stop it first, or --force goes on while the axis is off",
-            ),
+            other => Self::explained(&other),
         }
     }
 }

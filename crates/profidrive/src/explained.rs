@@ -1,0 +1,404 @@
+//! What every front end shows of an error: what happened, and what a person can do about it.
+
+use client::{Action, Advice, AtWork, Choice, Error, ErrorKind};
+use network::system::Error as SystemError;
+use profile::notation::setting::Cause;
+
+use crate::addressing::AddressingError;
+use crate::carrier::CarrierError;
+use crate::drive::DriveError;
+use crate::fleet::StopError;
+use crate::monitor::MonitorError;
+use crate::motion::{End, MotionError};
+use crate::open::OpenError;
+use crate::parameters::ParameterError;
+use crate::reach::OtherSubnet;
+use crate::settings::{CompareError, FileError, RestoreError};
+
+/// An error as a front end shows it. Every error of a verb has it.
+///
+/// ```
+/// # #[cfg(feature = "simulate")] {
+/// use profidrive::addressing::{NewName, set_name};
+/// use profidrive::client::{Choice, ErrorKind};
+/// use profidrive::{Explained, Wait};
+///
+/// let plant = "[[drive]]\nname = \"akd-1\"\nip = \"10.0.0.1/24\"";
+/// let mut network = profidrive::open_plan(plant.parse()?)?;
+/// let drive = network.find(&"akd-1".parse()?).wait()?;
+/// let error = set_name(&mut network, &drive, &NewName::new("Press_1")).wait().unwrap_err();
+/// assert_eq!((error.kind(), error.advice().to_string()), (ErrorKind::Usage, "perhaps press-1".to_owned()));
+/// # }
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub trait Explained: std::error::Error {
+    /// The kind of the error: decides exit code, HTTP status or exception.
+    fn kind(&self) -> ErrorKind;
+
+    /// What was tried, on which drive, and what came back, in one sentence.
+    fn message(&self) -> String {
+        self.to_string()
+    }
+
+    /// What the message sums up, one by one.
+    fn details(&self) -> Vec<String> {
+        Vec::new()
+    }
+
+    /// What to do; empty where nothing is known. A front end puts its own words in the place of the actions.
+    fn advice(&self) -> Advice;
+}
+
+fn words(text: Option<impl Into<String>>) -> Advice {
+    text.map_or_else(Advice::default, |text| Advice::from(text.into()))
+}
+
+impl Explained for SystemError {
+    fn kind(&self) -> ErrorKind {
+        ErrorKind::Unreachable
+    }
+
+    fn advice(&self) -> Advice {
+        words(self.hint())
+    }
+}
+
+impl Explained for network::serial::Error {
+    fn kind(&self) -> ErrorKind {
+        ErrorKind::Unreachable
+    }
+
+    fn advice(&self) -> Advice {
+        let advice = words(self.hint());
+        match self {
+            // the program that has the line may have left an axis turning
+            Self::Busy { .. } => advice.then("then {stop} brings its axis to rest".into()),
+            _ => advice,
+        }
+    }
+}
+
+/// What carried the network, where that failed.
+fn carrier(error: &Error) -> Option<&CarrierError> {
+    match error {
+        Error::Medium(inner) | Error::CarrierLost { error: inner, .. } => inner.downcast_ref(),
+        _ => None,
+    }
+}
+
+impl Explained for Error {
+    fn kind(&self) -> ErrorKind {
+        Self::kind(self)
+    }
+
+    fn message(&self) -> String {
+        match (self, carrier(self)) {
+            // the message of a carrier names what failed
+            (Self::Medium(_), Some(carrier)) => carrier.to_string(),
+            _ => self.to_string(),
+        }
+    }
+
+    fn advice(&self) -> Advice {
+        let own = match self {
+            Self::AtWork { works, .. } => Some(at_work(works)),
+            _ => Self::advice(self),
+        };
+        let of_carrier = words(carrier(self).and_then(CarrierError::hint));
+        own.unwrap_or_default().then(of_carrier)
+    }
+}
+
+/// A drive that is at work is not named, addressed or reset.
+fn at_work(works: &AtWork) -> Advice {
+    match works {
+        AtWork::Controller(_) => "its axis would lose the controller; {blink} shows which drive it is",
+        AtWork::Turns(_) | AtWork::Enabled => {
+            "it would lose its parameters under way and coast; {disable} stops it"
+        }
+    }
+    .into()
+}
+
+impl Explained for OpenError {
+    fn kind(&self) -> ErrorKind {
+        Self::kind(self)
+    }
+
+    fn advice(&self) -> Advice {
+        match self {
+            Self::Network(error) => error.advice(),
+            Self::Serial(error) => error.advice(),
+            Self::NoInterface { existing } => {
+                let there = match existing.as_slice() {
+                    [] => "; there is none".to_owned(),
+                    names => format!("; there are: {}", names.join(", ")),
+                };
+                Advice::from(Action::Choose(Choice::Interface)).and(there)
+            }
+            _ => Advice::default(),
+        }
+    }
+}
+
+impl Explained for OtherSubnet {
+    fn kind(&self) -> ErrorKind {
+        ErrorKind::Unreachable
+    }
+
+    fn advice(&self) -> Advice {
+        Advice::from(format!("give the drive an address in {}: ", self.own_subnet()))
+            .with(Action::SetAddress { device: None })
+            .and(format!(
+                "; or this computer one more in {}: ip address add A.B.C.D/{} dev {}",
+                self.subnet(),
+                self.prefix(),
+                self.interface
+            ))
+    }
+}
+
+impl Explained for DriveError {
+    fn kind(&self) -> ErrorKind {
+        Self::kind(self)
+    }
+
+    fn message(&self) -> String {
+        match self {
+            Self::Client(error) => error.message(),
+            Self::Far { error, .. } => error.message(),
+            other => other.to_string(),
+        }
+    }
+
+    fn advice(&self) -> Advice {
+        match self {
+            Self::Open(error) => error.advice(),
+            Self::Client(error) => Explained::advice(error),
+            Self::Far { subnets, .. } => Advice::from(subnets.clone()),
+            Self::Subnet(error) => error.advice(),
+            #[cfg(feature = "gsdml")]
+            Self::Description(crate::description::DescriptionError::UnknownTelegrams { .. }) => {
+                "{choose model} takes it for one of the known drives".into()
+            }
+            _ => Advice::default(),
+        }
+    }
+}
+
+impl Explained for AddressingError {
+    fn kind(&self) -> ErrorKind {
+        Self::kind(self)
+    }
+
+    fn message(&self) -> String {
+        match self {
+            Self::Client(error) => error.message(),
+            other => other.to_string(),
+        }
+    }
+
+    fn advice(&self) -> Advice {
+        match self {
+            Self::BadName { legal, .. } => words(legal.as_ref().map(|legal| format!("perhaps {legal}"))),
+            Self::NameTaken { .. } => "one name belongs to one station; rename the other first".into(),
+            Self::AddressTaken { .. } | Self::OwnAddress { .. } => "choose a free address".into(),
+            Self::Interfaces(error) => error.advice(),
+            Self::Client(error @ Error::AtWork { .. }) => Explained::advice(error)
+                .then("{choose force} sends the request anyway; the drive may refuse it".into()),
+            Self::Client(error) => Explained::advice(error),
+        }
+    }
+}
+
+impl Explained for ParameterError {
+    fn kind(&self) -> ErrorKind {
+        Self::kind(self)
+    }
+
+    fn message(&self) -> String {
+        match self {
+            Self::Client(error) => error.message(),
+            other => other.to_string(),
+        }
+    }
+
+    fn advice(&self) -> Advice {
+        match self {
+            Self::Client(error) => Explained::advice(error),
+            other => other.advice(),
+        }
+    }
+}
+
+impl Explained for MonitorError {
+    fn kind(&self) -> ErrorKind {
+        Self::kind(self)
+    }
+
+    fn message(&self) -> String {
+        match self {
+            Self::Client(error) => error.message(),
+            other => other.to_string(),
+        }
+    }
+
+    fn advice(&self) -> Advice {
+        match self {
+            Self::Client(error) if !Self::is_of_drive(error) => Explained::advice(error),
+            other => other.advice(),
+        }
+    }
+}
+
+impl Explained for MotionError {
+    fn kind(&self) -> ErrorKind {
+        Self::kind(self)
+    }
+
+    fn message(&self) -> String {
+        match self {
+            Self::Client(error) => error.message(),
+            Self::Failed { error, findings, .. } => {
+                findings.iter().fold(error.message(), |message, finding| {
+                    format!("{message}; {finding}")
+                })
+            }
+            Self::Stopped { drive, end, .. } => match end {
+                End::Open | End::Time => format!("{drive}: stopped before the end by request"),
+                other => format!("{drive}: stopped by request, {}", other.missing()),
+            },
+            other => other.to_string(),
+        }
+    }
+
+    fn advice(&self) -> Advice {
+        match self {
+            Self::Client(error) => Explained::advice(error),
+            Self::Failed { error, .. } => {
+                let of_carrier = words(carrier(error).and_then(CarrierError::hint));
+                Self::advice(self).unwrap_or_default().then(of_carrier)
+            }
+            other => other.advice().unwrap_or_default(),
+        }
+    }
+}
+
+impl Explained for StopError {
+    fn kind(&self) -> ErrorKind {
+        match self {
+            Self::Drive(error) => error.kind(),
+            Self::Motion(error) => error.kind(),
+        }
+    }
+
+    fn message(&self) -> String {
+        match self {
+            Self::Drive(error) => error.message(),
+            Self::Motion(error) => error.message(),
+        }
+    }
+
+    fn advice(&self) -> Advice {
+        match self {
+            Self::Drive(error) => error.advice(),
+            Self::Motion(error) => Explained::advice(error),
+        }
+    }
+}
+
+impl Explained for FileError {
+    fn kind(&self) -> ErrorKind {
+        Self::kind(self)
+    }
+
+    fn message(&self) -> String {
+        match self {
+            Self::Wrong { path, error } if error.problems.len() != 1 => {
+                format!("{}: {} lines are wrong", path.display(), error.problems.len())
+            }
+            other => other.to_string(),
+        }
+    }
+
+    fn details(&self) -> Vec<String> {
+        match self {
+            Self::Wrong { error, .. } if error.problems.len() != 1 => {
+                error.problems.iter().map(ToString::to_string).collect()
+            }
+            _ => Vec::new(),
+        }
+    }
+
+    fn advice(&self) -> Advice {
+        match self {
+            Self::Wrong { error, .. } => match error.problems.as_slice() {
+                [one] => wrong(&one.cause),
+                _ => Advice::default(),
+            },
+            Self::OtherContent(_) => "choose another name; {choose force} writes over it".into(),
+            _ => Advice::default(),
+        }
+    }
+}
+
+/// What to do about a file that is not read.
+fn wrong(cause: &Cause) -> Advice {
+    match cause {
+        Cause::TooLong { .. } | Cause::NotText { .. } | Cause::OtherKind { .. } => "{backup} writes a backup",
+        Cause::OtherVersion { .. } => "another version of profidrive wrote it; that version reads it",
+        Cause::NoLineBreak => "if the file is complete, end its last line with a line break",
+        Cause::Changed { .. } => {
+            "if the file was changed on purpose and is complete, remove its last line, the checksum"
+        }
+        _ => "",
+    }
+    .into()
+}
+
+impl Explained for CompareError {
+    fn kind(&self) -> ErrorKind {
+        Self::kind(self)
+    }
+
+    fn message(&self) -> String {
+        match self {
+            Self::Client(error) => error.message(),
+            other => other.to_string(),
+        }
+    }
+
+    fn advice(&self) -> Advice {
+        match self {
+            Self::Client(error) => Explained::advice(error),
+            _ => Advice::default(),
+        }
+    }
+}
+
+impl Explained for RestoreError {
+    fn kind(&self) -> ErrorKind {
+        Self::kind(self)
+    }
+
+    fn message(&self) -> String {
+        match self {
+            Self::Client(error) => error.message(),
+            other => other.to_string(),
+        }
+    }
+
+    fn advice(&self) -> Advice {
+        match self {
+            Self::Client(error) => Explained::advice(error),
+            Self::Misfit(_) => {
+                "{choose force} continues anyway: names and numbers can mean something else there".into()
+            }
+            Self::Controlled { .. } => "it can switch the axis on while values change; stop it first, or \
+                {choose force} goes on while the axis is off"
+                .into(),
+            Self::WayBack { .. } => "choose another file: {choose way-back}".into(),
+            Self::Nothing => Advice::default(),
+        }
+    }
+}
