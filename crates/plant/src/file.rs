@@ -13,11 +13,13 @@ use profinet::wire::dcp::check_name;
 use profinet::{IpSuite, MacAddress};
 use serde::Deserialize;
 use toml::Spanned;
+use toml::de::DeTable;
 use virtual_drive::axis::{Plant, Travel};
 use virtual_drive::model::{self, Model};
 use virtual_drive::station::{Station, StationConfig};
 
 use crate::event::PlantEvent;
+use crate::expect::{Expectation, Scope, read_all, read_list};
 use crate::plan::{Cue, DrivePlan, PlantPlan, Trigger, set};
 use crate::program::RawController;
 use crate::text::{derived_mac, place, suite, time};
@@ -86,29 +88,74 @@ impl PlantPlan {
     /// # Errors
     /// When it cannot be read, or when something in it is not valid.
     pub fn read(path: &Path) -> Result<Self, PlantFileError> {
-        let mut octets = Vec::new();
-        // one more than is used, so that a longer file is recognized
-        File::open(path)
-            .and_then(|file| file.take(MAX_READ + 1).read_to_end(&mut octets))
-            .map_err(|source| PlantFileError::Read {
-                path: path.to_owned(),
-                source,
-            })?;
-        let no_plant = |why: String| PlantFileError::NoPlant {
-            path: path.to_owned(),
-            why,
-        };
-        if octets.len() as u64 > MAX_READ {
-            return Err(no_plant(format!(
-                "longer than {MAX_READ} octets, not a plant file"
-            )));
-        }
-        let text = String::from_utf8(octets).map_err(|_| no_plant("not UTF-8 text".to_owned()))?;
-        text.parse().map_err(|error| PlantFileError::PlantPlan {
+        let plant: Result<Self, PlantError> = read_text(path)?.parse();
+        let mut plant = plant.map_err(|error| PlantFileError::PlantPlan {
             path: path.to_owned(),
             error,
-        })
+        })?;
+        set_file(&mut plant.expectations, path);
+        Ok(plant)
     }
+
+    /// Returns what is expected of the drives by a text: a file with the key `expect`, or one inline table.
+    ///
+    /// ```
+    /// let plant: profidrive_plant::PlantPlan = "[[drive]]\nname = \"akd-1\"".parse()?;
+    /// let still = plant.expectations_of(r#"{ always = true, speed = "-1rpm..1rpm" }"#)?;
+    /// assert_eq!(still[0].name(), "expectation 1");
+    /// let error = plant.expectations_of(r#"{ at = "2s", speed = "120rpm" }"#).unwrap_err();
+    /// assert!(error.to_string().contains("tolerance"));
+    /// # Ok::<(), profidrive_plant::PlantError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// What is wrong, with its line.
+    pub fn expectations_of(&self, text: &str) -> Result<Vec<Expectation>, PlantError> {
+        let drives = &self.drives;
+        read_all(text, Scope { drives })
+    }
+
+    /// Reads a file with more expectations, see [`expectations_of`](Self::expectations_of).
+    ///
+    /// # Errors
+    /// When it cannot be read, or when something in it is not valid.
+    pub fn read_expectations(&self, path: &Path) -> Result<Vec<Expectation>, PlantFileError> {
+        let text = read_text(path)?;
+        let mut found = self.expectations_of(&text).map_err(|error| PlantFileError::PlantPlan {
+            path: path.to_owned(),
+            error,
+        })?;
+        set_file(&mut found, path);
+        Ok(found)
+    }
+}
+
+fn set_file(expectations: &mut [Expectation], path: &Path) {
+    for expectation in expectations {
+        expectation.file = Some(path.display().to_string());
+    }
+}
+
+/// Reads a text file, not more of it than one may have.
+fn read_text(path: &Path) -> Result<String, PlantFileError> {
+    let mut octets = Vec::new();
+    // one more than is used, so that a longer file is recognized
+    File::open(path)
+        .and_then(|file| file.take(MAX_READ + 1).read_to_end(&mut octets))
+        .map_err(|source| PlantFileError::Read {
+            path: path.to_owned(),
+            source,
+        })?;
+    let no_plant = |why: String| PlantFileError::NoPlant {
+        path: path.to_owned(),
+        why,
+    };
+    if octets.len() as u64 > MAX_READ {
+        return Err(no_plant(format!(
+            "longer than {MAX_READ} octets, not a plant file"
+        )));
+    }
+    String::from_utf8(octets).map_err(|_| no_plant("not UTF-8 text".to_owned()))
 }
 
 #[derive(Deserialize)]
@@ -122,6 +169,8 @@ struct RawPlant {
     drive: Vec<RawDrive>,
     #[serde(default)]
     controller: Vec<RawController>,
+    /// Read apart: each value in it needs its place.
+    expect: Option<serde::de::IgnoredAny>,
 }
 
 const fn first_seed() -> u64 {
@@ -204,14 +253,31 @@ impl std::str::FromStr for PlantPlan {
             line: line_of(text, error.span().map_or(0, |span| span.start)),
             message: error.message().to_owned(),
         })?;
-        read(&raw).map_err(|Located(span, message)| PlantError {
+        let mut plant = read(&raw).map_err(|Located(span, message)| PlantError {
             line: line_of(text, span.start),
             message,
-        })
+        })?;
+        if raw.expect.is_some() {
+            plant.expectations = expectations(text, &plant.drives)?;
+        }
+        Ok(plant)
     }
 }
 
-fn line_of(text: &str, at: usize) -> usize {
+/// Reads the expectations of a plant file.
+fn expectations(text: &str, drives: &[DrivePlan]) -> Result<Vec<Expectation>, PlantError> {
+    let error = |span: Option<Range<usize>>, message: String| PlantError {
+        line: line_of(text, span.map_or(0, |span| span.start)),
+        message,
+    };
+    let table = DeTable::parse(text).map_err(|wrong| error(wrong.span(), wrong.message().to_owned()))?;
+    let entry = table.get_ref().iter().find(|(key, _)| key.get_ref() == "expect");
+    entry.map_or(Ok(Vec::new()), |(_, value)| {
+        read_list(value, Scope { drives }, text).map_err(|Located(span, message)| error(Some(span), message))
+    })
+}
+
+pub(crate) fn line_of(text: &str, at: usize) -> usize {
     1 + text.bytes().take(at).filter(|octet| *octet == b'\n').count()
 }
 
@@ -257,6 +323,7 @@ fn read(raw: &RawPlant) -> Result<PlantPlan, Located> {
         duration: duration.transpose()?,
         sample: sample.transpose()?,
         controllers: controllers.collect::<Result<_, _>>()?,
+        expectations: Vec::new(),
         drives,
     })
 }

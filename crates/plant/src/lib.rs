@@ -11,6 +11,7 @@
 
 pub mod control_socket;
 mod event;
+mod expect;
 mod file;
 pub mod host;
 #[cfg(feature = "metrics")]
@@ -23,9 +24,14 @@ mod trace;
 mod world;
 
 pub use event::{LinkFault, PlantEvent, PlantEventError, Unit, keys};
+#[cfg(feature = "junit")]
+pub use expect::{Suite, junit};
+pub use expect::{
+    Expectation, ExpectationResult, Live, Monitor, Nearest, Observed, Outcome, Quantity as ObservedQuantity,
+};
 pub use file::{PlantError, PlantFileError};
 pub use plan::{Action, ControllerPlan, Cue, DrivePlan, PlantPlan, Step, Trigger, WorldError};
 pub use text::derived_mac;
 pub use timeline::{Played, Timeline};
-pub use trace::{Entry, What};
+pub use trace::{Event, EventKind, Message, Sample};
 pub use world::World;

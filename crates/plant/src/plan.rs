@@ -13,6 +13,7 @@ use virtual_drive::model::Model;
 use virtual_drive::station::{Station, StationConfig};
 
 use crate::event::{PlantEvent, PlantEventError, Unit};
+use crate::expect::Expectation;
 use crate::text::derived_mac;
 
 /// A plant: drives, what happens to them, and the controllers that run them.
@@ -45,6 +46,8 @@ pub struct PlantPlan {
     pub drives: Vec<DrivePlan>,
     /// The controllers, which exist in virtual time only.
     pub controllers: Vec<ControllerPlan>,
+    /// What is expected of the drives.
+    pub expectations: Vec<Expectation>,
 }
 
 /// One drive of a [`PlantPlan`].

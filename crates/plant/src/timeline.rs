@@ -28,6 +28,8 @@ struct Pending {
     when: When,
     lasts: Option<Duration>,
     what: PlantEvent,
+    /// Ends something that was to last for a time.
+    restores: bool,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -43,6 +45,8 @@ pub struct Played {
     pub what: PlantEvent,
     /// Duration; `None` until the next change.
     pub lasts: Option<Duration>,
+    /// It ends something that was to last for a time.
+    pub restores: bool,
 }
 
 impl Timeline {
@@ -56,6 +60,7 @@ impl Timeline {
             },
             lasts: cue.lasts,
             what: cue.what,
+            restores: false,
         });
         Self {
             pending: pending.collect(),
@@ -75,6 +80,7 @@ impl Timeline {
             when: When::At(now),
             lasts,
             what,
+            restores: false,
         });
     }
 
@@ -125,16 +131,22 @@ impl Timeline {
                 })
                 .map(|(index, _)| index);
             let Some(index) = due else { break };
-            let Pending { lasts, what, .. } = self.pending.remove(index);
+            let Pending {
+                lasts,
+                what,
+                restores,
+                ..
+            } = self.pending.remove(index);
             what.apply(unit);
             if let (Some(lasts), Some(end)) = (lasts, what.undo()) {
                 self.pending.push(Pending {
                     when: When::At(now + lasts),
                     lasts: None,
                     what: end,
+                    restores: true,
                 });
             }
-            played.push(Played { what, lasts });
+            played.push(Played { what, lasts, restores });
         }
         self.place = Some(place);
         played

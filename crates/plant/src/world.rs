@@ -7,7 +7,7 @@ use network::host::Host;
 use network::segment::{Pace, Segment, SegmentMedium, StationId, Tap};
 use profile::state::Zsw1;
 use profinet::controller::{
-    ArId, ConnectConfig, Controller, ControllerConfig, Event, ModuleConfig, Resolve, SubmoduleConfig, Target,
+    ArId, ConnectConfig, Controller, ControllerConfig, Event as ControllerEvent, ModuleConfig, Resolve, SubmoduleConfig, Target,
 };
 use profinet::cyclic::Timing;
 use profinet::device::ModuleDescription;
@@ -15,13 +15,15 @@ use profinet::wire::block::ModuleState;
 use profinet::{Endpoint, Instant, IpSuite, Medium};
 use virtual_drive::description::Description;
 use virtual_drive::model::Model;
-use virtual_drive::station::Station;
+use virtual_drive::drive::Drive;
+use virtual_drive::station::{Station, StationEvent};
 
 use crate::event::{PlantEvent, Unit};
+use crate::expect::{Expectation, ExpectationResult, Live, Monitor, revolutions};
 use crate::plan::{Action, ControllerPlan, DrivePlan, PlantPlan, Step, WorldError};
 use crate::text::derived_mac;
 use crate::timeline::Timeline;
-use crate::trace::{Entry, What};
+use crate::trace::{Event, EventKind, Message, Sample};
 
 /// How long a controller waits before it connects again.
 const RECONNECT_DELAY: Duration = Duration::from_millis(500);
@@ -57,7 +59,9 @@ pub struct World {
     drives: Vec<Seat>,
     controllers: Vec<ControllerSeat>,
     sample: Option<(Duration, Instant)>,
-    observer: Option<Box<dyn FnMut(Entry) + Send>>,
+    observer: Option<Box<dyn FnMut(Event) + Send>>,
+    /// Checks what is expected of the drives.
+    monitor: Option<Box<Monitor>>,
 }
 
 impl std::fmt::Debug for World {
@@ -75,6 +79,10 @@ struct Seat {
     model: &'static Model,
     line: Timeline,
     status: u16,
+    /// Numbers of the faults that came and were not acknowledged.
+    faults: Vec<u16>,
+    /// Whether a controller exchanges data with it; `None` before the first one did.
+    connected: Option<bool>,
 }
 
 /// A controller in its place.
@@ -111,6 +119,8 @@ impl World {
                 model: plan.model,
                 line: Timeline::new(&plan.cues, Instant::ZERO),
                 status,
+                faults: Vec::new(),
+                connected: None,
             });
         }
         let mut controllers = Vec::new();
@@ -133,12 +143,46 @@ impl World {
             controllers,
             sample: plant.sample.map(|sample| (sample, Instant::ZERO + sample)),
             observer: None,
+            monitor: None,
         })
     }
 
     /// Calls `observer` with what happens while a client carries the plant. Replaces the observer before.
-    pub fn observe(&mut self, observer: impl FnMut(Entry) + Send + 'static) {
+    pub fn observe(&mut self, observer: impl FnMut(Event) + Send + 'static) {
         self.observer = Some(Box::new(observer));
+    }
+
+    /// Checks these expectations from now on, at each tick of the drives; the time of an expectation counts from the start of
+    /// the plant. Replaces those before.
+    pub fn expect(&mut self, expectations: &[Expectation], seed: u64) {
+        self.monitor = Some(Box::new(Monitor::new(expectations, self.drives.len(), seed)));
+        self.check(self.now());
+    }
+
+    /// Ends the checks at the present time; returns what came of each expectation for each of its drives.
+    pub fn finish_expectations(&mut self) -> Vec<ExpectationResult> {
+        let end = self.now() - Instant::ZERO;
+        let monitor = self.monitor.take();
+        let name = |drive: usize| self.drives.get(drive).map_or("", |seat| &seat.name);
+        monitor.map_or_else(Vec::new, |monitor| monitor.finish(end, name))
+    }
+
+    /// Shows all drives to the monitor.
+    fn check(&mut self, now: Instant) {
+        let Some(mut monitor) = self.monitor.take() else {
+            return;
+        };
+        for (number, seat) in self.drives.iter().enumerate() {
+            if let Some(unit) = self.medium.segment().station::<Unit>(seat.id) {
+                let drive = unit.inner().endpoint().drive();
+                let live = Live {
+                    drive,
+                    connected: seat.connected,
+                };
+                monitor.observe(number, now - Instant::ZERO, &live);
+            }
+        }
+        self.monitor = Some(monitor);
     }
 
     /// Sets how time passes while a client carries the plant.
@@ -199,7 +243,7 @@ impl World {
     }
 
     /// Runs from event to event until `until`; `record` receives the events.
-    pub fn run_until(&mut self, until: Instant, record: &mut dyn FnMut(Entry)) {
+    pub fn run_until(&mut self, until: Instant, record: &mut dyn FnMut(Event)) {
         loop {
             self.act(record);
             let next = self.next_event().min(until);
@@ -238,9 +282,9 @@ impl World {
     }
 
     /// Everything of time lines and programs that is due.
-    fn act(&mut self, record: &mut dyn FnMut(Entry)) {
+    fn act(&mut self, record: &mut dyn FnMut(Event)) {
         let now = self.now();
-        for seat in &mut self.drives {
+        for (number, seat) in self.drives.iter_mut().enumerate() {
             let due = seat.line.next().is_some_and(|at| at <= now)
                 || seat.line.watches_position()
                     && self
@@ -255,11 +299,11 @@ impl World {
                 continue;
             };
             for played in seat.line.play(now, unit) {
-                record(Entry {
-                    at: now,
-                    drive: seat.name.clone(),
-                    what: What::Happened(played),
-                });
+                let event = Event::at(now, &seat.name, played.into());
+                if let Some(monitor) = &mut self.monitor {
+                    monitor.note(number, &event);
+                }
+                record(event);
             }
         }
         for seat in &mut self.controllers {
@@ -269,56 +313,75 @@ impl World {
                     break;
                 };
                 if let Some(text) = seat.act(now, host.endpoint_mut()) {
-                    record(Entry {
-                        at: now,
-                        drive: drive.to_owned(),
-                        what: What::Controller(text),
-                    });
+                    record(Event::at(now, drive, EventKind::note(&format!("controller: {text}"))));
                 }
             }
         }
-        if let Some((sample, at)) = &mut self.sample
+        if let Some((period, at)) = &mut self.sample
             && *at <= now
         {
-            *at += *sample;
+            *at += *period;
             for seat in &self.drives {
                 if let Some(unit) = self.medium.segment().station::<Unit>(seat.id) {
-                    record(values(now, seat, unit.inner().endpoint()));
+                    let sample = sample(seat.status, unit.inner().endpoint().drive());
+                    record(Event::at(now, &seat.name, EventKind::Sample(sample)));
                 }
             }
         }
     }
 
-    /// Records the events of drives and controllers.
-    fn look(&mut self, record: &mut dyn FnMut(Entry)) {
+    /// Records the events of drives and controllers, and checks what is expected.
+    fn look(&mut self, record: &mut dyn FnMut(Event)) {
         let now = self.now();
-        for seat in &mut self.drives {
-            let Some(unit) = self.medium.segment().station::<Unit>(seat.id) else {
-                continue;
-            };
-            let station = unit.inner().endpoint();
-            let status = station.drive().status_word().0;
-            if station.has_event() {
-                let Some(unit) = self.medium.segment_mut().station_mut::<Unit>(seat.id) else {
-                    continue;
-                };
-                while let Some(event) = unit.inner_mut().endpoint_mut().poll_event() {
-                    if let Some(text) = event.words(seat.model.catalogue) {
-                        record(Entry {
-                            at: now,
-                            drive: seat.name.clone(),
-                            what: What::Reported(text.trim_end().to_owned()),
-                        });
-                    }
-                }
+        for number in 0..self.drives.len() {
+            self.look_at_drive(number, now, record);
+        }
+        self.look_at_controllers(now, record);
+        self.check(now);
+    }
+
+    fn look_at_drive(&mut self, number: usize, now: Instant, record: &mut dyn FnMut(Event)) {
+        let Some(seat) = self.drives.get_mut(number) else {
+            return;
+        };
+        let mut record = |seat: &Seat, kind: EventKind| {
+            let event = Event::at(now, &seat.name, kind);
+            if let Some(monitor) = &mut self.monitor {
+                monitor.note(number, &event);
             }
-            if status != seat.status {
-                seat.status = status;
-                if let Some(unit) = self.medium.segment().station::<Unit>(seat.id) {
-                    record(values(now, seat, unit.inner().endpoint()));
+            record(event);
+        };
+        let Some(unit) = self.medium.segment().station::<Unit>(seat.id) else {
+            return;
+        };
+        let station = unit.inner().endpoint();
+        let status = station.drive().status_word();
+        if station.has_event() {
+            let Some(unit) = self.medium.segment_mut().station_mut::<Unit>(seat.id) else {
+                return;
+            };
+            while let Some(event) = unit.inner_mut().endpoint_mut().poll_event() {
+                for kind in seat.kinds(&event) {
+                    record(seat, kind);
                 }
             }
         }
+        if status.0 == seat.status {
+            return;
+        }
+        let before = Zsw1(std::mem::replace(&mut seat.status, status.0));
+        if let Some(unit) = self.medium.segment().station::<Unit>(seat.id) {
+            let drive = unit.inner().endpoint().drive();
+            if drive.is_positioning() {
+                for kind in EventKind::of_positioning(before, status, revolutions(drive.axis().position())) {
+                    record(seat, kind);
+                }
+            }
+            record(seat, EventKind::Sample(sample(seat.status, drive)));
+        }
+    }
+
+    fn look_at_controllers(&mut self, now: Instant, record: &mut dyn FnMut(Event)) {
         for seat in &mut self.controllers {
             let waiting = self
                 .medium
@@ -334,14 +397,31 @@ impl World {
             };
             while let Some(event) = host.endpoint_mut().poll_event() {
                 if let Some(text) = seat.take(now, event, host.endpoint_mut()) {
-                    record(Entry {
-                        at: now,
-                        drive: drive.to_owned(),
-                        what: What::Controller(text),
-                    });
+                    record(Event::at(now, drive, EventKind::note(&format!("controller: {text}"))));
                 }
             }
         }
+    }
+}
+
+impl Seat {
+    /// Returns an event of the station as events of a trace: an acknowledge is one for each fault.
+    fn kinds(&mut self, event: &StationEvent) -> Vec<EventKind> {
+        let catalogue = self.model.catalogue;
+        match event {
+            StationEvent::Fault { number } => self.faults.push(*number),
+            StationEvent::Exchanging { .. } => self.connected = Some(true),
+            StationEvent::Disconnected { .. } => self.connected = Some(false),
+            StationEvent::Acknowledged if !self.faults.is_empty() => {
+                let faults = std::mem::take(&mut self.faults).into_iter();
+                let cleared = faults.map(|number| EventKind::FaultCleared {
+                    fault: Message::of(number, false, catalogue),
+                });
+                return cleared.collect();
+            }
+            _ => {}
+        }
+        EventKind::of_station(event, catalogue).into_iter().collect()
     }
 }
 
@@ -392,19 +472,14 @@ impl PlantPlan {
     }
 }
 
-fn values(now: Instant, seat: &Seat, station: &Station) -> Entry {
-    let drive = station.drive();
+fn sample(status: u16, drive: &Drive) -> Sample {
     let axis = drive.axis();
-    Entry {
-        at: now,
-        drive: seat.name.clone(),
-        what: What::Values {
-            stw1: drive.control_word(),
-            zsw1: Zsw1(seat.status),
-            speed: axis.speed(),
-            position: axis.position() as f64 / 4_294_967_296.0,
-            current: axis.current(),
-        },
+    Sample {
+        stw1: drive.control_word().0,
+        zsw1: status,
+        speed: axis.speed(),
+        position: revolutions(axis.position()),
+        current: axis.current(),
     }
 }
 
@@ -554,10 +629,10 @@ impl ControllerSeat {
     }
 
     /// Handles an event of the controller. Returns the resulting message.
-    fn take(&mut self, now: Instant, event: Event, controller: &mut Controller) -> Option<String> {
+    fn take(&mut self, now: Instant, event: ControllerEvent, controller: &mut Controller) -> Option<String> {
         let own = self.ar;
         match event {
-            Event::Connected { ar, diff } if own == Some(ar) => {
+            ControllerEvent::Connected { ar, diff } if own == Some(ar) => {
                 self.send(controller);
                 // a drive may name a module of which nothing differs
                 let wrong = diff.is_some_and(|diff| {
@@ -568,13 +643,13 @@ impl ControllerSeat {
                 let differs = if wrong { ", the modules differ" } else { "" };
                 Some(format!("connected{differs}"))
             }
-            Event::Running { ar } if own == Some(ar) => Some("exchanges data".into()),
-            Event::Lost { ar, cause } if own == Some(ar) => {
+            ControllerEvent::Running { ar } if own == Some(ar) => Some("exchanges data".into()),
+            ControllerEvent::Lost { ar, cause } if own == Some(ar) => {
                 self.ar = None;
                 self.connect_at = Some(now + RECONNECT_DELAY);
                 Some(format!("connection lost: {cause}"))
             }
-            Event::Released { ar } if own == Some(ar) => {
+            ControllerEvent::Released { ar } if own == Some(ar) => {
                 self.ar = None;
                 Some("released".into())
             }

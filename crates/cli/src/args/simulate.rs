@@ -19,6 +19,15 @@ pub struct Simulate {
     /// Runs the plant in virtual time, as fast as possible, without a network; the trace goes to stdout
     #[arg(long, requires = "plant", conflicts_with = "state")]
     pub virtual_time: bool,
+    /// File with expectations of the drives, beside those of the plant file; a lost expectation ends with exit code 5
+    #[arg(long, value_name = "FILE", requires = "virtual_time")]
+    pub expect: Option<PathBuf>,
+    /// Write the results of the expectations to this file, as a JUnit report
+    #[arg(long, value_name = "FILE", requires = "virtual_time")]
+    pub junit: Option<PathBuf>,
+    /// Write the events to this file, a JSON document a line
+    #[arg(long, value_name = "FILE", requires = "virtual_time")]
+    pub trace: Option<PathBuf>,
     /// Ends after this time; else the `duration` of the plant file, or Ctrl-C
     #[arg(long = "for", value_name = "TIME", value_parser = duration)]
     pub time: Option<Duration>,

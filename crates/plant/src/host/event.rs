@@ -16,7 +16,7 @@ use super::load::{Load, Overload};
 use crate::event::PlantEvent;
 use crate::text::count;
 use crate::timeline::Played;
-use crate::trace::What;
+use crate::trace::EventKind;
 
 /// Events that may wait for their receiver; further ones are counted and left out.
 const WAITING: usize = 4096;
@@ -139,6 +139,20 @@ impl Event {
 }
 
 impl DriveEvent {
+    /// Returns the event as a trace has it.
+    #[must_use]
+    pub fn kind(&self) -> EventKind {
+        let typed = match self {
+            Self::Played(played) => Some((*played).into()),
+            Self::Ended(event) => Some(EventKind::Restored {
+                action: event.to_string(),
+            }),
+            Self::Station(model, event) => EventKind::of_station(event, model.catalogue),
+            _ => None,
+        };
+        typed.unwrap_or_else(|| EventKind::note(&self.to_string()))
+    }
+
     /// Returns true for a requested event: by a time line, by the control socket, or its end.
     #[must_use]
     pub const fn is_commanded(&self) -> bool {
@@ -214,7 +228,7 @@ impl fmt::Display for DriveEvent {
                 }
             }
             Self::ReadyAtLine(number) => write!(f, "ready: address {number}"),
-            Self::Played(played) => What::Happened(*played).fmt(f),
+            Self::Played(played) => EventKind::from(*played).fmt(f),
             Self::Injected(text) => f.write_str(text),
             Self::Ended(event) => event.fmt(f),
             Self::Station(model, event) => {

@@ -45,7 +45,7 @@ pub use shapes::{
     Wording, parameter, parameter_error,
 };
 pub use simulation::{
-    DemoEvent, DemoStep, InjectKey, InjectReport, SimulationEvent, SimulationLoad, SimulationReport,
+    DemoEvent, DemoStep, InjectKey, InjectReport, SimulationLoad, SimulationReport,
 };
 pub use station::{BlinkReport, IpReport, NameReport, ResetReport};
 pub use status::{StatusNote, StatusReport};

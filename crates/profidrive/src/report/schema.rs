@@ -41,6 +41,7 @@ const COMMANDS: &[(&str, Describe)] = &[
     ("reset", of::<ResetReport>),
     ("explain", of::<Meaning>),
     ("decode", of::<DecodeReport<'_>>),
+    #[cfg(feature = "simulate")]
     ("simulate", of::<SimulationReport>),
     ("demo", of::<DemoEvent>),
     ("inject", of::<InjectReport>),

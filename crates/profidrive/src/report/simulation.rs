@@ -32,27 +32,22 @@ pub struct DemoStep {
     pub text: String,
 }
 
-/// Something that happened to a virtual drive.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct SimulationEvent {
-    /// Seconds since the simulation began.
-    pub time: f64,
-    /// The drive.
-    pub drive: String,
-    /// What happened.
-    pub text: String,
-}
-
 /// What a simulation reports while it runs.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(untagged)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum SimulationReport {
     /// Something happened to a drive.
-    Drive(SimulationEvent),
+    #[cfg(feature = "simulate")]
+    Drive(plant::Event),
     /// What all drives do.
     Load(SimulationLoad),
+    /// What came of the expectations; nothing follows.
+    #[cfg(feature = "simulate")]
+    Expectations {
+        /// The results, in the order of the file.
+        expectations: Vec<plant::ExpectationResult>,
+    },
 }
 
 /// What the drives of a simulation do at one moment, and what happened since it began. Times are in seconds.

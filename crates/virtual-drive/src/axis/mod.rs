@@ -382,6 +382,12 @@ impl Axis {
         self.seen.position.wrapping_add(self.shift)
     }
 
+    /// Returns the true position of the shaft in 2^-32 revolutions from where it started; no homing moves it. Wraps.
+    #[must_use]
+    pub const fn true_position(&self) -> i64 {
+        self.mechanics.position
+    }
+
     /// Returns the position of the feedback itself in 2^-32 revolutions (FB1.P): not moved by homing; its low half is the
     /// angle.
     #[must_use]

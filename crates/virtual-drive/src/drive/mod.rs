@@ -12,6 +12,7 @@ mod inverter;
 mod memory;
 mod motion;
 mod panel;
+mod observation;
 mod parameters;
 mod position;
 mod reading;

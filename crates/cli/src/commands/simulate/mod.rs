@@ -42,9 +42,13 @@ impl From<Protocol> for uss::Protocol {
 }
 
 pub fn run(args: &Simulate, on: &Interface, output: &Output) -> Result<(), Failure> {
-    let plant = args.plant.as_deref().map(PlantPlan::read).transpose()?;
+    let mut plant = args.plant.as_deref().map(PlantPlan::read).transpose()?;
+    if let (Some(plant), Some(file)) = (&mut plant, &args.expect) {
+        let more = plant.read_expectations(file)?;
+        plant.expectations.extend(more);
+    }
     if let Some(plant) = plant.as_ref().filter(|_| args.virtual_time) {
-        return virtual_time::run(plant, args.time, args.pcap.as_deref(), output);
+        return virtual_time::run(plant, args, output);
     }
     if let Some(port) = &args.line.serial {
         return at_line(args, port, output);
@@ -78,6 +82,9 @@ fn on_network(
 ) -> Result<HostConfig, Failure> {
     if plant.as_ref().is_some_and(|plant| !plant.controllers.is_empty()) {
         output.warn("the controllers of the plant are left out: they exist in virtual time only");
+    }
+    if plant.as_ref().is_some_and(|plant| !plant.expectations.is_empty()) {
+        output.warn("the expectations of the plant are left out: they are checked in virtual time only");
     }
     let model = description.as_ref().map(|description| description.model);
     Ok(HostConfig {

@@ -5,7 +5,8 @@ use std::time::Duration;
 
 use plant::host::{DriveEvent, Event, EventSender, HostError, Load, SaveResult, events};
 use plant::metrics::MetricsServer;
-use profidrive::report::{SimulationEvent, SimulationReport};
+use plant::EventKind;
+use profidrive::report::SimulationReport;
 
 use crate::failure::Failure;
 use crate::output::Output;
@@ -51,11 +52,11 @@ impl Printer {
         match event {
             _ if event.is_warning() => output.warn(&warning(event)),
             Event::Drive { drive, at, what } => {
-                let report = SimulationReport::Drive(SimulationEvent {
-                    time: at.as_secs_f64(),
-                    drive: drive.to_string(),
-                    text: of_drive(what),
-                });
+                let kind = match what.kind() {
+                    EventKind::Note { .. } => EventKind::Note { text: of_drive(what) },
+                    kind => kind,
+                };
+                let report = SimulationReport::Drive(plant::Event::new(*at, drive, kind));
                 if !self.summary || output.verbose() || what.is_commanded() {
                     output.report_event(&report);
                 } else {
@@ -95,7 +96,8 @@ fn finish(printer: &JoinHandle<()>) {
 
 impl Page for SimulationReport {
     fn print(&self, output: &Output) {
-        if let Self::Drive(SimulationEvent { time, drive, text }) = self {
+        if let Self::Drive(plant::Event { time, drive, kind, .. }) = self {
+            let text = kind.to_string();
             output.line(&format!("{time:>10.3} s  {drive:<16} {}", text.trim_end()));
         }
     }

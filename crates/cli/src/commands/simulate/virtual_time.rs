@@ -1,5 +1,7 @@
 //! A plant in virtual time: the trace on stdout, the same every time.
 
+use std::fs::File;
+use std::io::{BufWriter, Write as _};
 use std::path::Path;
 use std::time::Duration;
 
@@ -7,69 +9,143 @@ use client::ErrorKind;
 use network::files::create;
 use network::pcap::Writer;
 use network::system::{Stop, now};
-use plant::{Entry, PlantPlan, World};
-use profidrive::report::{SimulationEvent, SimulationReport};
+use plant::{Event, ExpectationResult, PlantPlan, Suite, World, junit};
+use profidrive::report::SimulationReport;
 use profinet::Instant;
 
+use crate::args::Simulate;
 use crate::failure::Failure;
 use crate::output::Output;
 
 /// Virtual time between two looks at the stop flag.
 const STRIDE: Duration = Duration::from_millis(500);
 
-pub fn run(
-    plant: &PlantPlan,
-    time: Option<Duration>,
-    pcap: Option<&Path>,
-    output: &Output,
-) -> Result<(), Failure> {
-    let Some(time) = time.or(plant.duration) else {
+pub fn run(plant: &PlantPlan, args: &Simulate, output: &Output) -> Result<(), Failure> {
+    let Some(time) = args.time.or(plant.duration) else {
         return Err(Failure::usage("how long? Virtual time has no end of its own")
             .hint("give `duration` in the plant file, or --for TIME"));
     };
-    let failed = |what: &str, error: &dyn std::fmt::Display| {
-        Failure::new(ErrorKind::Local, format!("{what}: {error}"))
-    };
+    if args.junit.is_some() && plant.expectations.is_empty() {
+        return Err(Failure::usage("--junit: nothing is expected of this plant")
+            .hint("write `expect` in the plant file, or give --expect FILE"));
+    }
     let mut world = World::new(plant).map_err(|error| failed("the plant cannot start", &error))?;
-    if let Some(path) = pcap {
+    if let Some(path) = &args.pcap {
         let name = path.display().to_string();
-        let file = create(path).map_err(|error| Failure::new(ErrorKind::Local, error.to_string()))?;
-        let writer = Writer::new(file, "plant", Duration::ZERO).map_err(|error| failed(&name, &error))?;
+        let writer = Writer::new(open(path)?, "plant", Duration::ZERO).map_err(|error| failed(&name, &error))?;
         world.add_tap(Box::new(writer));
+    }
+    let mut trace = args.trace.as_deref().map(TraceFile::create).transpose()?;
+    // a file that cannot be written is an error before the run, not after it
+    let report = args.junit.as_deref().map(|path| Ok::<_, Failure>((path, open(path)?))).transpose()?;
+    if !plant.expectations.is_empty() {
+        world.expect(&plant.expectations, plant.seed);
     }
     let stop = Stop::on_signals().map_err(|error| failed("cannot watch for Ctrl-C", &error))?;
     let begin = now();
     let end = Instant::ZERO + time;
-    let mut print_entry = |entry: Entry| print(&entry, output);
+    let mut record = |event: Event| {
+        if let Some(trace) = &mut trace {
+            trace.write(&event);
+        }
+        print(event, output);
+    };
     while world.now() < end && !stop.is_stopped() {
         let until = (world.now() + STRIDE).min(end);
-        world.run_until(until, &mut print_entry);
+        world.run_until(until, &mut record);
     }
     world
         .finish_taps()
         .map_err(|error| failed("the capture is not complete", &error))?;
-    let (simulated, took) = (
-        (world.now() - Instant::ZERO).as_secs_f64(),
-        (now() - begin).as_secs_f64(),
-    );
+    if let Some(trace) = trace {
+        trace.finish()?;
+    }
+    let (simulated, took) = (world.now() - Instant::ZERO, now() - begin);
+    let results = world.finish_expectations();
     output.say(&format!(
-        "{simulated} s in {took:.3} s, {:.0} times real time; seed {}, trace {:016x}{}",
-        simulated / took.max(1e-9),
+        "{} s in {:.3} s, {:.0} times real time; seed {}, trace {:016x}{}",
+        simulated.as_secs_f64(),
+        took.as_secs_f64(),
+        simulated.as_secs_f64() / took.as_secs_f64().max(1e-9),
         plant.seed,
         world.trace_hash(),
         if world.now() < end { "; ended early" } else { "" }
     ));
-    Ok(())
+    if let Some((path, mut file)) = report {
+        let plant_file = args.plant.as_deref().unwrap_or(Path::new(""));
+        let suite = Suite {
+            plant: &plant_file.display().to_string(),
+            seed: plant.seed,
+            version: env!("CARGO_PKG_VERSION"),
+            simulated,
+            took,
+        };
+        file.write_all(junit(&suite, &results).as_bytes())
+            .map_err(|error| failed(&path.display().to_string(), &error))?;
+    }
+    judge(results, output)
 }
 
-fn print(entry: &Entry, output: &Output) {
+/// Shows what came of the expectations; fails when one was lost.
+fn judge(results: Vec<ExpectationResult>, output: &Output) -> Result<(), Failure> {
+    let all = results.len();
+    if all == 0 {
+        return Ok(());
+    }
+    let lost: Vec<String> = results.iter().filter(|result| !result.is_met()).map(ToString::to_string).collect();
+    output.json_event(&SimulationReport::Expectations { expectations: results });
+    let of = if all == 1 { "1 expectation".to_owned() } else { format!("{all} expectations") };
+    if lost.is_empty() {
+        output.say(&format!("{of}: all met"));
+        return Ok(());
+    }
+    let mut failure = Failure::new(ErrorKind::Difference, format!("{} of {of} lost", lost.len()));
+    failure.details = lost.iter().flat_map(|text| text.lines()).map(str::to_owned).collect();
+    Err(failure)
+}
+
+fn failed(what: &str, error: &dyn std::fmt::Display) -> Failure {
+    Failure::new(ErrorKind::Local, format!("{what}: {error}"))
+}
+
+fn open(path: &Path) -> Result<File, Failure> {
+    create(path).map_err(|error| Failure::new(ErrorKind::Local, error.to_string()))
+}
+
+/// A file with the events, a JSON document a line.
+struct TraceFile {
+    name: String,
+    file: BufWriter<File>,
+    /// Why it is not complete.
+    error: Option<std::io::Error>,
+}
+
+impl TraceFile {
+    fn create(path: &Path) -> Result<Self, Failure> {
+        Ok(Self {
+            name: path.display().to_string(),
+            file: BufWriter::new(open(path)?),
+            error: None,
+        })
+    }
+
+    fn write(&mut self, event: &Event) {
+        if self.error.is_none() {
+            let written = serde_json::to_writer(&mut self.file, event).map_err(std::io::Error::from);
+            self.error = written.and_then(|()| self.file.write_all(b"\n")).err();
+        }
+    }
+
+    fn finish(mut self) -> Result<(), Failure> {
+        let error = self.error.or_else(|| self.file.flush().err());
+        error.map_or(Ok(()), |error| Err(failed(&self.name, &error)))
+    }
+}
+
+fn print(event: Event, output: &Output) {
     if output.json() {
-        output.json_event(&SimulationReport::Drive(SimulationEvent {
-            time: (entry.at - Instant::ZERO).as_secs_f64(),
-            drive: entry.drive.clone(),
-            text: entry.what.to_string(),
-        }));
+        output.json_event(&SimulationReport::Drive(event));
     } else {
-        output.line(&entry.to_string());
+        output.line(&event.to_string());
     }
 }

@@ -1,0 +1,25 @@
+//! What is expected of the drives of a plant, and whether it came true.
+//!
+//! | module | content |
+//! |---|---|
+//! | `condition` | what must hold of a drive, and how it is looked at |
+//! | `parse` | expectations as TOML, with the line of each mistake |
+//! | `monitor` | the checks, tick by tick, in bounded memory |
+//! | `result` | what came of an expectation, in words and as data |
+//! | `junit` | the same as a JUnit report |
+
+mod condition;
+#[cfg(feature = "junit")]
+mod junit;
+mod monitor;
+mod parse;
+mod result;
+
+pub use condition::{Live, Observed, Quantity};
+#[cfg(feature = "junit")]
+pub use junit::{Suite, junit};
+pub use monitor::Monitor;
+pub use parse::Expectation;
+pub(crate) use condition::revolutions;
+pub(crate) use parse::{Scope, read_all, read_list};
+pub use result::{ExpectationResult, Nearest, Outcome};

@@ -1,0 +1,708 @@
+//! Expectations as TOML.
+
+use std::fmt;
+use std::ops::Range;
+use std::time::Duration;
+
+use profile::catalogue::{Parameter, Scaling};
+use profile::notation::{Quantity as Written, wildcard_fits};
+use profile::state::{Stw1, Zsw1};
+use profile::value::Parameters;
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+use virtual_drive::drive::Drive;
+
+use super::condition::{Bounds, Condition, Flag, Numbers, Quantity, Source, Test};
+use crate::file::{Located, PlantError, line_of};
+use crate::plan::DrivePlan;
+use crate::text::time;
+
+/// Most expectations of one list, and most pairs of an expectation and a drive.
+const MOST: usize = 10_000;
+/// Longest text, in octets.
+const LONGEST: usize = 1 << 20;
+
+type Value<'a> = Spanned<DeValue<'a>>;
+
+/// Something that is expected of drives of a plant.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Expectation {
+    /// The file that has it.
+    pub(crate) file: Option<String>,
+    pub(super) name: String,
+    pub(super) line: usize,
+    pub(super) rule: Rule,
+    /// How long it must stay true.
+    pub(super) lasts: Duration,
+    pub(super) targets: Vec<Target>,
+    /// As written, without the name.
+    pub(super) source: String,
+}
+
+/// When it must hold.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Rule {
+    At(Duration),
+    Within { span: Duration, after: After },
+    /// Always true, or never.
+    Whole { holds: bool, from: Duration, to: Option<Duration> },
+}
+
+/// Start of a clock.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum After {
+    Time(Duration),
+    /// The first time that this holds for one of the drives.
+    Condition(Vec<Target>),
+}
+
+/// Conditions of one drive, all of which must hold at the same instant.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Target {
+    /// Number of the drive in the plant.
+    pub drive: usize,
+    pub conditions: Vec<Condition>,
+}
+
+/// The drives that an expectation may name.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Scope<'a> {
+    pub drives: &'a [DrivePlan],
+}
+
+/// Keys of conditions, beside quantities and flags.
+const CONDITIONS: [&str; 7] = ["state", "fault", "warning", "zsw1", "stw1", "load", "parameter"];
+
+impl Expectation {
+    /// Returns its name.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Returns the line where it begins, from 1.
+    #[must_use]
+    pub const fn line(&self) -> usize {
+        self.line
+    }
+}
+
+impl fmt::Display for Expectation {
+    /// As an inline table.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{{ name = {}, {} }}", quoted(&self.name), self.source)
+    }
+}
+
+/// Reads a text: a file with the key `expect`, or one inline table.
+pub(crate) fn read_all(text: &str, scope: Scope<'_>) -> Result<Vec<Expectation>, PlantError> {
+    if text.len() > LONGEST {
+        return Err(PlantError {
+            line: 1,
+            message: format!("the text is longer than {LONGEST} octets"),
+        });
+    }
+    let inline = text.trim_start().starts_with('{');
+    let text = if inline { format!("expect = [{text}\n]") } else { text.to_owned() };
+    let table = DeTable::parse(&text).map_err(|error| PlantError {
+        line: line_of(&text, error.span().map_or(0, |span| span.start)),
+        message: error.message().to_owned(),
+    })?;
+    let mut found = Vec::new();
+    for (key, value) in table.get_ref() {
+        if key.get_ref() != "expect" {
+            return Err(PlantError {
+                line: line_of(&text, key.span().start),
+                message: format!("unknown key `{}`, expected `expect`", key.get_ref()),
+            });
+        }
+        found = read_list(value, scope, &text).map_err(|Located(span, message)| PlantError {
+            line: line_of(&text, span.start),
+            message,
+        })?;
+    }
+    Ok(found)
+}
+
+/// Reads the value of the key `expect`.
+pub(crate) fn read_list(value: &Value<'_>, scope: Scope<'_>, text: &str) -> Result<Vec<Expectation>, Located> {
+    let DeValue::Array(list) = value.get_ref() else {
+        return Err(wrong(value, "expectations are a list of tables, [{ .. }, { .. }]"));
+    };
+    let mut found: Vec<Expectation> = Vec::new();
+    let mut checks = 0;
+    for value in list {
+        let table = table(value)?;
+        let expectation = read(table, &value.span(), scope, text, found.len() + 1)?;
+        checks += expectation.targets.len();
+        if checks > MOST {
+            return Err(wrong(value, &format!("more than {MOST} pairs of an expectation and a drive")));
+        }
+        if found.iter().any(|other| other.name == expectation.name) {
+            return Err(wrong(value, &format!("the name `{}` stands there twice", expectation.name)));
+        }
+        found.push(expectation);
+    }
+    Ok(found)
+}
+
+fn wrong(value: &Value<'_>, message: &str) -> Located {
+    Located(value.span(), message.to_owned())
+}
+
+fn table<'a, 'b>(value: &'b Value<'a>) -> Result<&'b DeTable<'a>, Located> {
+    match value.get_ref() {
+        DeValue::Table(table) => Ok(table),
+        _ => Err(wrong(value, "a table is expected, { KEY = VALUE, .. }")),
+    }
+}
+
+fn text<'a>(value: &'a Value<'_>) -> Result<&'a str, Located> {
+    match value.get_ref() {
+        DeValue::String(text) => Ok(text),
+        _ => Err(wrong(value, "a text is expected, \"..\"")),
+    }
+}
+
+fn get<'a, 'b>(table: &'b DeTable<'a>, key: &str) -> Option<&'b Value<'a>> {
+    table.iter().find(|(name, _)| name.get_ref() == key).map(|(_, value)| value)
+}
+
+fn duration(value: &Value<'_>) -> Result<Duration, Located> {
+    time(text(value)?).map_err(|message| wrong(value, &message))
+}
+
+/// Fails for a key that is neither one of `own` nor that of a condition.
+fn check_keys(table: &DeTable<'_>, own: &[&'static str]) -> Result<(), Located> {
+    for key in table.keys() {
+        let key_text: &str = key.get_ref();
+        let known = condition_keys().chain(own.iter().copied());
+        if !known.clone().any(|known| known == key_text) {
+            let list: Vec<_> = known.map(|key| format!("`{key}`")).collect();
+            return Err(Located(
+                key.span(),
+                format!("unknown key `{key_text}`, expected one of {}", list.join(", ")),
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// Keys of conditions and the one of their tolerance.
+fn condition_keys() -> impl Iterator<Item = &'static str> + Clone {
+    let quantities = Quantity::ALL.into_iter().map(|(_, key)| key);
+    let quantities = quantities.filter(|key| !key.starts_with("load."));
+    let flags = Flag::ALL.into_iter().map(|(_, key)| key);
+    CONDITIONS.into_iter().chain(flags).chain(quantities).chain(["tolerance"])
+}
+
+fn read(
+    table: &DeTable<'_>,
+    span: &Range<usize>,
+    scope: Scope<'_>,
+    whole: &str,
+    number: usize,
+) -> Result<Expectation, Located> {
+    check_keys(
+        table,
+        &["name", "at", "within", "after", "always", "never", "drive", "for"],
+    )?;
+    let rule = rule(table, span, scope)?;
+    let lasts = match get(table, "for") {
+        Some(value) if matches!(rule, Rule::Whole { .. }) => {
+            return Err(wrong(value, "`for` belongs to `at` and `within`; `always` and `never` have a range"));
+        }
+        value => value.map(duration).transpose()?.unwrap_or_default(),
+    };
+    let drives = match get(table, "drive") {
+        None => (0..scope.drives.len()).collect(),
+        Some(value) => drives(value, scope)?,
+    };
+    let name = match get(table, "name") {
+        Some(value) => text(value)?.to_owned(),
+        None => format!("expectation {number}"),
+    };
+    Ok(Expectation {
+        file: None,
+        name,
+        line: line_of(whole, span.start),
+        rule,
+        lasts,
+        targets: targets(table, span, scope, &drives)?,
+        source: entries(table, "name").join(", "),
+    })
+}
+
+fn rule(table: &DeTable<'_>, span: &Range<usize>, scope: Scope<'_>) -> Result<Rule, Located> {
+    let after = get(table, "after");
+    let kinds = ["at", "within", "always", "never"];
+    let mut given = kinds.into_iter().filter_map(|kind| Some((kind, get(table, kind)?)));
+    let (Some((kind, value)), None) = (given.next(), given.next()) else {
+        return Err(Located(
+            span.clone(),
+            "an expectation has exactly one of `at`, `within`, `always` and `never`".into(),
+        ));
+    };
+    if let Some(after) = after.filter(|_| kind != "within") {
+        return Err(wrong(after, "`after` belongs to `within`"));
+    }
+    Ok(match kind {
+        "at" => Rule::At(duration(value)?),
+        "within" => Rule::Within {
+            span: duration(value)?,
+            after: after.map_or(Ok(After::Time(Duration::ZERO)), |after| read_after(after, scope))?,
+        },
+        _ => {
+            let (from, to) = range(value)?;
+            Rule::Whole {
+                holds: kind == "always",
+                from,
+                to,
+            }
+        }
+    })
+}
+
+fn read_after(value: &Value<'_>, scope: Scope<'_>) -> Result<After, Located> {
+    let DeValue::Table(table) = value.get_ref() else {
+        return Ok(After::Time(duration(value)?));
+    };
+    check_keys(table, &["drive"])?;
+    let drive = get(table, "drive").ok_or_else(|| wrong(value, "`after` with conditions names its `drive`"))?;
+    let drives = drives(drive, scope)?;
+    Ok(After::Condition(targets(table, &value.span(), scope, &drives)?))
+}
+
+/// `"2s..5s"`, `"2s.."`, `"..5s"` or true.
+fn range(value: &Value<'_>) -> Result<(Duration, Option<Duration>), Located> {
+    let form = "a range of time is \"2s..5s\", \"2s..\", \"..5s\" or true";
+    if matches!(value.get_ref(), DeValue::Boolean(true)) {
+        return Ok((Duration::ZERO, None));
+    }
+    let DeValue::String(written) = value.get_ref() else {
+        return Err(wrong(value, form));
+    };
+    let (from, to) = written.split_once("..").ok_or_else(|| wrong(value, form))?;
+    let end = |text: &str| {
+        let text = text.trim();
+        let end = (!text.is_empty()).then(|| time(text));
+        end.transpose().map_err(|message| wrong(value, &message))
+    };
+    let (from, to) = (end(from)?, end(to)?);
+    if from.is_none() && to.is_none() || to.is_some_and(|to| to < from.unwrap_or_default()) {
+        return Err(wrong(value, form));
+    }
+    Ok((from.unwrap_or_default(), to))
+}
+
+/// Returns the numbers of the drives that a name, a pattern or a list of them means.
+fn drives(value: &Value<'_>, scope: Scope<'_>) -> Result<Vec<usize>, Located> {
+    let one = std::slice::from_ref(value);
+    let list: &[Value<'_>] = match value.get_ref() {
+        DeValue::Array(list) if !list.is_empty() => list,
+        DeValue::Array(_) => return Err(wrong(value, "a list of drives has at least one")),
+        _ => one,
+    };
+    let mut chosen = Vec::new();
+    for pattern in list {
+        let wanted = text(pattern)?;
+        let before = chosen.len();
+        let mut fits = false;
+        for (number, drive) in scope.drives.iter().enumerate() {
+            if wildcard_fits(wanted, &drive.name) {
+                fits = true;
+                if !chosen.contains(&number) {
+                    chosen.push(number);
+                }
+            }
+        }
+        if !fits && before == chosen.len() {
+            let names: Vec<_> = scope.drives.iter().take(16).map(|drive| drive.name.as_str()).collect();
+            return Err(wrong(
+                pattern,
+                &format!("no drive `{wanted}` in this plant; there are: {}", names.join(", ")),
+            ));
+        }
+    }
+    chosen.sort_unstable();
+    Ok(chosen)
+}
+
+/// Reads the conditions of a table for each of the drives.
+fn targets(
+    table: &DeTable<'_>,
+    span: &Range<usize>,
+    scope: Scope<'_>,
+    drives: &[usize],
+) -> Result<Vec<Target>, Located> {
+    let tolerance = get(table, "tolerance");
+    let mut written_order: Vec<_> = table.iter().collect();
+    written_order.sort_by_key(|(key, _)| key.span().start);
+    let mut reader = Reader {
+        tolerance,
+        tolerance_used: false,
+    };
+    let mut targets = Vec::new();
+    for &number in drives {
+        let Some(drive) = scope.drives.get(number) else {
+            continue;
+        };
+        let mut conditions = Vec::new();
+        for (key, value) in &written_order {
+            reader.condition(key.get_ref(), value, drive, &mut conditions)?;
+        }
+        if conditions.is_empty() {
+            return Err(Located(
+                span.clone(),
+                "no condition: write what must hold, such as state = \"S4\" or speed = \"118rpm..122rpm\"".into(),
+            ));
+        }
+        targets.push(Target {
+            drive: number,
+            conditions,
+        });
+    }
+    match tolerance {
+        Some(value) if !reader.tolerance_used => {
+            Err(wrong(value, "`tolerance` belongs to a quantity with a single value"))
+        }
+        _ => Ok(targets),
+    }
+}
+
+/// Reads the conditions of one table.
+struct Reader<'a, 'b> {
+    tolerance: Option<&'b Value<'a>>,
+    tolerance_used: bool,
+}
+
+impl Reader<'_, '_> {
+    fn condition(
+        &mut self,
+        key: &str,
+        value: &Value<'_>,
+        drive: &DrivePlan,
+        conditions: &mut Vec<Condition>,
+    ) -> Result<(), Located> {
+        let test = match key {
+            "state" => Test::State(states(value)?),
+            "fault" | "warning" => Test::Messages {
+                warnings: key == "warning",
+                numbers: numbers(value, key == "warning", drive)?,
+            },
+            "zsw1" | "stw1" => word(value, key == "zsw1")?,
+            "load" => {
+                for (inner, value) in table(value)? {
+                    let name = format!("load.{}", inner.get_ref());
+                    let quantity = Quantity::ALL.into_iter().find(|(_, key)| *key == name);
+                    let (quantity, _) = quantity.ok_or_else(|| {
+                        Located(inner.span(), format!("unknown key `{name}`, expected `load.speed` or `load.position`"))
+                    })?;
+                    conditions.push(self.quantity(&name, value, quantity)?);
+                }
+                return Ok(());
+            }
+            "parameter" => {
+                for (name, value) in table(value)? {
+                    conditions.push(self.parameter(name, value, drive)?);
+                }
+                return Ok(());
+            }
+            _ => {
+                let flag = Flag::ALL.into_iter().find(|(_, name)| *name == key);
+                let quantity = Quantity::ALL.into_iter().find(|(_, name)| *name == key);
+                match (flag, quantity) {
+                    (Some((flag, _)), _) => match value.get_ref() {
+                        DeValue::Boolean(wanted) => Test::Flag(flag, *wanted),
+                        _ => return Err(wrong(value, &format!("`{key}` is true or false"))),
+                    },
+                    (_, Some((quantity, _))) => {
+                        conditions.push(self.quantity(key, value, quantity)?);
+                        return Ok(());
+                    }
+                    // not a condition: a time, a name, a drive
+                    _ => return Ok(()),
+                }
+            }
+        };
+        conditions.push(Condition {
+            key: key.to_owned(),
+            test,
+        });
+        Ok(())
+    }
+
+    fn quantity(&mut self, key: &str, value: &Value<'_>, quantity: Quantity) -> Result<Condition, Located> {
+        let unit = quantity.unit();
+        let test = Test::Number {
+            source: Source::Quantity(quantity),
+            unit,
+            bounds: self.bounds(key, value, unit, false)?,
+        };
+        Ok(Condition {
+            key: key.to_owned(),
+            test,
+        })
+    }
+
+    fn parameter(
+        &mut self,
+        name: &Spanned<std::borrow::Cow<'_, str>>,
+        value: &Value<'_>,
+        drive: &DrivePlan,
+    ) -> Result<Condition, Located> {
+        let at = |message: String| Located(name.span(), message);
+        if matches!(value.get_ref(), DeValue::Table(_)) {
+            return Err(at("the name of a parameter stands in quotation marks: { \"DRV.ACC\" = \"..\" }".into()));
+        }
+        let scaling = Scaling::default();
+        let table = Parameters {
+            catalogue: Some(drive.model.catalogue),
+            scaling,
+        };
+        let reference = name.get_ref().parse().map_err(|error| at(format!("{error}")))?;
+        let selection = table.select(&reference).map_err(|problem| {
+            let hint = problem.hint().map_or(String::new(), |hint| format!(" ({hint})"));
+            at(format!("{}: {problem}{hint}", drive.name))
+        })?;
+        let element = selection.parameter.map_or(0, |row| selection.first.saturating_sub(row.subindex(0)));
+        let readable = |row: &&'static Parameter| Drive::new(drive.model).reported(row, element).is_some();
+        let row = selection.parameter.filter(|row| !row.is_text()).filter(readable);
+        let row = row.ok_or_else(|| at(format!("{}: `{}` is not a number that can be read", drive.name, name.get_ref())))?;
+        let unit = row.unit_in(&scaling);
+        let whole = unit.is_empty() && row.engineering(1, &scaling) == 1.0;
+        let key = name.get_ref().clone().into_owned();
+        let bounds = self.bounds(&key, value, unit, whole)?;
+        let source = Source::Parameter(row, element);
+        Ok(Condition {
+            key,
+            test: Test::Number { source, unit, bounds },
+        })
+    }
+
+    /// Reads where a number must be; a single value needs a tolerance, unless the number is `whole`.
+    fn bounds(&mut self, key: &str, value: &Value<'_>, unit: &str, whole: bool) -> Result<Bounds, Located> {
+        let bare;
+        let written = match value.get_ref() {
+            DeValue::String(text) => &**text,
+            DeValue::Integer(number) => {
+                bare = number.to_string();
+                &bare
+            }
+            DeValue::Float(number) => {
+                bare = number.to_string();
+                &bare
+            }
+            _ => return Err(wrong(value, "a value is a text with its unit")),
+        };
+        let number = |text: &str| number(text, unit).map_err(|message| wrong(value, &format!("{key}: {message}")));
+        let open = |low, high| Bounds { low, high };
+        let free = (f64::NEG_INFINITY, f64::INFINITY);
+        for (sign, inside, below) in [("<=", true, true), (">=", true, false), ("<", false, true), (">", false, false)] {
+            if let Some(rest) = written.trim_start().strip_prefix(sign) {
+                let limit = (number(rest)?, inside);
+                return Ok(if below { open((free.0, true), limit) } else { open(limit, (free.1, true)) });
+            }
+        }
+        if let Some((low, high)) = written.split_once("..") {
+            let (low, high) = (number(low)?, number(high)?);
+            if low > high {
+                return Err(wrong(value, &format!("{key}: the range `{written}` begins behind its end")));
+            }
+            return Ok(open((low, true), (high, true)));
+        }
+        let target = number(written)?;
+        let tolerance = match self.tolerance {
+            Some(given) => {
+                self.tolerance_used = true;
+                tolerance(given, target, unit)?
+            }
+            None if whole => 0.0,
+            None => {
+                return Err(wrong(
+                    value,
+                    &format!(
+                        "{key}: a measured value is never met exactly; add `tolerance`, or write a range (\"118rpm..122rpm\") or a limit (\"<=125rpm\")"
+                    ),
+                ));
+            }
+        };
+        Ok(open((target - tolerance, true), (target + tolerance, true)))
+    }
+}
+
+/// Returns a number in `unit`.
+fn number(text: &str, unit: &str) -> Result<f64, String> {
+    let quantity: Written = text.trim().parse().map_err(|error| format!("{error}"))?;
+    let number = quantity.in_unit(unit).map_err(|error| error.to_string())?;
+    if number.is_finite() { Ok(number) } else { Err(format!("`{text}` is not a finite number")) }
+}
+
+/// Returns half the width around a target: `2rpm` or `1%` of it.
+fn tolerance(value: &Value<'_>, target: f64, unit: &str) -> Result<f64, Located> {
+    let written = text(value)?;
+    let half = match written.trim().strip_suffix('%').filter(|_| unit != "%") {
+        Some(share) => number(share, "").map(|share| target.abs() * share / 100.0),
+        None => number(written, unit),
+    };
+    let half = half.map_err(|message| wrong(value, &format!("tolerance: {message}")))?;
+    if half < 0.0 {
+        return Err(wrong(value, "a tolerance is not negative"));
+    }
+    Ok(half)
+}
+
+fn states(value: &Value<'_>) -> Result<Vec<u8>, Located> {
+    let state = |text: &str| match text.trim() {
+        "S1" => Ok(1),
+        "S2" => Ok(2),
+        "S3" => Ok(3),
+        "S4" => Ok(4),
+        "S5" => Ok(5),
+        other => Err(wrong(value, &format!("`{other}`: states are S1 to S5, several as \"S1|S2\""))),
+    };
+    text(value)?.split('|').map(state).collect()
+}
+
+fn numbers(value: &Value<'_>, warnings: bool, drive: &DrivePlan) -> Result<Numbers, Located> {
+    let kind = if warnings { "warning" } else { "fault" };
+    let form = format!("a {kind} is a number, a list of numbers, \"none\" or \"any\"");
+    let one = |value: &Value<'_>| {
+        let number = match value.get_ref() {
+            DeValue::Integer(written) => written.to_string().parse::<u16>().ok(),
+            _ => None,
+        };
+        let number = number.ok_or_else(|| wrong(value, &form))?;
+        match drive.model.catalogue.fault(number, warnings) {
+            Some(_) => Ok(number),
+            None => Err(wrong(
+                value,
+                &format!("{}: {} has no {kind} {number}", drive.name, drive.model.catalogue.device.station_type),
+            )),
+        }
+    };
+    match value.get_ref() {
+        DeValue::String(text) if text == "none" => Ok(Numbers::None),
+        DeValue::String(text) if text == "any" => Ok(Numbers::Any),
+        DeValue::Array(list) if !list.is_empty() => Ok(Numbers::These(list.iter().map(one).collect::<Result<_, _>>()?)),
+        _ => Ok(Numbers::These(vec![one(value)?])),
+    }
+}
+
+/// Names of the bits of the status word, as the library has them.
+const ZSW1: [(&str, Zsw1); 15] = [
+    ("READY_TO_SWITCH_ON", Zsw1::READY_TO_SWITCH_ON),
+    ("READY_TO_OPERATE", Zsw1::READY_TO_OPERATE),
+    ("OPERATION_ENABLED", Zsw1::OPERATION_ENABLED),
+    ("FAULT", Zsw1::FAULT),
+    ("NO_COAST_STOP", Zsw1::NO_COAST_STOP),
+    ("NO_QUICK_STOP", Zsw1::NO_QUICK_STOP),
+    ("INHIBITED", Zsw1::INHIBITED),
+    ("WARNING", Zsw1::WARNING),
+    ("IN_TOLERANCE", Zsw1::IN_TOLERANCE),
+    ("CONTROL_REQUESTED", Zsw1::CONTROL_REQUESTED),
+    ("REACHED", Zsw1::REACHED),
+    ("HOMED", Zsw1::HOMED),
+    ("TASK_ACKNOWLEDGED", Zsw1::TASK_ACKNOWLEDGED),
+    ("STOPPED", Zsw1::STOPPED),
+    ("TASK_ACTIVE", Zsw1::TASK_ACTIVE),
+];
+
+/// Names of the bits of the control word.
+const STW1: [(&str, Stw1); 17] = [
+    ("ON", Stw1::ON),
+    ("NO_COAST_STOP", Stw1::NO_COAST_STOP),
+    ("NO_QUICK_STOP", Stw1::NO_QUICK_STOP),
+    ("ENABLE_OPERATION", Stw1::ENABLE_OPERATION),
+    ("ENABLE_RAMP", Stw1::ENABLE_RAMP),
+    ("NO_REJECT", Stw1::NO_REJECT),
+    ("UNFREEZE_RAMP", Stw1::UNFREEZE_RAMP),
+    ("NO_INTERMEDIATE_STOP", Stw1::NO_INTERMEDIATE_STOP),
+    ("ENABLE_SETPOINT", Stw1::ENABLE_SETPOINT),
+    ("ACTIVATE_TASK", Stw1::ACTIVATE_TASK),
+    ("ACKNOWLEDGE_FAULT", Stw1::ACKNOWLEDGE_FAULT),
+    ("JOG_1", Stw1::JOG_1),
+    ("JOG_2", Stw1::JOG_2),
+    ("CONTROL_BY_PLC", Stw1::CONTROL_BY_PLC),
+    ("START_HOMING", Stw1::START_HOMING),
+    ("REAL_TIME_JOG", Stw1::REAL_TIME_JOG),
+    ("REAL_TIME_JOG_REVERSE", Stw1::REAL_TIME_JOG_REVERSE),
+];
+
+/// `0x0737/0x0FFF`, `0x0737`, or names of bits, those that must be 0 with a `!`.
+fn word(value: &Value<'_>, status: bool) -> Result<Test, Located> {
+    let written = text(value)?.trim();
+    let number = |text: &str| {
+        let digits = text.trim().strip_prefix("0x").unwrap_or("");
+        u16::from_str_radix(digits, 16).map_err(|_| wrong(value, &format!("`{text}` is not a word, 0x0000 to 0xFFFF")))
+    };
+    let (mut mask, mut wanted) = (0, 0);
+    if written.starts_with("0x") {
+        let (word, only) = written.split_once('/').unwrap_or((written, "0xFFFF"));
+        (wanted, mask) = (number(word)?, number(only)?);
+    } else {
+        for name in written.split_whitespace() {
+            let bare = name.strip_prefix('!').unwrap_or(name);
+            let bit = if status {
+                ZSW1.iter().find(|(known, _)| *known == bare).map(|(_, bit)| bit.0)
+            } else {
+                STW1.iter().find(|(known, _)| *known == bare).map(|(_, bit)| bit.0)
+            };
+            let bit = bit.ok_or_else(|| {
+                let zsw1 = ZSW1.iter().map(|(name, _)| *name).filter(|_| status);
+                let stw1 = STW1.iter().map(|(name, _)| *name).filter(|_| !status);
+                let names: Vec<_> = zsw1.chain(stw1).collect();
+                wrong(value, &format!("no bit `{bare}`; there are: {}", names.join(", ")))
+            })?;
+            mask |= bit;
+            if bare == name {
+                wanted |= bit;
+            } else if wanted & bit != 0 {
+                return Err(wrong(value, &format!("`{bare}` cannot be 0 and 1")));
+            }
+        }
+    }
+    if wanted & !mask != 0 || mask == 0 {
+        return Err(wrong(value, "a word is VALUE/MASK, and VALUE has no bit outside of MASK; or names of bits"));
+    }
+    Ok(Test::Word {
+        status,
+        mask,
+        value: wanted,
+    })
+}
+
+fn quoted(text: &str) -> String {
+    toml::Value::String(text.to_owned()).to_string()
+}
+
+/// The entries of a table as TOML, in the order in which they were written; without one key.
+fn entries(table: &DeTable<'_>, without: &str) -> Vec<String> {
+    let mut all: Vec<_> = table.iter().filter(|(key, _)| key.get_ref() != without).collect();
+    all.sort_by_key(|(key, _)| key.span().start);
+    all.into_iter().map(|(key, value)| entry(key.get_ref(), value)).collect()
+}
+
+/// `key = value` as TOML.
+fn entry(key: &str, value: &Value<'_>) -> String {
+    let bare = !key.is_empty() && key.bytes().all(|octet| octet.is_ascii_alphanumeric() || matches!(octet, b'-' | b'_'));
+    let key = if bare { key.to_owned() } else { quoted(key) };
+    format!("{key} = {}", written(value))
+}
+
+fn written(value: &Value<'_>) -> String {
+    match value.get_ref() {
+        DeValue::String(text) => quoted(text),
+        DeValue::Integer(number) => number.to_string(),
+        DeValue::Float(number) => number.to_string(),
+        DeValue::Boolean(is) => is.to_string(),
+        DeValue::Datetime(time) => time.to_string(),
+        DeValue::Array(list) => {
+            let items: Vec<_> = list.iter().map(written).collect();
+            format!("[{}]", items.join(", "))
+        }
+        DeValue::Table(table) => {
+            format!("{{ {} }}", entries(table, "").join(", "))
+        }
+    }
+}
