@@ -121,10 +121,12 @@ impl PlantPlan {
     /// When it cannot be read, or when something in it is not valid.
     pub fn read_expectations(&self, path: &Path) -> Result<Vec<Expectation>, PlantFileError> {
         let text = read_text(path)?;
-        let mut found = self.expectations_of(&text).map_err(|error| PlantFileError::PlantPlan {
-            path: path.to_owned(),
-            error,
-        })?;
+        let mut found = self
+            .expectations_of(&text)
+            .map_err(|error| PlantFileError::PlantPlan {
+                path: path.to_owned(),
+                error,
+            })?;
         set_file(&mut found, path);
         Ok(found)
     }

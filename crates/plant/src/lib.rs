@@ -24,11 +24,11 @@ mod trace;
 mod world;
 
 pub use event::{LinkFault, PlantEvent, PlantEventError, Unit, keys};
-#[cfg(feature = "junit")]
-pub use expect::{Suite, junit};
 pub use expect::{
     Expectation, ExpectationResult, Live, Monitor, Nearest, Observed, Outcome, Quantity as ObservedQuantity,
 };
+#[cfg(feature = "junit")]
+pub use expect::{Suite, junit};
 pub use file::{PlantError, PlantFileError};
 pub use plan::{Action, ControllerPlan, Cue, DrivePlan, PlantPlan, Step, Trigger, WorldError};
 pub use text::derived_mac;

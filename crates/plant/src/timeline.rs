@@ -146,7 +146,11 @@ impl Timeline {
                     restores: true,
                 });
             }
-            played.push(Played { what, lasts, restores });
+            played.push(Played {
+                what,
+                lasts,
+                restores,
+            });
         }
         self.place = Some(place);
         played

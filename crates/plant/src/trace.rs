@@ -221,7 +221,9 @@ impl EventKind {
     }
 
     pub(crate) fn note(text: &str) -> Self {
-        Self::Note { text: text.to_owned() }
+        Self::Note {
+            text: text.to_owned(),
+        }
     }
 
     /// What came about between two status words in position mode.

@@ -7,15 +7,16 @@ use network::host::Host;
 use network::segment::{Pace, Segment, SegmentMedium, StationId, Tap};
 use profile::state::Zsw1;
 use profinet::controller::{
-    ArId, ConnectConfig, Controller, ControllerConfig, Event as ControllerEvent, ModuleConfig, Resolve, SubmoduleConfig, Target,
+    ArId, ConnectConfig, Controller, ControllerConfig, Event as ControllerEvent, ModuleConfig, Resolve,
+    SubmoduleConfig, Target,
 };
 use profinet::cyclic::Timing;
 use profinet::device::ModuleDescription;
 use profinet::wire::block::ModuleState;
 use profinet::{Endpoint, Instant, IpSuite, Medium};
 use virtual_drive::description::Description;
-use virtual_drive::model::Model;
 use virtual_drive::drive::Drive;
+use virtual_drive::model::Model;
 use virtual_drive::station::{Station, StationEvent};
 
 use crate::event::{PlantEvent, Unit};
@@ -313,7 +314,11 @@ impl World {
                     break;
                 };
                 if let Some(text) = seat.act(now, host.endpoint_mut()) {
-                    record(Event::at(now, drive, EventKind::note(&format!("controller: {text}"))));
+                    record(Event::at(
+                        now,
+                        drive,
+                        EventKind::note(&format!("controller: {text}")),
+                    ));
                 }
             }
         }
@@ -397,7 +402,11 @@ impl World {
             };
             while let Some(event) = host.endpoint_mut().poll_event() {
                 if let Some(text) = seat.take(now, event, host.endpoint_mut()) {
-                    record(Event::at(now, drive, EventKind::note(&format!("controller: {text}"))));
+                    record(Event::at(
+                        now,
+                        drive,
+                        EventKind::note(&format!("controller: {text}")),
+                    ));
                 }
             }
         }

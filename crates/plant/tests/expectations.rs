@@ -2,9 +2,7 @@
 
 use std::time::Duration;
 
-use profidrive_plant::{
-    ExpectationResult, Monitor, Observed, ObservedQuantity, Outcome, PlantPlan, World,
-};
+use profidrive_plant::{ExpectationResult, Monitor, Observed, ObservedQuantity, Outcome, PlantPlan, World};
 use profile::catalogue::Parameter;
 use profile::state::{State, Stw1, Zsw1};
 use profinet::Instant;
@@ -18,7 +16,10 @@ fn two() -> PlantPlan {
 
 /// Returns the message of a mistake.
 fn mistake(text: &str) -> String {
-    two().expectations_of(text).map(|found| format!("accepted: {found:?}")).unwrap_or_else(|error| error.to_string())
+    two()
+        .expectations_of(text)
+        .map(|found| format!("accepted: {found:?}"))
+        .unwrap_or_else(|error| error.to_string())
 }
 
 #[test]
@@ -45,7 +46,9 @@ fn every_row_of_the_grammar_is_read_and_written_alike() {
         r#"{ at = "1s", drive = "press-1", parameter = { "p922" = 1 } }"#,
         r#"{ name = "a \"name\"", at = "1s", state = "S1" }"#,
     ] {
-        let found = two().expectations_of(text).unwrap_or_else(|error| panic!("{text}: {error}"));
+        let found = two()
+            .expectations_of(text)
+            .unwrap_or_else(|error| panic!("{text}: {error}"));
         let again = two().expectations_of(&found[0].to_string()).unwrap();
         assert_eq!(again, found, "{text}");
     }
@@ -55,35 +58,71 @@ fn every_row_of_the_grammar_is_read_and_written_alike() {
 fn mistakes_are_reported_with_their_reason() {
     for (text, reason) in [
         (r#"{ state = "S1" }"#, "exactly one of `at`"),
-        (r#"{ at = "1s", within = "1s", state = "S1" }"#, "exactly one of `at`"),
+        (
+            r#"{ at = "1s", within = "1s", state = "S1" }"#,
+            "exactly one of `at`",
+        ),
         (r#"{ at = "1s" }"#, "no condition"),
         (r#"{ at = "1", state = "S1" }"#, "unit"),
-        (r#"{ at = "1s", after = "2s", state = "S1" }"#, "`after` belongs to `within`"),
-        (r#"{ always = true, for = "1s", state = "S1" }"#, "`for` belongs to"),
+        (
+            r#"{ at = "1s", after = "2s", state = "S1" }"#,
+            "`after` belongs to `within`",
+        ),
+        (
+            r#"{ always = true, for = "1s", state = "S1" }"#,
+            "`for` belongs to",
+        ),
         (r#"{ always = false, state = "S1" }"#, "a range of time"),
         (r#"{ never = "5s..2s", state = "S1" }"#, "a range of time"),
         (r#"{ never = "..", state = "S1" }"#, "a range of time"),
-        (r#"{ within = "1s", after = { state = "S1" }, state = "S2" }"#, "names its `drive`"),
-        (r#"{ at = "1s", drive = "press-7", state = "S1" }"#, "no drive `press-7`"),
+        (
+            r#"{ within = "1s", after = { state = "S1" }, state = "S2" }"#,
+            "names its `drive`",
+        ),
+        (
+            r#"{ at = "1s", drive = "press-7", state = "S1" }"#,
+            "no drive `press-7`",
+        ),
         (r#"{ at = "1s", drive = [], state = "S1" }"#, "at least one"),
         (r#"{ at = "1s", state = "S6" }"#, "states are S1 to S5"),
         (r#"{ at = "1s", fault = 65000 }"#, "has no fault 65000"),
         (r#"{ at = "1s", fault = "some" }"#, "a fault is a number"),
         (r#"{ at = "1s", moving = "yes" }"#, "true or false"),
         (r#"{ at = "1s", zsw1 = "0x1000/0x0FFF" }"#, "VALUE/MASK"),
-        (r#"{ at = "1s", zsw1 = "OPERATING" }"#, "there are: READY_TO_SWITCH_ON"),
+        (
+            r#"{ at = "1s", zsw1 = "OPERATING" }"#,
+            "there are: READY_TO_SWITCH_ON",
+        ),
         (r#"{ at = "1s", zsw1 = "FAULT !FAULT" }"#, "cannot be 0 and 1"),
         (r#"{ at = "1s", zsw1 = "" }"#, "names of bits"),
         (r#"{ at = "1s", speed = "120rpm" }"#, "tolerance"),
-        (r#"{ at = "1s", speed = "120s", tolerance = "1%" }"#, "unit of time"),
-        (r#"{ at = "1s", speed = "120rpm", tolerance = "-1rpm" }"#, "not negative"),
-        (r#"{ at = "1s", speed = ">1rpm", tolerance = "1rpm" }"#, "`tolerance` belongs to"),
+        (
+            r#"{ at = "1s", speed = "120s", tolerance = "1%" }"#,
+            "unit of time",
+        ),
+        (
+            r#"{ at = "1s", speed = "120rpm", tolerance = "-1rpm" }"#,
+            "not negative",
+        ),
+        (
+            r#"{ at = "1s", speed = ">1rpm", tolerance = "1rpm" }"#,
+            "`tolerance` belongs to",
+        ),
         (r#"{ at = "1s", speed = "2rpm..1rpm" }"#, "begins behind its end"),
-        (r#"{ at = "1s", load.spede = ">1rpm" }"#, "unknown key `load.spede`"),
+        (
+            r#"{ at = "1s", load.spede = ">1rpm" }"#,
+            "unknown key `load.spede`",
+        ),
         (r#"{ at = "1s", spede = ">1rpm" }"#, "unknown key `spede`"),
         (r#"{ at = "1s", parameter = { DRV.ACC = 1 } }"#, "quotation marks"),
-        (r#"{ at = "1s", drive = "press-1", parameter = { "DRV.AC" = 1 } }"#, "DRV.ACC"),
-        (r#"{ at = "1s", drive = "press-1", parameter = { "DRV.ACC" = "1rpm/s" } }"#, "tolerance"),
+        (
+            r#"{ at = "1s", drive = "press-1", parameter = { "DRV.AC" = 1 } }"#,
+            "DRV.ACC",
+        ),
+        (
+            r#"{ at = "1s", drive = "press-1", parameter = { "DRV.ACC" = "1rpm/s" } }"#,
+            "tolerance",
+        ),
         ("expected = []", "unknown key `expected`"),
         ("expect = 1", "a list of tables"),
     ] {
@@ -94,7 +133,9 @@ fn mistakes_are_reported_with_their_reason() {
 
 #[test]
 fn a_mistake_in_a_plant_file_has_its_line() {
-    let text = format!("expect = [\n    {{ at = \"1s\", state = \"S1\" }},\n    {{ at = \"1s\",\n state = \"S9\" }},\n]\n{TWO}");
+    let text = format!(
+        "expect = [\n    {{ at = \"1s\", state = \"S1\" }},\n    {{ at = \"1s\",\n state = \"S9\" }},\n]\n{TWO}"
+    );
     let error = text.parse::<PlantPlan>().unwrap_err();
     assert_eq!(error.line, 4, "{error}");
     let twice = "expect = [\n{ name = \"a\", at = \"1s\", state = \"S1\" },\n{ name = \"a\", at = \"1s\", state = \"S1\" }]";
@@ -156,7 +197,10 @@ mod definition {
     pub type Ticks = [(u64, bool)];
 
     fn true_at(ticks: &Ticks, time: u64) -> bool {
-        ticks.iter().rfind(|(at, _)| *at <= time).is_some_and(|(_, holds)| *holds)
+        ticks
+            .iter()
+            .rfind(|(at, _)| *at <= time)
+            .is_some_and(|(_, holds)| *holds)
     }
 
     /// True from `from` on, and at every tick before `to`.
@@ -181,13 +225,21 @@ mod definition {
             return Outcome::NeverStarted;
         }
         let starts: Vec<u64> = (after..=(after + span).min(end)).collect();
-        let tick_in = ticks.iter().any(|(at, holds)| *holds && (after..=after + span).contains(at));
+        let tick_in = ticks
+            .iter()
+            .any(|(at, holds)| *holds && (after..=after + span).contains(at));
         let stays_from = |from: &&u64| stays(ticks, **from, **from + lasts) && **from + lasts <= end;
         if lasts == 0 && tick_in || starts.iter().any(|from| stays_from(&from)) {
             return Outcome::Met;
         }
-        let may_yet = starts.iter().any(|from| stays(ticks, *from, end + 1) && *from + lasts > end);
-        if after + span > end || may_yet { Outcome::NotEnded } else { Outcome::NotMet }
+        let may_yet = starts
+            .iter()
+            .any(|from| stays(ticks, *from, end + 1) && *from + lasts > end);
+        if after + span > end || may_yet {
+            Outcome::NotEnded
+        } else {
+            Outcome::NotMet
+        }
     }
 
     pub fn whole(ticks: &Ticks, wanted: bool, from: u64, to: Option<u64>, end: u64) -> Outcome {
@@ -291,7 +343,14 @@ fn a_plant_is_checked_while_it_runs() {
     let results = world.finish_expectations();
     let (last, met) = results.split_last().unwrap();
     assert!(met.iter().all(ExpectationResult::is_met), "{met:#?}");
-    assert_eq!((last.outcome, last.seed, last.last_events.len()), (Outcome::NotMet, 7, 4), "{last}");
+    assert_eq!(
+        (last.outcome, last.seed, last.last_events.len()),
+        (Outcome::NotMet, 7, 4),
+        "{last}"
+    );
     let nearest = last.nearest.as_ref().unwrap();
-    assert!((119.0..122.0).contains(&nearest.value) && (1.5..2.2).contains(&nearest.time), "{last}");
+    assert!(
+        (119.0..122.0).contains(&nearest.value) && (1.5..2.2).contains(&nearest.time),
+        "{last}"
+    );
 }

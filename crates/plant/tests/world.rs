@@ -133,7 +133,11 @@ fn edges_at_a_digital_input_lead_a_chain_of_tasks_on() {
     let place = |seconds: f64| {
         let at = Instant::ZERO + Duration::from_secs_f64(seconds);
         let values = trace.iter().rev().find_map(|entry| match &entry.kind {
-            EventKind::Sample(Sample { position, .. }) if Duration::from_nanos(entry.time_ns) <= at - Instant::ZERO => Some(*position),
+            EventKind::Sample(Sample { position, .. })
+                if Duration::from_nanos(entry.time_ns) <= at - Instant::ZERO =>
+            {
+                Some(*position)
+            }
             _ => None,
         });
         values.unwrap()
@@ -154,7 +158,10 @@ fn samples_come_when_they_are_due() {
         name = "press-1"
     "#;
     let (trace, _) = play(&text.parse().unwrap());
-    let times: Vec<_> = trace.iter().map(|entry| Duration::from_nanos(entry.time_ns)).collect();
+    let times: Vec<_> = trace
+        .iter()
+        .map(|entry| Duration::from_nanos(entry.time_ns))
+        .collect();
     let due: Vec<_> = (1..=100).map(|n| Duration::from_millis(100 * n)).collect();
     assert_eq!(times, due);
 }

@@ -201,7 +201,11 @@ impl Bounds {
         }
         let distance = (self.low.0 - value).max(value - self.high.0);
         // not a number is as far as can be; a bound that does not belong to the range is next to it
-        if distance.is_nan() { f64::INFINITY } else { distance.max(f64::MIN_POSITIVE) }
+        if distance.is_nan() {
+            f64::INFINITY
+        } else {
+            distance.max(f64::MIN_POSITIVE)
+        }
     }
 
     pub fn contain(&self, value: f64) -> bool {
@@ -222,7 +226,9 @@ impl PartialEq for Source {
     fn eq(&self, other: &Self) -> bool {
         match (self, other) {
             (Self::Quantity(one), Self::Quantity(other)) => one == other,
-            (Self::Parameter(one, at), Self::Parameter(other, there)) => std::ptr::eq(*one, *other) && at == there,
+            (Self::Parameter(one, at), Self::Parameter(other, there)) => {
+                std::ptr::eq(*one, *other) && at == there
+            }
             _ => false,
         }
     }
@@ -240,10 +246,21 @@ pub struct Condition {
 #[derive(Debug, Clone, PartialEq)]
 pub enum Test {
     State(Vec<u8>),
-    Messages { warnings: bool, numbers: Numbers },
+    Messages {
+        warnings: bool,
+        numbers: Numbers,
+    },
     Flag(Flag, bool),
-    Word { status: bool, mask: u16, value: u16 },
-    Number { source: Source, unit: &'static str, bounds: Bounds },
+    Word {
+        status: bool,
+        mask: u16,
+        value: u16,
+    },
+    Number {
+        source: Source,
+        unit: &'static str,
+        bounds: Bounds,
+    },
 }
 
 /// What a condition looks at, as it was at one moment.
@@ -290,7 +307,9 @@ impl Condition {
     /// Returns the number that it looked at with its distance from the wanted ones; `None` for other conditions.
     pub fn distance(&self, seen: &Seen) -> Option<(f64, f64)> {
         match (&self.test, seen) {
-            (Test::Number { bounds, .. }, Seen::Number(Some(value))) => Some((*value, bounds.distance(*value))),
+            (Test::Number { bounds, .. }, Seen::Number(Some(value))) => {
+                Some((*value, bounds.distance(*value)))
+            }
             _ => None,
         }
     }

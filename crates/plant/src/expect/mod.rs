@@ -15,11 +15,11 @@ mod monitor;
 mod parse;
 mod result;
 
+pub(crate) use condition::revolutions;
 pub use condition::{Live, Observed, Quantity};
 #[cfg(feature = "junit")]
 pub use junit::{Suite, junit};
 pub use monitor::Monitor;
 pub use parse::Expectation;
-pub(crate) use condition::revolutions;
 pub(crate) use parse::{Scope, read_all, read_list};
 pub use result::{ExpectationResult, Nearest, Outcome};

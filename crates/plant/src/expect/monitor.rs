@@ -116,7 +116,10 @@ impl Clock {
             }
             Kind::Within => {
                 let to = self.to.unwrap_or(from);
-                let began = self.since.map(|since| since.max(from)).filter(|began| *began <= to);
+                let began = self
+                    .since
+                    .map(|since| since.max(from))
+                    .filter(|began| *began <= to);
                 match began {
                     Some(began) if now >= began + self.lasts => Some((Outcome::Met, began + self.lasts)),
                     None if now > to => Some((Outcome::NotMet, to)),
@@ -143,8 +146,9 @@ impl Clock {
         let inside = now >= from && self.to.is_none_or(|to| now <= to);
         match self.kind {
             // the end is not inside: it was true for that long
-            Kind::At => (!holds && now > from && self.to.is_some_and(|to| now < to))
-                .then_some((Outcome::NotMet, now)),
+            Kind::At => {
+                (!holds && now > from && self.to.is_some_and(|to| now < to)).then_some((Outcome::NotMet, now))
+            }
             Kind::Within => {
                 let to = self.to?;
                 if holds {
@@ -160,7 +164,11 @@ impl Clock {
     /// Decides at the end of the run.
     fn end(&self, last: bool, end: Duration) -> (Outcome, Duration) {
         let Some(from) = self.from.filter(|from| *from <= end) else {
-            let outcome = if self.kind == Kind::At { Outcome::NotEnded } else { Outcome::NeverStarted };
+            let outcome = if self.kind == Kind::At {
+                Outcome::NotEnded
+            } else {
+                Outcome::NeverStarted
+            };
             return (outcome, end);
         };
         // everything that happens at the end has happened
@@ -170,7 +178,10 @@ impl Clock {
             Kind::Whole { .. } if self.to.is_none() => Some(Outcome::Met),
             Kind::Within => {
                 let to = self.to.unwrap_or(from);
-                let began = self.since.map(|since| since.max(from)).filter(|began| *began <= to);
+                let began = self
+                    .since
+                    .map(|since| since.max(from))
+                    .filter(|began| *began <= to);
                 match began {
                     Some(began) if began + self.lasts <= end => Some(Outcome::Met),
                     Some(_) => None,
@@ -197,7 +208,13 @@ impl Monitor {
         let mut checks = Vec::new();
         let mut waiting = Vec::new();
         for (number, expectation) in expectations.iter().enumerate() {
-            if matches!(&expectation.rule, Rule::Within { after: After::Condition(_), .. }) {
+            if matches!(
+                &expectation.rule,
+                Rule::Within {
+                    after: After::Condition(_),
+                    ..
+                }
+            ) {
                 waiting.push(number);
             }
             for target in &expectation.targets {
@@ -331,8 +348,12 @@ impl Check {
         if decided.is_none() {
             let conditions = &self.target.conditions;
             self.seen.clear();
-            self.seen.extend(conditions.iter().map(|condition| condition.look(drive)));
-            let holds = conditions.iter().zip(&self.seen).all(|(condition, seen)| condition.holds(seen));
+            self.seen
+                .extend(conditions.iter().map(|condition| condition.look(drive)));
+            let holds = conditions
+                .iter()
+                .zip(&self.seen)
+                .all(|(condition, seen)| condition.holds(seen));
             self.last = Some(holds);
             decided = self.clock.take(holds, now);
             if !holds && self.clock.counts(now) {
@@ -344,7 +365,11 @@ impl Check {
                 outcome,
                 at,
                 actual: self.in_words(),
-                recent: if outcome == Outcome::Met { Vec::new() } else { recent() },
+                recent: if outcome == Outcome::Met {
+                    Vec::new()
+                } else {
+                    recent()
+                },
             });
         }
     }
@@ -375,6 +400,8 @@ impl Check {
 
     fn in_words(&self) -> String {
         let seen = self.target.conditions.iter().zip(&self.seen);
-        seen.map(|(condition, seen)| condition.in_words(seen)).collect::<Vec<_>>().join(", ")
+        seen.map(|(condition, seen)| condition.in_words(seen))
+            .collect::<Vec<_>>()
+            .join(", ")
     }
 }

@@ -43,9 +43,16 @@ pub struct Expectation {
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Rule {
     At(Duration),
-    Within { span: Duration, after: After },
+    Within {
+        span: Duration,
+        after: After,
+    },
     /// Always true, or never.
-    Whole { holds: bool, from: Duration, to: Option<Duration> },
+    Whole {
+        holds: bool,
+        from: Duration,
+        to: Option<Duration>,
+    },
 }
 
 /// Start of a clock.
@@ -103,7 +110,11 @@ pub(crate) fn read_all(text: &str, scope: Scope<'_>) -> Result<Vec<Expectation>,
         });
     }
     let inline = text.trim_start().starts_with('{');
-    let text = if inline { format!("expect = [{text}\n]") } else { text.to_owned() };
+    let text = if inline {
+        format!("expect = [{text}\n]")
+    } else {
+        text.to_owned()
+    };
     let table = DeTable::parse(&text).map_err(|error| PlantError {
         line: line_of(&text, error.span().map_or(0, |span| span.start)),
         message: error.message().to_owned(),
@@ -125,9 +136,16 @@ pub(crate) fn read_all(text: &str, scope: Scope<'_>) -> Result<Vec<Expectation>,
 }
 
 /// Reads the value of the key `expect`.
-pub(crate) fn read_list(value: &Value<'_>, scope: Scope<'_>, text: &str) -> Result<Vec<Expectation>, Located> {
+pub(crate) fn read_list(
+    value: &Value<'_>,
+    scope: Scope<'_>,
+    text: &str,
+) -> Result<Vec<Expectation>, Located> {
     let DeValue::Array(list) = value.get_ref() else {
-        return Err(wrong(value, "expectations are a list of tables, [{ .. }, { .. }]"));
+        return Err(wrong(
+            value,
+            "expectations are a list of tables, [{ .. }, { .. }]",
+        ));
     };
     let mut found: Vec<Expectation> = Vec::new();
     let mut checks = 0;
@@ -136,10 +154,16 @@ pub(crate) fn read_list(value: &Value<'_>, scope: Scope<'_>, text: &str) -> Resu
         let expectation = read(table, &value.span(), scope, text, found.len() + 1)?;
         checks += expectation.targets.len();
         if checks > MOST {
-            return Err(wrong(value, &format!("more than {MOST} pairs of an expectation and a drive")));
+            return Err(wrong(
+                value,
+                &format!("more than {MOST} pairs of an expectation and a drive"),
+            ));
         }
         if found.iter().any(|other| other.name == expectation.name) {
-            return Err(wrong(value, &format!("the name `{}` stands there twice", expectation.name)));
+            return Err(wrong(
+                value,
+                &format!("the name `{}` stands there twice", expectation.name),
+            ));
         }
         found.push(expectation);
     }
@@ -165,7 +189,10 @@ fn text<'a>(value: &'a Value<'_>) -> Result<&'a str, Located> {
 }
 
 fn get<'a, 'b>(table: &'b DeTable<'a>, key: &str) -> Option<&'b Value<'a>> {
-    table.iter().find(|(name, _)| name.get_ref() == key).map(|(_, value)| value)
+    table
+        .iter()
+        .find(|(name, _)| name.get_ref() == key)
+        .map(|(_, value)| value)
 }
 
 fn duration(value: &Value<'_>) -> Result<Duration, Located> {
@@ -193,7 +220,11 @@ fn condition_keys() -> impl Iterator<Item = &'static str> + Clone {
     let quantities = Quantity::ALL.into_iter().map(|(_, key)| key);
     let quantities = quantities.filter(|key| !key.starts_with("load."));
     let flags = Flag::ALL.into_iter().map(|(_, key)| key);
-    CONDITIONS.into_iter().chain(flags).chain(quantities).chain(["tolerance"])
+    CONDITIONS
+        .into_iter()
+        .chain(flags)
+        .chain(quantities)
+        .chain(["tolerance"])
 }
 
 fn read(
@@ -210,7 +241,10 @@ fn read(
     let rule = rule(table, span, scope)?;
     let lasts = match get(table, "for") {
         Some(value) if matches!(rule, Rule::Whole { .. }) => {
-            return Err(wrong(value, "`for` belongs to `at` and `within`; `always` and `never` have a range"));
+            return Err(wrong(
+                value,
+                "`for` belongs to `at` and `within`; `always` and `never` have a range",
+            ));
         }
         value => value.map(duration).transpose()?.unwrap_or_default(),
     };
@@ -236,7 +270,9 @@ fn read(
 fn rule(table: &DeTable<'_>, span: &Range<usize>, scope: Scope<'_>) -> Result<Rule, Located> {
     let after = get(table, "after");
     let kinds = ["at", "within", "always", "never"];
-    let mut given = kinds.into_iter().filter_map(|kind| Some((kind, get(table, kind)?)));
+    let mut given = kinds
+        .into_iter()
+        .filter_map(|kind| Some((kind, get(table, kind)?)));
     let (Some((kind, value)), None) = (given.next(), given.next()) else {
         return Err(Located(
             span.clone(),
@@ -268,7 +304,8 @@ fn read_after(value: &Value<'_>, scope: Scope<'_>) -> Result<After, Located> {
         return Ok(After::Time(duration(value)?));
     };
     check_keys(table, &["drive"])?;
-    let drive = get(table, "drive").ok_or_else(|| wrong(value, "`after` with conditions names its `drive`"))?;
+    let drive =
+        get(table, "drive").ok_or_else(|| wrong(value, "`after` with conditions names its `drive`"))?;
     let drives = drives(drive, scope)?;
     Ok(After::Condition(targets(table, &value.span(), scope, &drives)?))
 }
@@ -317,10 +354,18 @@ fn drives(value: &Value<'_>, scope: Scope<'_>) -> Result<Vec<usize>, Located> {
             }
         }
         if !fits && before == chosen.len() {
-            let names: Vec<_> = scope.drives.iter().take(16).map(|drive| drive.name.as_str()).collect();
+            let names: Vec<_> = scope
+                .drives
+                .iter()
+                .take(16)
+                .map(|drive| drive.name.as_str())
+                .collect();
             return Err(wrong(
                 pattern,
-                &format!("no drive `{wanted}` in this plant; there are: {}", names.join(", ")),
+                &format!(
+                    "no drive `{wanted}` in this plant; there are: {}",
+                    names.join(", ")
+                ),
             ));
         }
     }
@@ -354,7 +399,8 @@ fn targets(
         if conditions.is_empty() {
             return Err(Located(
                 span.clone(),
-                "no condition: write what must hold, such as state = \"S4\" or speed = \"118rpm..122rpm\"".into(),
+                "no condition: write what must hold, such as state = \"S4\" or speed = \"118rpm..122rpm\""
+                    .into(),
             ));
         }
         targets.push(Target {
@@ -363,9 +409,10 @@ fn targets(
         });
     }
     match tolerance {
-        Some(value) if !reader.tolerance_used => {
-            Err(wrong(value, "`tolerance` belongs to a quantity with a single value"))
-        }
+        Some(value) if !reader.tolerance_used => Err(wrong(
+            value,
+            "`tolerance` belongs to a quantity with a single value",
+        )),
         _ => Ok(targets),
     }
 }
@@ -396,7 +443,10 @@ impl Reader<'_, '_> {
                     let name = format!("load.{}", inner.get_ref());
                     let quantity = Quantity::ALL.into_iter().find(|(_, key)| *key == name);
                     let (quantity, _) = quantity.ok_or_else(|| {
-                        Located(inner.span(), format!("unknown key `{name}`, expected `load.speed` or `load.position`"))
+                        Located(
+                            inner.span(),
+                            format!("unknown key `{name}`, expected `load.speed` or `load.position`"),
+                        )
                     })?;
                     conditions.push(self.quantity(&name, value, quantity)?);
                 }
@@ -453,7 +503,9 @@ impl Reader<'_, '_> {
     ) -> Result<Condition, Located> {
         let at = |message: String| Located(name.span(), message);
         if matches!(value.get_ref(), DeValue::Table(_)) {
-            return Err(at("the name of a parameter stands in quotation marks: { \"DRV.ACC\" = \"..\" }".into()));
+            return Err(at(
+                "the name of a parameter stands in quotation marks: { \"DRV.ACC\" = \"..\" }".into(),
+            ));
         }
         let scaling = Scaling::default();
         let table = Parameters {
@@ -465,10 +517,18 @@ impl Reader<'_, '_> {
             let hint = problem.hint().map_or(String::new(), |hint| format!(" ({hint})"));
             at(format!("{}: {problem}{hint}", drive.name))
         })?;
-        let element = selection.parameter.map_or(0, |row| selection.first.saturating_sub(row.subindex(0)));
+        let element = selection
+            .parameter
+            .map_or(0, |row| selection.first.saturating_sub(row.subindex(0)));
         let readable = |row: &&'static Parameter| Drive::new(drive.model).reported(row, element).is_some();
         let row = selection.parameter.filter(|row| !row.is_text()).filter(readable);
-        let row = row.ok_or_else(|| at(format!("{}: `{}` is not a number that can be read", drive.name, name.get_ref())))?;
+        let row = row.ok_or_else(|| {
+            at(format!(
+                "{}: `{}` is not a number that can be read",
+                drive.name,
+                name.get_ref()
+            ))
+        })?;
         let unit = row.unit_in(&scaling);
         let whole = unit.is_empty() && row.engineering(1, &scaling) == 1.0;
         let key = name.get_ref().clone().into_owned();
@@ -495,19 +555,32 @@ impl Reader<'_, '_> {
             }
             _ => return Err(wrong(value, "a value is a text with its unit")),
         };
-        let number = |text: &str| number(text, unit).map_err(|message| wrong(value, &format!("{key}: {message}")));
+        let number =
+            |text: &str| number(text, unit).map_err(|message| wrong(value, &format!("{key}: {message}")));
         let open = |low, high| Bounds { low, high };
         let free = (f64::NEG_INFINITY, f64::INFINITY);
-        for (sign, inside, below) in [("<=", true, true), (">=", true, false), ("<", false, true), (">", false, false)] {
+        for (sign, inside, below) in [
+            ("<=", true, true),
+            (">=", true, false),
+            ("<", false, true),
+            (">", false, false),
+        ] {
             if let Some(rest) = written.trim_start().strip_prefix(sign) {
                 let limit = (number(rest)?, inside);
-                return Ok(if below { open((free.0, true), limit) } else { open(limit, (free.1, true)) });
+                return Ok(if below {
+                    open((free.0, true), limit)
+                } else {
+                    open(limit, (free.1, true))
+                });
             }
         }
         if let Some((low, high)) = written.split_once("..") {
             let (low, high) = (number(low)?, number(high)?);
             if low > high {
-                return Err(wrong(value, &format!("{key}: the range `{written}` begins behind its end")));
+                return Err(wrong(
+                    value,
+                    &format!("{key}: the range `{written}` begins behind its end"),
+                ));
             }
             return Ok(open((low, true), (high, true)));
         }
@@ -535,7 +608,11 @@ impl Reader<'_, '_> {
 fn number(text: &str, unit: &str) -> Result<f64, String> {
     let quantity: Written = text.trim().parse().map_err(|error| format!("{error}"))?;
     let number = quantity.in_unit(unit).map_err(|error| error.to_string())?;
-    if number.is_finite() { Ok(number) } else { Err(format!("`{text}` is not a finite number")) }
+    if number.is_finite() {
+        Ok(number)
+    } else {
+        Err(format!("`{text}` is not a finite number"))
+    }
 }
 
 /// Returns half the width around a target: `2rpm` or `1%` of it.
@@ -559,7 +636,10 @@ fn states(value: &Value<'_>) -> Result<Vec<u8>, Located> {
         "S3" => Ok(3),
         "S4" => Ok(4),
         "S5" => Ok(5),
-        other => Err(wrong(value, &format!("`{other}`: states are S1 to S5, several as \"S1|S2\""))),
+        other => Err(wrong(
+            value,
+            &format!("`{other}`: states are S1 to S5, several as \"S1|S2\""),
+        )),
     };
     text(value)?.split('|').map(state).collect()
 }
@@ -577,14 +657,19 @@ fn numbers(value: &Value<'_>, warnings: bool, drive: &DrivePlan) -> Result<Numbe
             Some(_) => Ok(number),
             None => Err(wrong(
                 value,
-                &format!("{}: {} has no {kind} {number}", drive.name, drive.model.catalogue.device.station_type),
+                &format!(
+                    "{}: {} has no {kind} {number}",
+                    drive.name, drive.model.catalogue.device.station_type
+                ),
             )),
         }
     };
     match value.get_ref() {
         DeValue::String(text) if text == "none" => Ok(Numbers::None),
         DeValue::String(text) if text == "any" => Ok(Numbers::Any),
-        DeValue::Array(list) if !list.is_empty() => Ok(Numbers::These(list.iter().map(one).collect::<Result<_, _>>()?)),
+        DeValue::Array(list) if !list.is_empty() => {
+            Ok(Numbers::These(list.iter().map(one).collect::<Result<_, _>>()?))
+        }
         _ => Ok(Numbers::These(vec![one(value)?])),
     }
 }
@@ -634,7 +719,8 @@ fn word(value: &Value<'_>, status: bool) -> Result<Test, Located> {
     let written = text(value)?.trim();
     let number = |text: &str| {
         let digits = text.trim().strip_prefix("0x").unwrap_or("");
-        u16::from_str_radix(digits, 16).map_err(|_| wrong(value, &format!("`{text}` is not a word, 0x0000 to 0xFFFF")))
+        u16::from_str_radix(digits, 16)
+            .map_err(|_| wrong(value, &format!("`{text}` is not a word, 0x0000 to 0xFFFF")))
     };
     let (mut mask, mut wanted) = (0, 0);
     if written.starts_with("0x") {
@@ -644,15 +730,22 @@ fn word(value: &Value<'_>, status: bool) -> Result<Test, Located> {
         for name in written.split_whitespace() {
             let bare = name.strip_prefix('!').unwrap_or(name);
             let bit = if status {
-                ZSW1.iter().find(|(known, _)| *known == bare).map(|(_, bit)| bit.0)
+                ZSW1.iter()
+                    .find(|(known, _)| *known == bare)
+                    .map(|(_, bit)| bit.0)
             } else {
-                STW1.iter().find(|(known, _)| *known == bare).map(|(_, bit)| bit.0)
+                STW1.iter()
+                    .find(|(known, _)| *known == bare)
+                    .map(|(_, bit)| bit.0)
             };
             let bit = bit.ok_or_else(|| {
                 let zsw1 = ZSW1.iter().map(|(name, _)| *name).filter(|_| status);
                 let stw1 = STW1.iter().map(|(name, _)| *name).filter(|_| !status);
                 let names: Vec<_> = zsw1.chain(stw1).collect();
-                wrong(value, &format!("no bit `{bare}`; there are: {}", names.join(", ")))
+                wrong(
+                    value,
+                    &format!("no bit `{bare}`; there are: {}", names.join(", ")),
+                )
             })?;
             mask |= bit;
             if bare == name {
@@ -663,7 +756,10 @@ fn word(value: &Value<'_>, status: bool) -> Result<Test, Located> {
         }
     }
     if wanted & !mask != 0 || mask == 0 {
-        return Err(wrong(value, "a word is VALUE/MASK, and VALUE has no bit outside of MASK; or names of bits"));
+        return Err(wrong(
+            value,
+            "a word is VALUE/MASK, and VALUE has no bit outside of MASK; or names of bits",
+        ));
     }
     Ok(Test::Word {
         status,
@@ -680,12 +776,17 @@ fn quoted(text: &str) -> String {
 fn entries(table: &DeTable<'_>, without: &str) -> Vec<String> {
     let mut all: Vec<_> = table.iter().filter(|(key, _)| key.get_ref() != without).collect();
     all.sort_by_key(|(key, _)| key.span().start);
-    all.into_iter().map(|(key, value)| entry(key.get_ref(), value)).collect()
+    all.into_iter()
+        .map(|(key, value)| entry(key.get_ref(), value))
+        .collect()
 }
 
 /// `key = value` as TOML.
 fn entry(key: &str, value: &Value<'_>) -> String {
-    let bare = !key.is_empty() && key.bytes().all(|octet| octet.is_ascii_alphanumeric() || matches!(octet, b'-' | b'_'));
+    let bare = !key.is_empty()
+        && key
+            .bytes()
+            .all(|octet| octet.is_ascii_alphanumeric() || matches!(octet, b'-' | b'_'));
     let key = if bare { key.to_owned() } else { quoted(key) };
     format!("{key} = {}", written(value))
 }

@@ -95,7 +95,11 @@ impl fmt::Display for ExpectationResult {
         if let Some(file) = &self.file {
             write!(f, "{file}, ")?;
         }
-        writeln!(f, "line {}: {}: {}: {}", self.line, self.drive, self.name, self.outcome)?;
+        writeln!(
+            f,
+            "line {}: {}: {}: {}",
+            self.line, self.drive, self.name, self.outcome
+        )?;
         writeln!(f, "  expected: {}", self.expected)?;
         writeln!(f, "  actual:   {} at {} s", self.actual, self.time)?;
         if let Some(nearest) = &self.nearest {

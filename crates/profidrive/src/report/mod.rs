@@ -44,9 +44,7 @@ pub use shapes::{
     Action, Controller, DriveWords, Error, Fault, LossReaction, PlainWording, Quantity, Station, Warning,
     Wording, parameter, parameter_error,
 };
-pub use simulation::{
-    DemoEvent, DemoStep, InjectKey, InjectReport, SimulationLoad, SimulationReport,
-};
+pub use simulation::{DemoEvent, DemoStep, InjectKey, InjectReport, SimulationLoad, SimulationReport};
 pub use station::{BlinkReport, IpReport, NameReport, ResetReport};
 pub use status::{StatusNote, StatusReport};
 pub use tables::{

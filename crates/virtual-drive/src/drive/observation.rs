@@ -2,8 +2,8 @@
 
 use profile::catalogue::Parameter;
 
-use super::settings::Mode;
 use super::Drive;
+use super::settings::Mode;
 
 /// More than the faults or warnings that a drive has room for.
 const MOST: usize = 64;
@@ -11,12 +11,16 @@ const MOST: usize = 64;
 impl Drive {
     /// Returns the numbers of the faults that are not acknowledged.
     pub fn active_faults(&self) -> impl Iterator<Item = u16> {
-        (0..MOST).map(|place| self.faults.active(place)).take_while(|number| *number != 0)
+        (0..MOST)
+            .map(|place| self.faults.active(place))
+            .take_while(|number| *number != 0)
     }
 
     /// Returns the numbers of the warnings that are present.
     pub fn active_warnings(&self) -> impl Iterator<Item = u16> {
-        (0..MOST).map(|place| self.faults.warning(place)).take_while(|number| *number != 0)
+        (0..MOST)
+            .map(|place| self.faults.warning(place))
+            .take_while(|number| *number != 0)
     }
 
     /// Returns true while the axis turns faster than its standstill window.

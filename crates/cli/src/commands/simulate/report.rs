@@ -3,9 +3,9 @@
 use std::thread::{JoinHandle, sleep, spawn};
 use std::time::Duration;
 
+use plant::EventKind;
 use plant::host::{DriveEvent, Event, EventSender, HostError, Load, SaveResult, events};
 use plant::metrics::MetricsServer;
-use plant::EventKind;
 use profidrive::report::SimulationReport;
 
 use crate::failure::Failure;
@@ -96,7 +96,10 @@ fn finish(printer: &JoinHandle<()>) {
 
 impl Page for SimulationReport {
     fn print(&self, output: &Output) {
-        if let Self::Drive(plant::Event { time, drive, kind, .. }) = self {
+        if let Self::Drive(plant::Event {
+            time, drive, kind, ..
+        }) = self
+        {
             let text = kind.to_string();
             output.line(&format!("{time:>10.3} s  {drive:<16} {}", text.trim_end()));
         }

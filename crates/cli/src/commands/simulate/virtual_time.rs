@@ -32,12 +32,17 @@ pub fn run(plant: &PlantPlan, args: &Simulate, output: &Output) -> Result<(), Fa
     let mut world = World::new(plant).map_err(|error| failed("the plant cannot start", &error))?;
     if let Some(path) = &args.pcap {
         let name = path.display().to_string();
-        let writer = Writer::new(open(path)?, "plant", Duration::ZERO).map_err(|error| failed(&name, &error))?;
+        let writer =
+            Writer::new(open(path)?, "plant", Duration::ZERO).map_err(|error| failed(&name, &error))?;
         world.add_tap(Box::new(writer));
     }
     let mut trace = args.trace.as_deref().map(TraceFile::create).transpose()?;
     // a file that cannot be written is an error before the run, not after it
-    let report = args.junit.as_deref().map(|path| Ok::<_, Failure>((path, open(path)?))).transpose()?;
+    let report = args
+        .junit
+        .as_deref()
+        .map(|path| Ok::<_, Failure>((path, open(path)?)))
+        .transpose()?;
     if !plant.expectations.is_empty() {
         world.expect(&plant.expectations, plant.seed);
     }
@@ -92,15 +97,29 @@ fn judge(results: Vec<ExpectationResult>, output: &Output) -> Result<(), Failure
     if all == 0 {
         return Ok(());
     }
-    let lost: Vec<String> = results.iter().filter(|result| !result.is_met()).map(ToString::to_string).collect();
-    output.json_event(&SimulationReport::Expectations { expectations: results });
-    let of = if all == 1 { "1 expectation".to_owned() } else { format!("{all} expectations") };
+    let lost: Vec<String> = results
+        .iter()
+        .filter(|result| !result.is_met())
+        .map(ToString::to_string)
+        .collect();
+    output.json_event(&SimulationReport::Expectations {
+        expectations: results,
+    });
+    let of = if all == 1 {
+        "1 expectation".to_owned()
+    } else {
+        format!("{all} expectations")
+    };
     if lost.is_empty() {
         output.say(&format!("{of}: all met"));
         return Ok(());
     }
     let mut failure = Failure::new(ErrorKind::Difference, format!("{} of {of} lost", lost.len()));
-    failure.details = lost.iter().flat_map(|text| text.lines()).map(str::to_owned).collect();
+    failure.details = lost
+        .iter()
+        .flat_map(|text| text.lines())
+        .map(str::to_owned)
+        .collect();
     Err(failure)
 }
 
