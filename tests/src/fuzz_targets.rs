@@ -13,6 +13,7 @@ mod frames;
 mod host;
 mod neighbourhood;
 mod parameters;
+mod plants;
 mod records;
 mod rpc;
 mod serial;
@@ -27,6 +28,7 @@ pub use frames::{alarm, blocks, dcp, rt};
 pub use host::host;
 pub use neighbourhood::{lldp, snmp};
 pub use parameters::{description, notation, parameter_request, parameter_response, setting};
+pub use plants::plant;
 pub use records::records;
 pub use rpc::{rpc, rpc_client, rpc_server};
 pub use serial::{pkw, serial};
@@ -54,6 +56,7 @@ pub const TARGETS: &[(&str, Target)] = &[
     ("parameter_response", parameter_response),
     ("pcap", pcap),
     ("pkw", pkw),
+    ("plant", plant),
     ("records", records),
     ("rpc", rpc),
     ("rpc_client", rpc_client),

@@ -33,5 +33,5 @@ pub use file::{PlantError, PlantFileError};
 pub use plan::{Action, ControllerPlan, Cue, DrivePlan, PlantPlan, Step, Trigger, WorldError};
 pub use text::derived_mac;
 pub use timeline::{Played, Timeline};
-pub use trace::{Event, EventKind, Message, Sample};
+pub use trace::{DriveMessage, Event, EventKind, Sample};
 pub use world::World;

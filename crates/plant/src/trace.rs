@@ -48,22 +48,22 @@ pub enum EventKind {
     /// A fault came.
     FaultRaised {
         /// The fault.
-        fault: Message,
+        fault: DriveMessage,
     },
     /// A fault was acknowledged.
     FaultCleared {
         /// The fault.
-        fault: Message,
+        fault: DriveMessage,
     },
     /// A warning came.
     WarningRaised {
         /// The warning.
-        warning: Message,
+        warning: DriveMessage,
     },
     /// A warning went.
     WarningCleared {
         /// The warning.
-        warning: Message,
+        warning: DriveMessage,
     },
     /// Where the drive is, at a sample or because its status word has changed.
     Sample(Sample),
@@ -124,7 +124,7 @@ pub enum EventKind {
 /// A fault or a warning of a drive.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Message {
+pub struct DriveMessage {
     /// Its number.
     pub number: u16,
     /// Its meaning; empty where the tables have none.
@@ -151,7 +151,7 @@ fn state_number<S: serde::Serializer>(state: &State, serializer: S) -> Result<S:
     serializer.serialize_u8(state.number())
 }
 
-impl Message {
+impl DriveMessage {
     /// Returns the fault or warning of this number with its meaning from `catalogue`.
     pub(crate) fn of(number: u16, warning: bool, catalogue: &Catalogue) -> Self {
         let meaning = catalogue.fault(number, warning).map_or("", |row| row.meaning);
@@ -187,10 +187,10 @@ impl EventKind {
         Some(match event {
             StationEvent::State { from, to } => Self::StateChanged { old: *from, new: *to },
             StationEvent::Fault { number } => Self::FaultRaised {
-                fault: Message::of(*number, false, catalogue),
+                fault: DriveMessage::of(*number, false, catalogue),
             },
             StationEvent::Warning { number, active } => {
-                let warning = Message::of(*number, true, catalogue);
+                let warning = DriveMessage::of(*number, true, catalogue);
                 if *active {
                     Self::WarningRaised { warning }
                 } else {
@@ -263,7 +263,7 @@ impl fmt::Display for Event {
     }
 }
 
-impl fmt::Display for Message {
+impl fmt::Display for DriveMessage {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}", self.number)?;
         if self.text.is_empty() {

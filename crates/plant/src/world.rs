@@ -24,7 +24,7 @@ use crate::expect::{Expectation, ExpectationResult, Live, Monitor, revolutions};
 use crate::plan::{Action, ControllerPlan, DrivePlan, PlantPlan, Step, WorldError};
 use crate::text::derived_mac;
 use crate::timeline::Timeline;
-use crate::trace::{Event, EventKind, Message, Sample};
+use crate::trace::{DriveMessage, Event, EventKind, Sample};
 
 /// How long a controller waits before it connects again.
 const RECONNECT_DELAY: Duration = Duration::from_millis(500);
@@ -424,7 +424,7 @@ impl Seat {
             StationEvent::Acknowledged if !self.faults.is_empty() => {
                 let faults = std::mem::take(&mut self.faults).into_iter();
                 let cleared = faults.map(|number| EventKind::FaultCleared {
-                    fault: Message::of(number, false, catalogue),
+                    fault: DriveMessage::of(number, false, catalogue),
                 });
                 return cleared.collect();
             }

@@ -1,5 +1,7 @@
 //! Expectations: each row of the grammar, mistakes with their lines, and the monitor against a plain definition.
 
+#![allow(clippy::unwrap_used)]
+
 use std::time::Duration;
 
 use profidrive_plant::{ExpectationResult, Monitor, Observed, ObservedQuantity, Outcome, PlantPlan, World};

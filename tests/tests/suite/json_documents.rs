@@ -173,6 +173,11 @@ const WITHOUT_DRIVES: &[Call] = &[
         "simulate ROOT/examples/plants/first.toml --virtual-time --for 5s",
         &[0],
     ),
+    ("simulate ROOT/examples/plants/press.toml --virtual-time", &[0]),
+    (
+        "simulate ROOT/examples/plants/press.toml --virtual-time --for 1s",
+        &[5],
+    ),
 ];
 
 /// What stands before a call that uses the network.

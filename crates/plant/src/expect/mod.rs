@@ -3,12 +3,14 @@
 //! | module | content |
 //! |---|---|
 //! | `condition` | what must hold of a drive, and how it is looked at |
+//! | `expectation` | an expectation as it was read |
 //! | `parse` | expectations as TOML, with the line of each mistake |
 //! | `monitor` | the checks, tick by tick, in bounded memory |
 //! | `result` | what came of an expectation, in words and as data |
 //! | `junit` | the same as a JUnit report |
 
 mod condition;
+mod expectation;
 #[cfg(feature = "junit")]
 mod junit;
 mod monitor;
@@ -17,9 +19,9 @@ mod result;
 
 pub(crate) use condition::revolutions;
 pub use condition::{Live, Observed, Quantity};
+pub use expectation::Expectation;
 #[cfg(feature = "junit")]
 pub use junit::{Suite, junit};
 pub use monitor::Monitor;
-pub use parse::Expectation;
 pub(crate) use parse::{Scope, read_all, read_list};
 pub use result::{ExpectationResult, Nearest, Outcome};

@@ -7,7 +7,7 @@ use std::collections::VecDeque;
 use std::time::Duration;
 
 use super::condition::{Observed, Seen};
-use super::parse::{After, Expectation, Rule, Target};
+use super::expectation::{After, Expectation, Rule, Target};
 use super::result::{ExpectationResult, Nearest, Outcome};
 use crate::trace::{Event, EventKind};
 

@@ -1,6 +1,5 @@
 //! Expectations as TOML.
 
-use std::fmt;
 use std::ops::Range;
 use std::time::Duration;
 
@@ -13,6 +12,7 @@ use toml::de::{DeTable, DeValue};
 use virtual_drive::drive::Drive;
 
 use super::condition::{Bounds, Condition, Flag, Numbers, Quantity, Source, Test};
+use super::expectation::{After, Expectation, Rule, Target, quoted};
 use crate::file::{Located, PlantError, line_of};
 use crate::plan::DrivePlan;
 use crate::text::time;
@@ -24,53 +24,6 @@ const LONGEST: usize = 1 << 20;
 
 type Value<'a> = Spanned<DeValue<'a>>;
 
-/// Something that is expected of drives of a plant.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Expectation {
-    /// The file that has it.
-    pub(crate) file: Option<String>,
-    pub(super) name: String,
-    pub(super) line: usize,
-    pub(super) rule: Rule,
-    /// How long it must stay true.
-    pub(super) lasts: Duration,
-    pub(super) targets: Vec<Target>,
-    /// As written, without the name.
-    pub(super) source: String,
-}
-
-/// When it must hold.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) enum Rule {
-    At(Duration),
-    Within {
-        span: Duration,
-        after: After,
-    },
-    /// Always true, or never.
-    Whole {
-        holds: bool,
-        from: Duration,
-        to: Option<Duration>,
-    },
-}
-
-/// Start of a clock.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) enum After {
-    Time(Duration),
-    /// The first time that this holds for one of the drives.
-    Condition(Vec<Target>),
-}
-
-/// Conditions of one drive, all of which must hold at the same instant.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct Target {
-    /// Number of the drive in the plant.
-    pub drive: usize,
-    pub conditions: Vec<Condition>,
-}
-
 /// The drives that an expectation may name.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Scope<'a> {
@@ -79,27 +32,6 @@ pub(crate) struct Scope<'a> {
 
 /// Keys of conditions, beside quantities and flags.
 const CONDITIONS: [&str; 7] = ["state", "fault", "warning", "zsw1", "stw1", "load", "parameter"];
-
-impl Expectation {
-    /// Returns its name.
-    #[must_use]
-    pub fn name(&self) -> &str {
-        &self.name
-    }
-
-    /// Returns the line where it begins, from 1.
-    #[must_use]
-    pub const fn line(&self) -> usize {
-        self.line
-    }
-}
-
-impl fmt::Display for Expectation {
-    /// As an inline table.
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{{ name = {}, {} }}", quoted(&self.name), self.source)
-    }
-}
 
 /// Reads a text: a file with the key `expect`, or one inline table.
 pub(crate) fn read_all(text: &str, scope: Scope<'_>) -> Result<Vec<Expectation>, PlantError> {
@@ -766,10 +698,6 @@ fn word(value: &Value<'_>, status: bool) -> Result<Test, Located> {
         mask,
         value: wanted,
     })
-}
-
-fn quoted(text: &str) -> String {
-    toml::Value::String(text.to_owned()).to_string()
 }
 
 /// The entries of a table as TOML, in the order in which they were written; without one key.
