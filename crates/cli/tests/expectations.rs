@@ -1,5 +1,7 @@
 //! Expectations of a plant at the command line: exit codes, messages, files.
 
+#![allow(clippy::unwrap_used)]
+
 mod binary;
 
 use std::path::PathBuf;
