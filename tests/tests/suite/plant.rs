@@ -164,7 +164,7 @@ fn the_example_gives_the_same_trace_every_time() {
         "! load=",
         "! cable=pulled",
         "fault F702",
-        "faults acknowledged",
+        "bit 0 = 1 is gone",
     ] {
         assert!(trace.contains(words), "{words}: {trace}");
     }
