@@ -182,7 +182,8 @@ impl Event {
 impl EventKind {
     /// Returns what a station reported; `None` for what only requests to be saved.
     ///
-    /// An acknowledge is one event for all faults there, so it is [`cleared`](Self::cleared) by the caller, who knows them.
+    /// A caller that has the numbers of the faults makes a [`FaultCleared`](Self::FaultCleared) of each at an acknowledge; here
+    /// it is a note.
     pub(crate) fn of_station(event: &StationEvent, catalogue: &Catalogue) -> Option<Self> {
         Some(match event {
             StationEvent::State { from, to } => Self::StateChanged { old: *from, new: *to },
