@@ -16,7 +16,7 @@ use profile::parameter::DecodeError;
 use profile::pkw::JobError;
 use uss::{ReceiverStatistics, SlaveId};
 
-use crate::axis::{AxisControl, Command, Goal, Progress, Sample, SampleQueue, Seen, Traverse, Wiring};
+use crate::axis::{AxisControl, Command, Goal, Octets, Progress, Sample, SampleQueue, Seen, Traverse, Wiring};
 use crate::line::{Answered, Bridge, Line, LineConfig};
 use crate::mapper::{Mapper, Registered};
 
@@ -501,6 +501,12 @@ impl Client {
         }
     }
 
+    /// Returns where the signals of an axis are.
+    pub(crate) fn wiring(&self, link: Link) -> Option<&Wiring> {
+        let axis = self.axes.iter().find(|axis| axis.link == link);
+        axis.map(|axis| &axis.wiring)
+    }
+
     /// Sets the deadline at which the operation of an axis ends by a ramp stop, unless it is extended.
     pub fn set_deadline(&mut self, link: impl Into<Link>, deadline: Option<Instant>) {
         let link = link.into();
@@ -593,16 +599,21 @@ impl Client {
         };
         let answered = axis.control.command();
         let before = (answered, axis.control.progress());
-        let seen = match axis.link {
+        let tapped = !axis.taps.is_empty();
+        let copy = |data: &[u8]| if tapped { Octets::new(data) } else { Octets::NONE };
+        let (seen, data) = match axis.link {
             Link::ArListEntry(ar) => match self.controller.input(ar, axis.slot, axis.subslot) {
-                Some((data, provider)) => axis.wiring.decode(data).filter(|_| provider.is_good()),
+                Some((data, provider)) => {
+                    let seen = axis.wiring.decode(data).filter(|_| provider.is_good());
+                    (seen, copy(data))
+                }
                 None => return,
             },
             Link::Slave(slave) => {
                 let Some(line) = &mut self.line else { return };
                 match line.take_inputs(slave) {
-                    Some(data) => axis.wiring.decode(&data),
-                    None if line.answers(slave) == Some(false) => None,
+                    Some(data) => (axis.wiring.decode(&data), copy(&data)),
+                    None if line.answers(slave) == Some(false) => (None, Octets::NONE),
                     None => return,
                 }
             }
@@ -620,7 +631,7 @@ impl Client {
             axis.stepped = received;
             self.news.add(axis.link);
         }
-        if let Some(seen) = seen.filter(|_| received != axis.sampled) {
+        if let Some(seen) = seen.filter(|_| tapped && received != axis.sampled) {
             axis.sampled = received;
             let sample = Sample {
                 at: now,
@@ -628,6 +639,8 @@ impl Client {
                 missed,
                 seen,
                 command: answered,
+                inputs: data,
+                outputs: Octets::new(axis.wiring.image()),
             };
             axis.taps.iter().for_each(|tap| tap.push(sample));
         }

@@ -9,6 +9,9 @@ use super::wiring::{Wiring, WiringError};
 /// The purpose of an axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Purpose {
+    /// Nothing: the data of the drive are received, and the control word that is sent commands nothing (STW1 without bit
+    /// 10). The power stage must be off.
+    Observe,
     /// Control word and status word alone: acknowledge, switch on, stop.
     Control,
     /// A speed setpoint.
@@ -31,7 +34,7 @@ impl Purpose {
     #[must_use]
     pub const fn mode(self) -> Option<Mode> {
         match self {
-            Self::Control | Self::Jog => None,
+            Self::Observe | Self::Control | Self::Jog => None,
             Self::Speed => Some(Mode::Velocity),
             Self::Home | Self::Task | Self::Move | Self::RealTimeJog => Some(Mode::Position),
         }
@@ -41,7 +44,7 @@ impl Purpose {
     #[must_use]
     pub const fn signals(self) -> &'static [u16] {
         match self {
-            Self::Control | Self::Jog | Self::Home => &[],
+            Self::Observe | Self::Control | Self::Jog | Self::Home => &[],
             Self::Speed => &[signal::NSOLL_A],
             Self::Task => &[signal::SATZANW],
             Self::RealTimeJog => &[signal::MDI_VELOCITY, signal::MDI_ACC, signal::MDI_DEC],
@@ -59,14 +62,13 @@ impl Purpose {
     /// Telegrams in the order they are tried where the drive's own does not do.
     const fn telegrams(self, mode: Mode) -> &'static [u16] {
         match (self, mode) {
-            (Self::Speed, _) | (Self::Control | Self::Jog | Self::Home, Mode::Velocity) => {
+            (Self::Speed, _) | (Self::Observe | Self::Control | Self::Jog | Self::Home, Mode::Velocity) => {
                 &[1, 350, 351, 354]
             }
             (Self::Task, _) => &[7, 9, 352, 353],
             // for these the position is worth seeing
-            (Self::Move | Self::RealTimeJog | Self::Control | Self::Jog | Self::Home, _) => {
-                &[9, 352, 353, 7, 1]
-            }
+            (_, Mode::Position) => &[9, 352, 353, 7, 1],
+            (Self::Move | Self::RealTimeJog, Mode::Velocity) => &[9, 352, 353, 7, 1],
         }
     }
 }

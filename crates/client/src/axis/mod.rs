@@ -23,7 +23,7 @@ pub use cycle::{Cycle, Room, Strained};
 pub use evidence::Evidence;
 pub use goal::{Goal, Jog, Limits, Progress, Trouble};
 pub use order::{ModuloRange, MotionFacts, Move, MovePlan, Objection, plan_move};
-pub use samples::Sample;
+pub use samples::{AxisSignal, Octets, Sample, SignalScale};
 pub(crate) use samples::SampleQueue;
 pub use scale::{SpeedScale, SpeedUnit};
 pub use seen::Seen;

@@ -1,11 +1,15 @@
 //! Every cyclic input of an axis, as it comes.
 
 use std::collections::VecDeque;
+use std::fmt;
+use std::ops::Deref;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
+use profile::telegram::Field;
 use profinet::Instant;
 
-use super::{Command, Seen};
+use super::wiring::{MOST_OCTETS, wrapped};
+use super::{Command, Seen, SpeedScale};
 
 /// One cyclic input of an axis, with what was sent when it came.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -21,6 +25,101 @@ pub struct Sample {
     pub seen: Seen,
     /// The command in force when it came.
     pub command: Command,
+    /// The data of the drive as they came.
+    pub inputs: Octets,
+    /// The data that the drive was sent.
+    pub outputs: Octets,
+}
+
+/// Cyclic data of one direction, in place: a sample is copied without allocation.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub struct Octets {
+    octets: [u8; MOST_OCTETS],
+    length: u8,
+}
+
+impl Octets {
+    /// No data.
+    pub const NONE: Self = Self {
+        octets: [0; MOST_OCTETS],
+        length: 0,
+    };
+
+    /// Copies the data; what is longer than a telegram can be is cut off.
+    #[must_use]
+    pub fn new(data: &[u8]) -> Self {
+        let mut copy = Self::NONE;
+        for (place, octet) in copy.octets.iter_mut().zip(data) {
+            *place = *octet;
+            copy.length += 1;
+        }
+        copy
+    }
+}
+
+impl Deref for Octets {
+    type Target = [u8];
+
+    fn deref(&self) -> &[u8] {
+        self.octets.get(..usize::from(self.length)).unwrap_or_default()
+    }
+}
+
+impl fmt::Debug for Octets {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        (**self).fmt(f)
+    }
+}
+
+/// A signal in the cyclic data of an axis, and what its numbers mean.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AxisSignal {
+    /// Where it is.
+    pub field: Field,
+    /// It is sent to the drive.
+    pub is_setpoint: bool,
+    /// What its numbers mean.
+    pub scale: SignalScale,
+}
+
+/// What the numbers of a signal mean.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum SignalScale {
+    /// The number as it is.
+    Raw,
+    /// A speed.
+    Speed(SpeedScale),
+    /// A position or distance: increments of a turn.
+    Turns(f64),
+}
+
+impl AxisSignal {
+    /// Returns the unit of its values, empty where the number stands as it is.
+    #[must_use]
+    pub const fn unit(&self) -> &'static str {
+        match &self.scale {
+            SignalScale::Raw => "",
+            SignalScale::Speed(scale) => scale.unit().symbol(),
+            SignalScale::Turns(_) => "rev",
+        }
+    }
+
+    /// Returns the number of this signal in a sample; `None` where the data end before it.
+    #[must_use]
+    pub fn raw(&self, sample: &Sample) -> Option<i64> {
+        let data = if self.is_setpoint { &sample.outputs } else { &sample.inputs };
+        self.field.get(data)
+    }
+
+    /// Returns the value of a number in the unit of the signal; `None` for a signal without a unit.
+    #[must_use]
+    pub fn engineering(&self, raw: i64) -> Option<f64> {
+        match self.scale {
+            SignalScale::Raw => None,
+            SignalScale::Speed(scale) => Some(scale.speed(i16::try_from(raw).ok()?)),
+            SignalScale::Turns(counts) => Some(f64::from(wrapped(raw)) / counts),
+        }
+    }
 }
 
 /// Samples on their way from the engine to whoever records them: so many and no more.
@@ -89,6 +188,12 @@ mod tests {
     use super::*;
 
     #[test]
+    fn data_longer_than_a_telegram_are_cut() {
+        assert_eq!(&*Octets::new(&[1, 2]), [1, 2]);
+        assert_eq!(Octets::new(&[7; 80]).len(), MOST_OCTETS);
+    }
+
+    #[test]
     fn a_sample_costs_no_memory_and_the_oldest_makes_room() {
         let queue = SampleQueue::new(100);
         let allocated = allocations::made_by(|| {
@@ -99,6 +204,8 @@ mod tests {
                     missed: 0,
                     seen: Seen::default(),
                     command: Command::default(),
+                    inputs: Octets::new(&[0; 80]),
+                    outputs: Octets::NONE,
                 });
             }
         });

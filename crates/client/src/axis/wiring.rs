@@ -1,13 +1,13 @@
 //! Where the signals of an axis are in the cyclic data.
 
 use profile::state::{Profile, Stw1};
-use profile::telegram::{Direction, Mapping, MappingError, SetError, Telegram, signal};
+use profile::telegram::{Direction, Field, Mapping, MappingError, SetError, Telegram, signal};
 
 use super::command::Command;
 use super::seen::Seen;
 
 /// Octets of the longest telegram that a mapping can have.
-const MOST_OCTETS: usize = 64;
+pub(super) const MOST_OCTETS: usize = 64;
 
 /// Why cyclic data cannot be used for an axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
@@ -207,6 +207,24 @@ impl Wiring {
         self.telegram
     }
 
+    /// Returns the setpoints as they are sent.
+    #[must_use]
+    pub fn image(&self) -> &[u8] {
+        &self.image
+    }
+
+    /// Returns the setpoints of the telegram with their places.
+    #[must_use]
+    pub fn setpoints(&self) -> &[Field] {
+        self.setpoint.fields()
+    }
+
+    /// Returns the actual values of the telegram with their places.
+    #[must_use]
+    pub fn actuals(&self) -> &[Field] {
+        self.actual.fields()
+    }
+
     /// Returns true when the drive is sent this signal.
     #[must_use]
     pub fn commands(&self, signal: u16) -> bool {
@@ -298,7 +316,7 @@ const COMMANDED: [u16; 8] = [
 
 /// Returns a position of 32 bits, whether the table calls it signed or not.
 #[expect(clippy::cast_possible_truncation, reason = "keeps the 32 bits that travelled")]
-const fn wrapped(value: i64) -> i32 {
+pub(super) const fn wrapped(value: i64) -> i32 {
     value as i32
 }
 

@@ -6,6 +6,7 @@ use profile::parameter::pnu;
 use profile::state::{Mode, Profile, Stw1, Zsw1};
 use profile::telegram::Telegram;
 
+use super::authority::power_is_on;
 use super::mode::mode_of;
 use super::plugged::{Layout, Plugged};
 use super::readings::{Readings, zsw1_of};
@@ -381,6 +382,12 @@ impl Session {
     async fn free(&mut self, drive: &mut Drive, word: Option<Zsw1>, purpose: Purpose) -> Result<(), Error> {
         match self.authority_by(drive, word).await? {
             Authority::Ownerless if purpose == Purpose::Control => Ok(()),
+            // what a controller does not command is not seen to stop when this connection ends
+            Authority::Free | Authority::Unknown
+                if purpose == Purpose::Observe && word.is_some_and(power_is_on) =>
+            {
+                Err(ownerless(drive))
+            }
             authority => permitted(drive, authority),
         }
     }
@@ -394,7 +401,7 @@ impl Session {
             (None, needed) => Ok(needed.unwrap_or_default()),
             (Some(Some(mode)), None) => Ok(mode),
             (Some(Some(mode)), Some(needed)) if mode == needed => Ok(mode),
-            (Some(None), None) if purpose == Purpose::Control => Ok(Mode::Velocity),
+            (Some(None), None) if matches!(purpose, Purpose::Observe | Purpose::Control) => Ok(Mode::Velocity),
             (Some(present), needed) => Err(Error::WrongMode {
                 drive: drive.label(),
                 needed: needed.unwrap_or_default(),

@@ -2,8 +2,10 @@
 
 use std::sync::Arc;
 
+use profile::telegram::{Field, signal};
+
 use super::{Axis, Ending};
-use crate::axis::{Sample, SampleQueue};
+use crate::axis::{AxisSignal, Sample, SampleQueue, SignalScale};
 use crate::engine::Interest;
 use crate::{Engine, Error, Link};
 
@@ -104,6 +106,30 @@ impl Axis {
             ending: Arc::clone(&self.ending),
             deceleration: self.deceleration,
         }
+    }
+
+    /// Returns the signals of its telegram: setpoints, then actual values. Empty once it was given back.
+    #[must_use]
+    pub fn signals(&self) -> Vec<AxisSignal> {
+        let client = self.session.client();
+        let Some(wiring) = client.wiring(self.link) else {
+            return Vec::new();
+        };
+        let scale = |number| match number {
+            signal::NSOLL_A | signal::NIST_A => SignalScale::Speed(self.scale),
+            signal::XIST_A | signal::MDI_TARPOS | signal::kollmorgen::XIST_ERROR => {
+                SignalScale::Turns(self.drive.counts_per_turn())
+            }
+            _ => SignalScale::Raw,
+        };
+        let of = |field: &Field, is_setpoint| AxisSignal {
+            field: *field,
+            is_setpoint,
+            scale: scale(field.signal.number),
+        };
+        let setpoints = wiring.setpoints().iter().map(|field| of(field, true));
+        let actuals = wiring.actuals().iter().map(|field| of(field, false));
+        setpoints.chain(actuals).collect()
     }
 
     /// Every cyclic input from now on; at most `capacity` of them are kept until they are taken.

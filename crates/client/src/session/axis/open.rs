@@ -214,7 +214,8 @@ impl Session {
         settings: &AxisSettings,
     ) -> Result<LossReaction, Error> {
         let loss = self.loss_reaction(drive).await?;
-        loss.permit(drive, settings.may_run_on || settings.purpose == Purpose::Control)?;
+        let no_motion = matches!(settings.purpose, Purpose::Observe | Purpose::Control);
+        loss.permit(drive, settings.may_run_on || no_motion)?;
         Ok(loss)
     }
 
