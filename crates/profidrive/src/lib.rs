@@ -60,6 +60,7 @@
 
 pub mod addressing;
 mod carrier;
+mod clock;
 #[cfg(feature = "gsdml")]
 mod description;
 #[cfg(feature = "gsdml")]
@@ -83,6 +84,7 @@ pub mod settings;
 mod simulate;
 
 pub use carrier::{CarrierError, serial_settings};
+pub use clock::WallClock;
 /// The services of a drive, and the types of this library that come from there.
 pub use client;
 pub use client::Wait;

@@ -35,12 +35,13 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-use std::time::Duration;
+use std::time::{Duration, SystemTime};
 
 use client::{Advice, Drive, Error, ErrorKind, FaultEntry, Session, Snapshot};
 use profile::value::Selection;
 use profinet::Instant;
 
+use crate::clock::WallClock;
 use crate::report::DriveWords;
 
 /// The shortest time between two readings: faster than that the parameter channel of the drive is blocked for others.
@@ -102,6 +103,7 @@ pub struct TooFast;
 pub struct Monitor {
     more: Vec<Selection>,
     interval: Duration,
+    clock: WallClock,
     /// When the first reading arrived.
     first: Option<Instant>,
     /// When the last reading began.
@@ -118,12 +120,22 @@ pub struct Monitor {
 pub struct Observation {
     /// From the arrival of the first reading to that of this one.
     pub time: Duration,
+    /// The time of day at which it arrived; `None` in virtual time, and where the monitor has no clock.
+    pub wall: Option<SystemTime>,
     /// From the request to the answer: long after an outage.
     pub answer_time: Duration,
     /// What the drive reported.
     pub snapshot: Snapshot,
     /// Faults that came since the reading before; with the first reading those that were present.
     pub faults: Vec<FaultEntry>,
+}
+
+impl Observation {
+    /// Returns how long the drive had not answered before this reading; `None` where it answered in time.
+    #[must_use]
+    pub fn outage(&self) -> Option<Duration> {
+        Some(self.answer_time).filter(|time| *time >= SILENCE)
+    }
 }
 
 impl Monitor {
@@ -138,6 +150,7 @@ impl Monitor {
         Ok(Self {
             more: Vec::new(),
             interval,
+            clock: WallClock::NONE,
             first: None,
             last: Instant::ZERO,
             counted: None,
@@ -151,6 +164,18 @@ impl Monitor {
         Self { more, ..self }
     }
 
+    /// Returns the same that stamps readings with the time of day too ([`Network::wall_clock`](crate::Network::wall_clock)).
+    #[must_use]
+    pub fn stamped_by(self, clock: WallClock) -> Self {
+        Self { clock, ..self }
+    }
+
+    /// Returns the time from the arrival of the first reading until now; `None` before there is one.
+    #[must_use]
+    pub fn elapsed(&self, session: &Session) -> Option<Duration> {
+        self.first.map(|first| session.now() - first)
+    }
+
     /// Reads the drive now. Faults are read only where the status word reports one or the drive counted one.
     ///
     /// # Errors
@@ -159,6 +184,7 @@ impl Monitor {
         self.last = session.now();
         let snapshot = session.snapshot(drive, &self.more).await?;
         let arrived = session.now();
+        let wall = self.clock.before(Duration::ZERO);
         let mut faults = Vec::new();
         // PNU 944 may count situations only: a further fault of one is in the buffer alone
         let again = self.counted != snapshot.fault_counter;
@@ -173,6 +199,7 @@ impl Monitor {
         }
         Ok(Observation {
             time: arrived - *self.first.get_or_insert(arrived),
+            wall,
             answer_time: arrived - self.last,
             snapshot,
             faults,

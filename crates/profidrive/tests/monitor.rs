@@ -62,6 +62,36 @@ fn a_drive_that_answers_is_read_at_the_interval() {
     assert_eq!((silences, times), (0, (0..10).collect()));
 }
 
+/// The fault comes during the outage: the reading that shows it is stamped when it arrives, not when it was requested.
+#[test]
+fn a_reading_after_an_outage_is_stamped_at_its_arrival_and_reports_the_outage() {
+    let mut watched = open(
+        r#"
+[[drive]]
+name = "akd-1"
+ip = "10.0.0.1/24"
+event = [
+    { at = "2s", do = "cable=pulled", for = "2s" },
+    { at = "3s", do = "fault=439" },
+]
+"#,
+    );
+    let begin = watched.0.now();
+    let (silences, seen) = watch(&mut watched, 8);
+    let seen = seen.unwrap();
+    assert_eq!(silences, 1);
+    let outages: Vec<_> = seen.iter().filter_map(|one| Some((one, one.outage()?))).collect();
+    let [(after, outage)] = outages[..] else {
+        panic!("{outages:?}")
+    };
+    assert!(outage >= Duration::from_millis(1900), "{outage:?}");
+    assert!(after.faults.iter().any(|fault| fault.number == 439), "{after:?}");
+    // virtual time begins with the plant; the first reading came soon after `begin`
+    let arrived = begin + after.time;
+    assert!(arrived.as_millis() >= 3950, "{arrived:?}");
+    assert_eq!(after.wall, None, "virtual time has no time of day");
+}
+
 #[test]
 fn a_silent_drive_is_reported_once_and_then_lost() {
     let mut watched = open(PULLED);

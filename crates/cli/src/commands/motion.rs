@@ -3,10 +3,11 @@
 use std::time::Duration;
 
 use client::{Drive, Session, Wait};
+use profidrive::WallClock;
 use profidrive::fleet;
 use profidrive::monitor::{Monitor, Observation};
 use profidrive::motion::{self, Observer, Report as MotionReport};
-use profidrive::report::{Drives, MonitorReading};
+use profidrive::report::{Drives, MonitorReading, MonitorSilence};
 use profile::notation::ParameterReference;
 use profile::value::{ParameterProblem, Selection};
 
@@ -101,10 +102,12 @@ pub fn monitor(args: &args::Monitor, target: &Target, output: &Output) -> Result
     if connect::selector(target)?.single().is_some() {
         let (mut session, mut drive) = connect::drive(target, Need::Records, output)?;
         output.say(&format!("watching {}, reads only; Ctrl-C ends", drive.label()));
+        let watching = watching.stamped_by(session.wall_clock());
         watching.watch(&mut session, &mut drive, 0).wait()?;
         return Ok(session.close().wait()?);
     }
     let (mut session, found) = connect::drives(target, Need::Records, output)?;
+    let watching = watching.stamped_by(session.wall_clock());
     let names = found.members.iter().filter(|member| member.drive.is_ok());
     let names: Vec<&str> = names.map(|member| member.name.as_str()).collect();
     let width = names.iter().map(|name| name.len()).max().unwrap_or_default();
@@ -134,6 +137,11 @@ struct Watching<'a> {
 }
 
 impl Watching<'_> {
+    fn stamped_by(self, clock: WallClock) -> Self {
+        let monitor = self.monitor.stamped_by(clock);
+        Self { monitor, ..self }
+    }
+
     /// Watches a drive and prints what it reports, behind its name where that gets a column.
     async fn watch(&self, session: &mut Session, drive: &mut Drive, width: usize) -> Result<(), Failure> {
         let selections = self.references.iter();
@@ -149,9 +157,22 @@ impl Watching<'_> {
         };
         loop {
             let (printer, silent) = (self.output.clone(), label.clone());
-            let silent = move || printer.warn(&format!("{silent} does not answer; waiting for it"));
+            let asked = monitor.elapsed(session);
+            let silent = move || {
+                printer.json_event(&MonitorSilence {
+                    drive: silent.clone(),
+                    silent: true,
+                    time: asked.map(|time| time.as_secs_f64()),
+                });
+                printer.warn(&format!("{silent} does not answer; waiting for it"));
+            };
             let seen = monitor.read_reporting_silence(session, drive, silent).await?;
             let Some(seen) = seen else { return Ok(()) };
+            if let Some(outage) = seen.outage() {
+                let seconds = outage.as_secs_f64();
+                self.output
+                    .warn(&format!("{label} answers again after {seconds:.1} s without an answer"));
+            }
             show(&seen, &label, &column, self.raw, self.output);
             for fault in &seen.faults {
                 self.output.warn(&format!("{column}{fault}"));

@@ -1,5 +1,7 @@
 //! What the verbs report that look at drives.
 
+use std::time::SystemTime;
+
 use client::{Action, Advice, Drive, FaultEntry, FaultReport, Info, LoggedFault, Snapshot};
 use profile::fault::Counting;
 use profile::state::Zsw1;
@@ -285,6 +287,10 @@ pub struct MonitorReading {
     pub drive: String,
     /// Seconds from the arrival of the first reading to that of this one.
     pub time: f64,
+    /// The time of day at which this reading arrived, in seconds since 1970-01-01 UTC; null in virtual time.
+    pub wall: Option<f64>,
+    /// Seconds for which the drive had not answered before this reading; null where it answered in time.
+    pub outage: Option<f64>,
     /// Seconds from the request to the answer: long after an outage.
     pub answer_time: f64,
     /// State of the drive and its words.
@@ -302,6 +308,24 @@ pub struct MonitorReading {
     pub parameters: Vec<Parameter>,
 }
 
+/// A drive that is watched and does not answer. Its next reading says how long that lasted.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct MonitorSilence {
+    /// The drive.
+    pub drive: String,
+    /// True: the drive does not answer.
+    pub silent: bool,
+    /// Seconds from the arrival of the first reading to the request that is not answered; null before the first reading.
+    pub time: Option<f64>,
+}
+
+/// Returns seconds since 1970-01-01 UTC.
+pub(crate) fn since_1970(time: SystemTime) -> Option<f64> {
+    let time = time.duration_since(SystemTime::UNIX_EPOCH).ok()?;
+    Some(time.as_secs_f64())
+}
+
 impl MonitorReading {
     /// Returns the values that a drive reported.
     #[must_use]
@@ -311,6 +335,8 @@ impl MonitorReading {
         Self {
             drive: drive.to_owned(),
             time: seen.time.as_secs_f64(),
+            wall: seen.wall.and_then(since_1970),
+            outage: seen.outage().map(|time| time.as_secs_f64()),
             answer_time: seen.answer_time.as_secs_f64(),
             words: DriveWords::from(snapshot),
             speed_set: quantity(&snapshot.speed_set),

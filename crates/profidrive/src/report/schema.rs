@@ -10,7 +10,7 @@ use serde_json::{Map, Value, json};
 use super::{
     BackupReport, BlinkReport, DemoEvent, DescribeReport, DiffReport, Drives, Error, FaultsReport,
     GsdmlCheckReport, GsdmlExportReport, GsdmlShowReport, InfoReport, InjectReport, IpReport, ListReport,
-    MonitorReading, NameReport, ParametersReport, ResetReport, RestoreReport, ScanReport, SimulationReport,
+    MonitorReading, MonitorSilence, NameReport, ParametersReport, ResetReport, RestoreReport, ScanReport, SimulationReport,
     StationChange, StatusReport, WriteReport,
 };
 use crate::motion::{self, JogPlan, Message, MoveReport, RunPlan, StopReport};
@@ -47,7 +47,7 @@ const COMMANDS: &[(&str, Describe)] = &[
     ("inject", of::<InjectReport>),
     ("status", each::<StatusReport, StatusReport>),
     ("faults", each::<FaultsReport, FaultsReport>),
-    ("monitor", of::<MonitorReading>),
+    ("monitor", of::<Monitored>),
     ("run", motion::<RunPlan>),
     ("jog", motion::<JogPlan>),
     ("move", motion::<MoveReport>),
@@ -64,6 +64,15 @@ const COMMANDS: &[(&str, Describe)] = &[
 enum Scan {
     Stations(ScanReport),
     Change(Box<StationChange>),
+}
+
+/// A drive that is watched: what it reports, or that it does not answer.
+#[derive(Serialize, JsonSchema)]
+#[serde(untagged)]
+#[expect(dead_code, reason = "only its schema is used")]
+enum Monitored {
+    Reading(Box<MonitorReading>),
+    Silence(MonitorSilence),
 }
 
 /// What a motion reports while it goes on and at its end, or its plan in a dry run.
