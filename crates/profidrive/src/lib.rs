@@ -51,6 +51,7 @@
 //! | select many drives and work on them side by side | [`Selector`], [`fleet`] |
 //! | scan, and see status, identity and faults of a drive | [`inspection`] |
 //! | watch the values and faults of a drive | [`monitor`] |
+//! | record signals of many drives (feature `recording`) | `recording` |
 //! | read, list, describe and write parameters as people name them | [`parameters`] |
 //! | move an axis, with every safety rule | [`motion`] |
 //! | restore settings, with a way back | [`settings`] |
@@ -76,6 +77,8 @@ mod open;
 mod outcome;
 pub mod parameters;
 mod reach;
+#[cfg(feature = "recording")]
+pub mod recording;
 pub mod report;
 pub mod scan;
 mod selector;

@@ -1,0 +1,179 @@
+//! Why something cannot be recorded, or cannot be written.
+
+use std::io;
+use std::path::PathBuf;
+
+use client::{Advice, Error, ErrorKind};
+use profile::value::ParameterProblem;
+
+use super::trigger::MOST_BEFORE;
+use crate::drive::DriveError;
+use crate::monitor::TooFast;
+
+/// Why something cannot be recorded.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum RecordingError {
+    /// Nothing is named.
+    #[error("no signal to record")]
+    NoSignal,
+    /// A name means the same as one before it.
+    #[error("`{name}` is named twice")]
+    Twice {
+        /// The name.
+        name: String,
+    },
+    /// Readings were to follow each other too fast.
+    #[error(transparent)]
+    TooFast(#[from] TooFast),
+    /// A name means no parameter of the drive.
+    #[error("{drive}: {problem}")]
+    Parameter {
+        /// The drive.
+        drive: String,
+        /// What is wrong.
+        problem: ParameterProblem,
+    },
+    /// A parameter has no number.
+    #[error("{drive}: {name} is not a number")]
+    NotANumber {
+        /// The drive.
+        drive: String,
+        /// The parameter as it was named.
+        name: String,
+    },
+    /// The telegram does not carry a signal.
+    #[error("{drive}: telegram {telegram} has no signal `{name}`; it has {}", .signals.join(", "))]
+    NoSuchSignal {
+        /// The drive.
+        drive: String,
+        /// Its telegram.
+        telegram: u16,
+        /// The signal as it was named.
+        name: String,
+        /// The signals of the telegram.
+        signals: Vec<String>,
+    },
+    /// One name has two units.
+    #[error("{name} is in {} on {}, in {} on {}: one column has one unit", shown(.units.0.as_str()), .drives.0, shown(.units.1.as_str()), .drives.1)]
+    Units {
+        /// The name.
+        name: String,
+        /// Both units.
+        units: (String, String),
+        /// A drive for each.
+        drives: (String, String),
+    },
+    /// The signal of a trigger is not recorded.
+    #[error("the trigger compares `{name}`, which is not recorded; recorded are {}", .recorded.join(", "))]
+    TriggerSignal {
+        /// The signal.
+        name: String,
+        /// What is recorded.
+        recorded: Vec<String>,
+    },
+    /// The value of a trigger has another unit.
+    #[error("the trigger on {name}: {cause}")]
+    TriggerUnit {
+        /// The signal.
+        name: String,
+        /// What is wrong.
+        cause: String,
+    },
+    /// The time before the trigger does not fit into memory.
+    #[error("the time before the trigger has {rows} rows, {MOST_BEFORE} are possible")]
+    Before {
+        /// Rows that it would have.
+        rows: u128,
+    },
+    /// The drive could not be found or worked with.
+    #[error(transparent)]
+    Drive(#[from] DriveError),
+    /// The drive cannot be reached, or refuses.
+    #[error(transparent)]
+    Client(#[from] Error),
+}
+
+fn shown(unit: &str) -> &str {
+    if unit.is_empty() { "no unit" } else { unit }
+}
+
+impl RecordingError {
+    /// What kind of error it is.
+    #[must_use]
+    pub fn kind(&self) -> ErrorKind {
+        match self {
+            Self::Parameter { problem, .. } => Error::from(problem.clone()).kind(),
+            Self::Drive(error) => error.kind(),
+            Self::Client(error) => error.kind(),
+            _ => ErrorKind::Usage,
+        }
+    }
+
+    /// What to do; empty where there is nothing to add.
+    #[must_use]
+    pub fn advice(&self) -> Advice {
+        match self {
+            Self::Parameter { problem, .. } => Error::from(problem.clone()).advice().unwrap_or_default(),
+            Self::TooFast(_) => Advice::from(
+                "the parameter channel of the drive would be blocked for others; cyclic signals come with each cycle",
+            ),
+            Self::Units { .. } => Advice::from("record these drives one by one"),
+            Self::Client(error) => error.advice().unwrap_or_default(),
+            Self::Before { .. } => Advice::from("take a shorter time, fewer drives or a longer interval"),
+            _ => Advice::default(),
+        }
+    }
+}
+
+/// Why rows could not be written.
+#[derive(Debug, thiserror::Error)]
+#[error("{action} {}: {cause}{}", .file.display(), kept(.rows, .readable.as_ref()))]
+pub struct WriteError {
+    /// What failed: `cannot write`.
+    pub action: &'static str,
+    /// The file.
+    pub file: PathBuf,
+    /// What the system reports.
+    pub cause: io::Error,
+    /// Rows that were recorded before and can be read.
+    pub rows: u64,
+    /// The file in which they are; `None` where nothing was written.
+    pub readable: Option<PathBuf>,
+}
+
+fn kept(rows: &u64, readable: Option<&PathBuf>) -> String {
+    readable.map_or_else(String::new, |file| {
+        format!("; the {rows} rows before are in {}", file.display())
+    })
+}
+
+impl WriteError {
+    /// What kind of error it is.
+    #[must_use]
+    pub const fn kind(&self) -> ErrorKind {
+        ErrorKind::Local
+    }
+
+    /// What to do; empty where there is nothing to add.
+    #[must_use]
+    pub fn advice(&self) -> Advice {
+        match self.cause.kind() {
+            io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => {
+                Advice::from("free some space, or record to another disk")
+            }
+            io::ErrorKind::AlreadyExists => Advice::from("choose another name: recordings are not replaced"),
+            _ => Advice::default(),
+        }
+    }
+
+    pub(super) fn new(action: &'static str, file: impl Into<PathBuf>, cause: io::Error) -> Self {
+        Self {
+            action,
+            file: file.into(),
+            cause,
+            rows: 0,
+            readable: None,
+        }
+    }
+}

@@ -1,0 +1,390 @@
+//! A recording under way: the drives side by side, their rows in the order of arrival.
+
+use std::future::poll_fn;
+use std::pin::Pin;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::task::{Context, Poll};
+use std::time::{Duration, SystemTime};
+
+use client::{Error, Session};
+use futures::channel::mpsc;
+use futures::future::BoxFuture;
+use futures::stream::{FuturesUnordered, StreamExt};
+use profinet::Instant;
+
+use super::cyclic::observe;
+use super::error::RecordingError;
+use super::poll::poll;
+use super::producer::{Common, Item, Producer};
+use super::source::{Origin, Source, together};
+use super::table::{Row, Table};
+use super::trigger::{Armed, MOST_BEFORE, Reported, Trigger};
+use super::{Every, Request};
+use crate::clock::WallClock;
+
+/// Rows that wait to be taken; drives are not read while there is no room.
+const ROOM: usize = 4096;
+
+/// How often the end is looked for.
+const BEAT: Duration = Duration::from_millis(50);
+
+/// A recording under way. It ends by its time, by [`stop`](Self::stop) or when the caller of the session requests a stop.
+///
+/// Dropping it closes its cyclic connections, as the drop of an [`Axis`](client::Axis) does.
+pub struct Recording {
+    table: Table,
+    start: Instant,
+    session: Session,
+    stop: Arc<AtomicBool>,
+    rows: mpsc::Receiver<Item>,
+    producers: FuturesUnordered<BoxFuture<'static, (usize, Result<(), Error>)>>,
+    /// Rows whose turn has come.
+    ready: std::collections::VecDeque<Row>,
+    armed: Option<(Armed, Trigger)>,
+    triggered: Option<Triggered>,
+    /// How long to record from the start or the trigger, and when that is over.
+    time: Option<Duration>,
+    end: Option<Duration>,
+    /// Lets the time go on while the drives wait; `None` once the network failed.
+    beat: Option<BoxFuture<'static, Result<(), Error>>>,
+    counts: Vec<DriveCounts>,
+}
+
+impl std::fmt::Debug for Recording {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Recording")
+            .field("table", &self.table)
+            .field("counts", &self.counts)
+            .finish_non_exhaustive()
+    }
+}
+
+/// What happens while something is recorded.
+#[derive(Debug)]
+#[non_exhaustive]
+pub enum News {
+    /// Values arrived, or are missing.
+    Row(Row),
+    /// A drive does not answer since a time from the start. It is tried again.
+    Silent {
+        /// Its index.
+        drive: usize,
+        /// Since when.
+        since: Duration,
+    },
+    /// A drive answers again.
+    Answers {
+        /// Its index.
+        drive: usize,
+        /// How long it did not answer.
+        outage: Duration,
+    },
+    /// What was waited for happened: the rows that follow begin before it.
+    Triggered(Triggered),
+    /// A drive is no longer recorded, the others are.
+    Ended {
+        /// Its index.
+        drive: usize,
+        /// Why.
+        error: Error,
+    },
+}
+
+/// The event at which a recording began.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Triggered {
+    /// What happened.
+    pub trigger: Trigger,
+    /// Index of the drive on which it happened.
+    pub drive: usize,
+    /// When the row of the event arrived, from the start.
+    pub time: Duration,
+    /// The time of day; `None` in virtual time.
+    pub wall: Option<SystemTime>,
+}
+
+/// What was recorded of a drive.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct DriveCounts {
+    /// Rows with values.
+    pub rows: u64,
+    /// Rows that are gaps.
+    pub gaps: u64,
+    /// Readings or cycles that are missing, in gaps or beside them, since the start.
+    pub missed: u64,
+    /// How often the drive did not answer or was lost.
+    pub outages: u64,
+    /// How long it was away, as far as it came back.
+    pub outage_time: Duration,
+}
+
+impl Recording {
+    /// Begins to record. `clock` is that of the network ([`Network::wall_clock`](crate::Network::wall_clock)).
+    ///
+    /// # Errors
+    /// When the request is not valid, or the drives do not fit together: one name has two units.
+    pub fn begin(
+        session: &Session,
+        clock: WallClock,
+        sources: Vec<Source>,
+        request: &Request,
+    ) -> Result<Self, RecordingError> {
+        request.check()?;
+        let columns = sources
+            .iter()
+            .map(|source| (source.name.as_str(), &source.columns[..]));
+        let table = together(columns)?;
+        let armed = match &request.trigger {
+            Some(trigger) => {
+                check_before(request, &sources)?;
+                Some((Armed::new(trigger, request.pre, &table)?, trigger.clone()))
+            }
+            None => None,
+        };
+        let (sender, rows) = mpsc::channel(ROOM);
+        let start = session.now();
+        let stop = Arc::new(AtomicBool::new(false));
+        let words = matches!(request.trigger, Some(Trigger::Fault | Trigger::Warning));
+        let producers = FuturesUnordered::new();
+        for (drive, source) in sources.into_iter().enumerate() {
+            let common = Common {
+                start,
+                clock,
+                stop: Arc::clone(&stop),
+                rows: sender.clone(),
+            };
+            let producer = Producer::new(session.clone(), drive, common, &table, &source.columns);
+            producers.push(produce(drive, producer, source, request, words, &table));
+        }
+        let counts = vec![DriveCounts::default(); table.drives.len()];
+        let mut recording = Self {
+            table,
+            start,
+            session: session.clone(),
+            stop,
+            rows,
+            producers,
+            ready: std::collections::VecDeque::new(),
+            armed,
+            triggered: None,
+            time: request.time,
+            end: None,
+            beat: None,
+            counts,
+        };
+        if recording.armed.is_none() {
+            recording.limit(Duration::ZERO);
+        }
+        recording.beat = Some(recording.next_beat());
+        Ok(recording)
+    }
+
+    /// Returns the drives and columns.
+    #[must_use]
+    pub const fn table(&self) -> &Table {
+        &self.table
+    }
+
+    /// Returns what was recorded of each drive so far.
+    #[must_use]
+    pub fn counts(&self) -> &[DriveCounts] {
+        &self.counts
+    }
+
+    /// Returns the event at which it began; `None` without one, and before it.
+    #[must_use]
+    pub const fn triggered(&self) -> Option<&Triggered> {
+        self.triggered.as_ref()
+    }
+
+    /// Returns the time since the start.
+    #[must_use]
+    pub fn elapsed(&self) -> Duration {
+        self.session.now().saturating_since(self.start)
+    }
+
+    /// Ends it. What came before is still returned by [`next`](Self::next), which then closes the connections.
+    pub fn stop(&self) {
+        self.stop.store(true, Ordering::Release);
+    }
+
+    /// Waits for the next row or event; `None` once it ended and every connection is closed.
+    ///
+    /// # Errors
+    /// When the network fails.
+    pub async fn next(&mut self) -> Result<Option<News>, Error> {
+        loop {
+            if let Some(row) = self.ready.pop_front() {
+                if let Some(news) = self.counted(row) {
+                    return Ok(Some(news));
+                }
+                continue;
+            }
+            let Some(step) = poll_fn(|context| self.poll(context)).await else {
+                return Ok(None);
+            };
+            let news = match step {
+                Step::Item(item) => self.take(item),
+                Step::Ended(_, error) if is_of_network(&error) => {
+                    self.stop();
+                    return Err(error);
+                }
+                Step::Ended(drive, error) => Some(News::Ended { drive, error }),
+            };
+            if news.is_some() {
+                return Ok(news);
+            }
+        }
+    }
+
+    /// Lets every drive go on, then takes what came.
+    fn poll(&mut self, context: &mut Context<'_>) -> Poll<Option<Step>> {
+        while let Some(beat) = &mut self.beat {
+            let Poll::Ready(passed) = beat.as_mut().poll(context) else {
+                break;
+            };
+            if self.end.is_some_and(|end| self.elapsed() >= end) {
+                self.stop();
+            }
+            self.beat = passed.is_ok().then(|| self.next_beat());
+        }
+        loop {
+            if let Poll::Ready(Some(item)) = self.rows.poll_next_unpin(context) {
+                return Poll::Ready(Some(Step::Item(item)));
+            }
+            match self.producers.poll_next_unpin(context) {
+                Poll::Ready(Some((_, Ok(())))) => {}
+                Poll::Ready(Some((drive, Err(error)))) => return Poll::Ready(Some(Step::Ended(drive, error))),
+                Poll::Ready(None) => {
+                    // nobody sends any more
+                    let rest = Pin::new(&mut self.rows).poll_next_unpin(context);
+                    return rest.map(|item| item.map(Step::Item));
+                }
+                // what they sent just now is taken before anybody waits
+                Poll::Pending => {
+                    let rest = self.rows.poll_next_unpin(context);
+                    let Poll::Ready(Some(item)) = rest else {
+                        return Poll::Pending;
+                    };
+                    return Poll::Ready(Some(Step::Item(item)));
+                }
+            }
+        }
+    }
+
+    fn take(&mut self, item: Item) -> Option<News> {
+        match item {
+            Item::Row(reported) => self.take_row(reported),
+            Item::Missed { drive, count } => {
+                let counts = self.counts.get_mut(drive)?;
+                counts.missed = counts.missed.saturating_add(count);
+                None
+            }
+            Item::Silent { drive, since } => {
+                self.counts.get_mut(drive)?.outages += 1;
+                Some(News::Silent { drive, since })
+            }
+            Item::Answers { drive, outage } => {
+                self.counts.get_mut(drive)?.outage_time += outage;
+                Some(News::Answers { drive, outage })
+            }
+        }
+    }
+
+    fn take_row(&mut self, reported: Reported) -> Option<News> {
+        let Some((armed, trigger)) = &mut self.armed else {
+            return self.counted(reported.row);
+        };
+        let (drive, time, wall) = (reported.row.drive, reported.row.time, reported.row.wall);
+        let rows = armed.look(reported)?;
+        let triggered = Triggered {
+            trigger: trigger.clone(),
+            drive,
+            time,
+            wall,
+        };
+        self.armed = None;
+        self.ready = rows.into();
+        self.triggered = Some(triggered.clone());
+        self.limit(time);
+        Some(News::Triggered(triggered))
+    }
+
+    /// Begins to count the time that is to be recorded.
+    fn limit(&mut self, from: Duration) {
+        let Some(time) = self.time else { return };
+        let end = from.saturating_add(time);
+        self.end = Some(end);
+    }
+
+    /// Waits for the end, or a while. Of a network whose time goes on only while calls wait, the wait of one drive alone is not
+    /// enough: the futures of drives that were not woken are not polled.
+    fn next_beat(&self) -> BoxFuture<'static, Result<(), Error>> {
+        let left = self.end.map(|end| end.saturating_sub(self.elapsed()));
+        let time = left.filter(|left| !left.is_zero()).map_or(BEAT, |left| left.min(BEAT));
+        let mut session = self.session.clone();
+        Box::pin(async move { session.uninterrupted(async |session: &mut Session| session.pass(time).await).await })
+    }
+
+    /// Counts a row, unless its time is over.
+    fn counted(&mut self, row: Row) -> Option<News> {
+        if self.end.is_some_and(|end| row.time >= end) {
+            return None;
+        }
+        let counts = self.counts.get_mut(row.drive)?;
+        *(if row.gap { &mut counts.gaps } else { &mut counts.rows }) += 1;
+        Some(News::Row(row))
+    }
+}
+
+enum Step {
+    Item(Item),
+    Ended(usize, Error),
+}
+
+/// What carries the frames failed, for all drives.
+const fn is_of_network(error: &Error) -> bool {
+    matches!(error, Error::Medium(_) | Error::Closed | Error::DriverFailed)
+}
+
+/// The work on one drive.
+fn produce(
+    drive: usize,
+    producer: Producer,
+    source: Source,
+    request: &Request,
+    words: bool,
+    table: &Table,
+) -> BoxFuture<'static, (usize, Result<(), Error>)> {
+    let (names, table, every) = (request.signals.clone(), table.clone(), request.every);
+    Box::pin(async move {
+        let result = match (source.origin, every) {
+            (Origin::Parameters(selections), Every::Interval(interval)) => {
+                poll(producer, source.drive, selections, interval, words).await
+            }
+            (Origin::Parameters(selections), Every::Cycle { .. }) => {
+                poll(producer, source.drive, selections, crate::monitor::SHORTEST_INTERVAL, words).await
+            }
+            (Origin::Cyclic(observed), _) => observe(producer, *observed, names, table).await,
+        };
+        (drive, result)
+    })
+}
+
+/// Checks that the time before the trigger fits into memory.
+fn check_before(request: &Request, sources: &[Source]) -> Result<(), RecordingError> {
+    let rows = |source: &Source| {
+        let interval = match (request.every, source.cyclic()) {
+            (_, Some((cycle, _))) => cycle,
+            (Every::Interval(interval), None) => interval,
+            (Every::Cycle { .. }, None) => crate::monitor::SHORTEST_INTERVAL,
+        };
+        request.pre.as_nanos() / interval.as_nanos().max(1)
+    };
+    let rows = sources.iter().map(rows).sum();
+    if rows > MOST_BEFORE as u128 {
+        return Err(RecordingError::Before { rows });
+    }
+    Ok(())
+}

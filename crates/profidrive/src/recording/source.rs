@@ -1,0 +1,281 @@
+//! The drives of a recording, each ready to be recorded: what its signals are.
+
+use std::time::Duration;
+
+use client::axis::{AxisSignal, Purpose, SignalScale};
+use client::{Axis, AxisSettings, Drive, Session};
+use profile::notation::ParameterReference;
+use profile::value::{Content, Reading, Selection};
+
+use super::error::RecordingError;
+use super::table::{Column, Kind, Table, Value};
+use super::{Every, Request};
+use crate::fleet::{self, Member, Selected};
+use crate::monitor::{SHORTEST_INTERVAL, TooFast};
+
+/// Means every signal of the telegram.
+pub(super) const ALL: &str = "all";
+
+/// A drive that is ready to be recorded. Nothing of it is recorded yet.
+#[derive(Debug)]
+pub struct Source {
+    pub(super) name: String,
+    pub(super) drive: Drive,
+    pub(super) columns: Vec<Column>,
+    pub(super) origin: Origin,
+}
+
+/// Where the values of a drive come from.
+#[derive(Debug)]
+pub(super) enum Origin {
+    /// Parameters that are read.
+    Parameters(Vec<Selection>),
+    /// The cyclic data of a connection that commands nothing.
+    Cyclic(Box<Observed>),
+}
+
+/// A cyclic connection that commands nothing.
+#[derive(Debug)]
+pub(super) struct Observed {
+    pub axis: Axis,
+    /// The signals in the order of the columns.
+    pub signals: Vec<AxisSignal>,
+    pub settings: AxisSettings,
+}
+
+impl Source {
+    /// Returns the update time and the telegram of a cyclic connection; `None` where parameters are read.
+    #[must_use]
+    pub fn cyclic(&self) -> Option<(Duration, u16)> {
+        match &self.origin {
+            Origin::Parameters(_) => None,
+            Origin::Cyclic(observed) => Some((observed.axis.cycle(), observed.axis.telegram())),
+        }
+    }
+}
+
+/// Gets drives ready to be recorded, side by side. Parameters are read once. A cyclic connection is opened to drives without
+/// a controller whose power stage is off; it commands nothing, and is closed when the source is dropped.
+pub async fn prepare(
+    session: &Session,
+    members: Vec<Selected>,
+    request: &Request,
+) -> Vec<Member<Result<Source, RecordingError>>> {
+    fleet::each(session, members, async |session, drive| {
+        let (columns, origin) = match &request.every {
+            Every::Interval(_) => parameters(session, drive, &request.signals).await?,
+            Every::Cycle { cycle, watchdog } => {
+                let settings = AxisSettings {
+                    cycle: *cycle,
+                    watchdog: *watchdog,
+                    ..AxisSettings::for_purpose(Purpose::Observe)
+                };
+                observed(session, drive, settings, &request.signals).await?
+            }
+        };
+        Ok(Source {
+            name: drive.label(),
+            drive: drive.clone(),
+            columns,
+            origin,
+        })
+    })
+    .await
+}
+
+/// Checks what is wrong whatever the drives are like.
+pub(super) fn check(request: &Request) -> Result<(), RecordingError> {
+    if request.signals.is_empty() {
+        return Err(RecordingError::NoSignal);
+    }
+    for (at, name) in request.signals.iter().enumerate() {
+        let same = |other: &String| other.eq_ignore_ascii_case(name);
+        if request.signals.iter().take(at).any(same) {
+            return Err(RecordingError::Twice { name: name.clone() });
+        }
+    }
+    match request.every {
+        Every::Interval(interval) if interval < SHORTEST_INTERVAL => Err(TooFast.into()),
+        _ => Ok(()),
+    }
+}
+
+async fn parameters(
+    session: &mut Session,
+    drive: &mut Drive,
+    names: &[String],
+) -> Result<(Vec<Column>, Origin), RecordingError> {
+    let label = drive.label();
+    let mut selections = Vec::new();
+    for name in names {
+        let problem = |problem| RecordingError::Parameter {
+            drive: label.clone(),
+            problem,
+        };
+        let reference: ParameterReference = name.parse().map_err(|error| problem(error_of(error)))?;
+        selections.push(drive.parameters.select(&reference).map_err(problem)?);
+    }
+    let readings = session.read(drive, &selections).await?;
+    let mut readings = readings.into_iter();
+    let mut columns = Vec::new();
+    for (name, selection) in names.iter().zip(&selections) {
+        for offset in 0..selection.count {
+            let reading = readings.next();
+            let element = if selection.count > 1 {
+                format!("{name}[{offset}]")
+            } else {
+                name.clone()
+            };
+            let reading = match reading {
+                Some(Ok(reading)) => reading,
+                Some(Err(refusal)) => {
+                    return Err(client::Error::Refused { drive: label, refusal }.into());
+                }
+                None => return Err(RecordingError::NotANumber { drive: label, name: element }),
+            };
+            let Some(kind) = kind_of(&reading) else {
+                return Err(RecordingError::NotANumber { drive: label, name: element });
+            };
+            columns.push(Column {
+                name: element,
+                kind,
+                unit: reading.unit.to_owned(),
+                parameter: selection.label(),
+                scaling: if kind == Kind::Number {
+                    format!("{} decimals", reading.decimals)
+                } else {
+                    String::new()
+                },
+            });
+        }
+    }
+    Ok((columns, Origin::Parameters(selections)))
+}
+
+fn error_of(error: profile::notation::ReferenceError) -> profile::value::ParameterProblem {
+    error.into()
+}
+
+/// Returns what the values of a parameter are; `None` for text and octets.
+fn kind_of(reading: &Reading) -> Option<Kind> {
+    match &reading.content {
+        Content::Number { .. } if reading.word.is_some() && reading.octets.len() == 2 => Some(Kind::Word),
+        Content::Number { .. } if reading.unit.is_empty() && reading.decimals == 0 => Some(Kind::Integer),
+        Content::Number { .. } | Content::Float(_) => Some(Kind::Number),
+        Content::Text(_) | Content::Octets => None,
+    }
+}
+
+/// Returns the value of a reading in its column.
+pub(super) fn value_of(reading: &Reading, kind: Kind) -> Option<Value> {
+    match kind {
+        Kind::Number => reading.number().map(Value::Number),
+        _ => kind.of(Value::Integer(reading.raw()?)),
+    }
+}
+
+async fn observed(
+    session: &mut Session,
+    drive: &mut Drive,
+    settings: AxisSettings,
+    names: &[String],
+) -> Result<(Vec<Column>, Origin), RecordingError> {
+    let axis = session.take_axis(drive, settings).await?;
+    match chosen(&axis, names) {
+        Ok(signals) => {
+            let columns = signals.iter().map(column_of).collect();
+            let observed = Observed {
+                axis,
+                signals,
+                settings,
+            };
+            Ok((columns, Origin::Cyclic(Box::new(observed))))
+        }
+        Err(error) => {
+            let _ = axis.release().await;
+            Err(error)
+        }
+    }
+}
+
+/// Returns the signals of an axis that names mean.
+pub(super) fn chosen(axis: &Axis, names: &[String]) -> Result<Vec<AxisSignal>, RecordingError> {
+    let there = axis.signals();
+    let mut signals: Vec<AxisSignal> = Vec::new();
+    for name in names {
+        let named = |signal: &&AxisSignal| signal.field.signal.name.eq_ignore_ascii_case(name);
+        let found: Vec<AxisSignal> = if name.eq_ignore_ascii_case(ALL) {
+            there.clone()
+        } else {
+            there.iter().filter(named).copied().collect()
+        };
+        if found.is_empty() {
+            return Err(RecordingError::NoSuchSignal {
+                drive: axis.drive().label(),
+                telegram: axis.telegram(),
+                name: name.clone(),
+                signals: there.iter().map(|signal| signal.field.signal.name.to_owned()).collect(),
+            });
+        }
+        for signal in found {
+            if !signals.contains(&signal) {
+                signals.push(signal);
+            }
+        }
+    }
+    Ok(signals)
+}
+
+/// Returns the column of a signal.
+pub(super) fn column_of(signal: &AxisSignal) -> Column {
+    let of = signal.field.signal;
+    let kind = match signal.scale {
+        SignalScale::Raw if of.bits == 16 && !of.signed => Kind::Word,
+        SignalScale::Raw => Kind::Integer,
+        SignalScale::Speed(_) | SignalScale::Turns(_) => Kind::Number,
+    };
+    let scaling = match signal.scale {
+        SignalScale::Raw => String::new(),
+        SignalScale::Speed(scale) => format!("{} {} is 0x4000", scale.speed(0x4000), scale.unit().symbol()),
+        SignalScale::Turns(counts) => format!("1 rev is {counts}"),
+    };
+    Column {
+        name: of.name.to_owned(),
+        kind,
+        unit: signal.unit().to_owned(),
+        parameter: format!("signal {}", of.number),
+        scaling,
+    }
+}
+
+/// Returns the columns that drives have together.
+pub(super) fn together<'s>(
+    sources: impl IntoIterator<Item = (&'s str, &'s [Column])>,
+) -> Result<Table, RecordingError> {
+    let mut table = Table {
+        drives: Vec::new(),
+        columns: Vec::new(),
+    };
+    let mut first: Vec<String> = Vec::new();
+    for (name, columns) in sources {
+        table.drives.push(name.to_owned());
+        for column in columns {
+            let same = table.columns.iter_mut().zip(&first);
+            match same.into_iter().find(|(other, _)| other.name == column.name) {
+                Some((other, _)) if other.unit == column.unit => other.kind = other.kind.with(column.kind),
+                Some((other, drive)) => {
+                    return Err(RecordingError::Units {
+                        name: column.name.clone(),
+                        units: (other.unit.clone(), column.unit.clone()),
+                        drives: (drive.clone(), name.to_owned()),
+                    });
+                }
+                None => {
+                    table.columns.push(column.clone());
+                    first.push(name.to_owned());
+                }
+            }
+        }
+    }
+    Ok(table)
+}
