@@ -8,6 +8,7 @@ mod explain;
 mod gsdml;
 mod motion;
 mod parameters;
+mod record;
 mod simulate;
 mod stations;
 
@@ -25,6 +26,7 @@ pub use explain::{Decode, Explain, Octets, Only, Sender};
 pub use gsdml::{Gsdml, GsdmlCheck, GsdmlCommand, GsdmlExport, GsdmlShow};
 pub use motion::{Ack, Cyclic, Enabling, Home, InMode, Jog, Move, Run, Stop, Task};
 pub use parameters::{Describe, List, Read, Write};
+pub use record::{Every, Record};
 pub use simulate::{DcpInOperation, Demo, Inject, Protocol, Simulate, simulated};
 pub use stations::{Blink, Ip, Name, Network, Reset, ResetMode, Scan};
 
@@ -302,6 +304,8 @@ pub enum Command {
     Ack(OnSelected<Ack>),
     /// Watch a drive beside its controller; reads only
     Monitor(OnSelected<Monitor>),
+    /// Record signals of drives: parameters at an interval, or every cyclic signal with each cycle
+    Record(OnSelected<Record>),
     /// Show the faults and warnings of a drive, what they mean and what to do
     Faults(OnSelected<Faults>),
     /// Save the settings of a drive as text, one parameter a line

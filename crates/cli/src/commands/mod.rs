@@ -19,6 +19,7 @@ mod manual;
 mod motion;
 mod r#move;
 mod parameters;
+mod record;
 mod restore;
 mod run;
 mod scan;
@@ -64,6 +65,7 @@ pub fn run(cli: &Cli, output: &Output) -> Result<(), Failure> {
         Command::Status(on) => status::run(&on.args, &selected(cli, on), output),
         Command::Ack(on) => motion::ack(&on.args, &selected(cli, on), output),
         Command::Monitor(on) => motion::monitor(&on.args, &selected(cli, on), output),
+        Command::Record(on) => record::run(&on.args, &selected(cli, on), output),
         Command::Faults(on) => faults::run(&on.args, &selected(cli, on), output),
         Command::Backup(on) => backup::run(&on.args, &selected(cli, on), output),
         Command::Diff(on) => diff::run(&on.args, &options(cli, &on.options), output),

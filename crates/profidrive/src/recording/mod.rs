@@ -36,8 +36,11 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod batch;
+mod csv;
 mod cyclic;
 mod error;
+mod file;
 mod poll;
 mod producer;
 mod run;
@@ -47,7 +50,10 @@ mod trigger;
 
 use std::time::Duration;
 
+pub use batch::{Batch, FORM, schema};
+pub use csv::CsvLines;
 pub use error::{RecordingError, WriteError};
+pub use file::{Form, RecordingFile, Rotation};
 pub use run::{DriveCounts, News, Recording, Triggered};
 pub use source::{Source, prepare};
 pub use table::{Column, Kind, Row, Sink, Table, Value};

@@ -17,6 +17,7 @@ mod change;
 mod drive;
 mod drives;
 mod gsdml;
+mod record;
 mod scan;
 #[cfg(feature = "schema")]
 pub mod schema;
@@ -39,6 +40,7 @@ pub use gsdml::{
     GsdmlAccessPoint, GsdmlCheckReport, GsdmlExportReport, GsdmlItem, GsdmlModule, GsdmlProblem,
     GsdmlShowReport, GsdmlSubmodule, GsdmlSystemSubmodule,
 };
+pub use record::{RecordReport, RecordTrigger, RecordedDrive, RecordedSignal};
 pub use scan::{Change, Duplicate, Remark, ScanReport, Scanned, Shared, StationChange};
 pub use shapes::{
     Action, Controller, DriveWords, Error, Fault, LossReaction, PlainWording, Quantity, Station, Warning,

@@ -10,7 +10,7 @@ use serde_json::{Map, Value, json};
 use super::{
     BackupReport, BlinkReport, DemoEvent, DescribeReport, DiffReport, Drives, Error, FaultsReport,
     GsdmlCheckReport, GsdmlExportReport, GsdmlShowReport, InfoReport, InjectReport, IpReport, ListReport,
-    MonitorReading, MonitorSilence, NameReport, ParametersReport, ResetReport, RestoreReport, ScanReport, SimulationReport,
+    MonitorReading, MonitorSilence, NameReport, ParametersReport, RecordReport, ResetReport, RestoreReport, ScanReport, SimulationReport,
     StationChange, StatusReport, WriteReport,
 };
 use crate::motion::{self, JogPlan, Message, MoveReport, RunPlan, StopReport};
@@ -48,6 +48,7 @@ const COMMANDS: &[(&str, Describe)] = &[
     ("status", each::<StatusReport, StatusReport>),
     ("faults", each::<FaultsReport, FaultsReport>),
     ("monitor", of::<Monitored>),
+    ("record", of::<RecordReport>),
     ("run", motion::<RunPlan>),
     ("jog", motion::<JogPlan>),
     ("move", motion::<MoveReport>),

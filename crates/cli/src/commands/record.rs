@@ -1,0 +1,267 @@
+//! `profidrive record`
+
+use std::path::Path;
+use std::time::Duration;
+
+use client::Wait;
+use profidrive::recording::{
+    CsvLines, Every, Form, News, Recording, RecordingError, RecordingFile, Request, Row, Sink, Source, Table,
+    WriteError, prepare,
+};
+use profidrive::report::RecordReport;
+
+use super::axis;
+use super::each::{self, Row as OfDrive};
+use crate::args::{self, Record, Target};
+use crate::connect::{self, Need};
+use crate::failure::Failure;
+use crate::output::Output;
+use crate::render::table::Table as TextTable;
+
+pub fn run(args: &Record, target: &Target, output: &Output) -> Result<(), Failure> {
+    let request = request(args)?;
+    let form = form(&args.output)?;
+    let need = match request.every {
+        Every::Interval(_) => Need::Records,
+        Every::Cycle { .. } => Need::Cyclic,
+    };
+    let (mut session, found) = connect::drives(target, need, output)?;
+    let names: Vec<&str> = found.members.iter().map(|member| member.name.as_str()).collect();
+    if need == Need::Cyclic {
+        output.say(&format!(
+            "opens the cyclic connection of {}; it commands nothing, and refuses a controller as long as it lasts",
+            each::listed(&names)
+        ));
+    }
+    let sources = ready(prepare(&session, found.members, &request).wait(), output)?;
+    let cyclic: Vec<Option<(Duration, u16)>> = sources.iter().map(Source::cyclic).collect();
+    let mut recording = Recording::begin(&session, session.wall_clock(), sources, &request)?;
+    let mut sink = match form {
+        Some(form) => Place::File(Box::new(RecordingFile::create(
+            recording.table(),
+            &args.output,
+            form,
+            args.rotate,
+        )?)),
+        None => Place::printed(recording.table(), output)?,
+    };
+    output.say(&beginning(&recording, args, &request));
+    let result = record(&mut recording, &mut sink, output).wait();
+    let closed = session.close().wait();
+    let report = RecordReport::of(&recording, &cyclic, sink.files());
+    output.json_report(&report);
+    if !output.json() && form.is_some() {
+        show(&report, output);
+    }
+    if report.trigger.is_none() && request.trigger.is_some() {
+        output.warn("the trigger did not come: nothing is recorded");
+    }
+    each::last(result?, output)?;
+    Ok(closed?)
+}
+
+fn request(args: &Record) -> Result<Request, Failure> {
+    let control = axis::control(&args.cyclic)?;
+    let every = match args.every {
+        args::Every::Interval(interval) => Every::Interval(interval),
+        args::Every::Cycle => Every::Cycle {
+            cycle: control.cycle,
+            watchdog: control.watchdog,
+        },
+    };
+    if matches!(every, Every::Interval(_)) && (control.cycle.is_some() || control.watchdog.is_some()) {
+        return Err(Failure::usage(
+            "--cycle and --watchdog are for `--every cycle`: parameters are read without a cyclic connection",
+        ));
+    }
+    let request = Request {
+        time: args.time,
+        trigger: args.trigger.clone(),
+        pre: args.pre.unwrap_or_default(),
+        ..Request::new(args.signals.iter().cloned(), every)
+    };
+    request.check()?;
+    Ok(request)
+}
+
+/// The form of the file; `None` for CSV that is printed.
+fn form(file: &Path) -> Result<Option<Form>, Failure> {
+    if file == Path::new("-") {
+        return Ok(None);
+    }
+    Form::of(file).map(Some).ok_or_else(|| {
+        let ends: Vec<String> = Form::ends().map(|end| format!(".{end}")).collect();
+        let message = format!("-o {}: the form of a recording follows from its end", file.display());
+        Failure::usage(message).hint(format!("there are {}; `-o -` prints CSV", ends.join(", ")))
+    })
+}
+
+/// Returns the drives when all are ready; nothing is recorded otherwise.
+fn ready(
+    members: Vec<profidrive::fleet::Member<Result<Source, RecordingError>>>,
+    output: &Output,
+) -> Result<Vec<Source>, Failure> {
+    let only = members.len() == 1;
+    let rows = members.into_iter();
+    let rows: Vec<OfDrive<Source>> = rows.map(|member| OfDrive::new(member, |_, _| Vec::new())).collect();
+    if only && let Some(problem) = rows.first().and_then(|row| row.problems.first()) {
+        return Err(problem.clone());
+    }
+    each::ended(&rows, None, output)?;
+    Ok(rows.into_iter().filter_map(|row| row.done).collect())
+}
+
+fn beginning(recording: &Recording, args: &Record, request: &Request) -> String {
+    let table = recording.table();
+    let names: Vec<&str> = table.drives.iter().map(String::as_str).collect();
+    let signals = match table.columns.len() {
+        1 => "1 signal".to_owned(),
+        count => format!("{count} signals"),
+    };
+    let wait = request
+        .trigger
+        .as_ref()
+        .map_or_else(String::new, |trigger| format!(" once there is: {trigger}"));
+    let to = if args.output == Path::new("-") {
+        String::new()
+    } else {
+        format!(" to {}", args.output.display())
+    };
+    let end = if request.time.is_none() { "; Ctrl-C ends" } else { "" };
+    format!("records {signals} of {}{to}{wait}{end}", each::listed(&names))
+}
+
+/// Records until the end. Returns what went wrong with single drives.
+async fn record(
+    recording: &mut Recording,
+    sink: &mut Place<'_>,
+    output: &Output,
+) -> Result<Vec<Failure>, Failure> {
+    let mut problems = Vec::new();
+    let mut broken: Option<WriteError> = None;
+    let named = |recording: &Recording, drive: usize| {
+        let names = &recording.table().drives;
+        names.get(drive).cloned().unwrap_or_default()
+    };
+    while let Some(news) = recording.next().await? {
+        match news {
+            News::Row(row) if broken.is_none() => {
+                if let Err(error) = sink.write(&row) {
+                    // the connections are closed in order all the same
+                    recording.stop();
+                    broken = Some(error);
+                }
+            }
+            News::Silent { drive, .. } => {
+                output.warn(&format!(
+                    "{} does not answer; it is tried again",
+                    named(recording, drive)
+                ));
+            }
+            News::Answers { drive, outage } => output.say(&format!(
+                "{} answers again after {:.1} s",
+                named(recording, drive),
+                outage.as_secs_f64()
+            )),
+            News::Triggered(triggered) => output.say(&format!(
+                "{} of {} at {:.3} s",
+                triggered.trigger,
+                named(recording, triggered.drive),
+                triggered.time.as_secs_f64()
+            )),
+            News::Ended { error, .. } => problems.push(error.into()),
+            _ => {}
+        }
+    }
+    if let Some(error) = broken {
+        return Err(error.into());
+    }
+    sink.finish()?;
+    Ok(problems)
+}
+
+/// Where rows go.
+enum Place<'o> {
+    File(Box<RecordingFile>),
+    Printed(CsvLines, &'o Output),
+}
+
+impl<'o> Place<'o> {
+    fn printed(table: &Table, output: &'o Output) -> Result<Self, Failure> {
+        let lines = CsvLines::new(table).map_err(internal)?;
+        let mut place = Self::Printed(lines, output);
+        place.print()?;
+        Ok(place)
+    }
+
+    fn files(&self) -> &[std::path::PathBuf] {
+        match self {
+            Self::File(file) => file.files(),
+            Self::Printed(..) => &[],
+        }
+    }
+
+    fn write(&mut self, row: &Row) -> Result<(), WriteError> {
+        match self {
+            Self::File(file) => file.write(row),
+            Self::Printed(lines, _) => {
+                // memory has room
+                let _ = lines.push(row);
+                let _ = self.print();
+                Ok(())
+            }
+        }
+    }
+
+    fn print(&mut self) -> Result<(), Failure> {
+        if let Self::Printed(lines, output) = self {
+            let text = lines.take().map_err(internal)?;
+            let text = String::from_utf8_lossy(&text);
+            text.lines().for_each(|line| output.line(line));
+        }
+        Ok(())
+    }
+
+    fn finish(&mut self) -> Result<(), WriteError> {
+        match self {
+            Self::File(file) => file.finish(),
+            Self::Printed(..) => Ok(()),
+        }
+    }
+}
+
+fn internal(error: std::io::Error) -> Failure {
+    Failure::new(client::ErrorKind::Internal, error.to_string())
+}
+
+impl From<RecordingError> for Failure {
+    fn from(error: RecordingError) -> Self {
+        let (kind, advice) = (error.kind(), error.advice());
+        match error {
+            RecordingError::Client(error) => error.into(),
+            RecordingError::Drive(error) => error.into(),
+            other => Self::new(kind, other.to_string()).hint(advice),
+        }
+    }
+}
+
+impl From<WriteError> for Failure {
+    fn from(error: WriteError) -> Self {
+        Self::new(error.kind(), error.to_string()).hint(error.advice())
+    }
+}
+
+fn show(report: &RecordReport, output: &Output) {
+    let mut table = TextTable::new(&["drive", "rows", "gaps", "missed", "outages"]);
+    for drive in &report.drives {
+        table.row([
+            drive.drive.clone(),
+            drive.rows.to_string(),
+            drive.gaps.to_string(),
+            drive.missed.to_string(),
+            drive.outages.to_string(),
+        ]);
+    }
+    output.table(&table);
+    output.say(&format!("{:.1} s recorded to {}", report.time, report.files.join(", ")));
+}

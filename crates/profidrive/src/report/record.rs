@@ -1,0 +1,130 @@
+//! What was recorded.
+
+use serde::Serialize;
+
+/// A recording that ended.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct RecordReport {
+    /// The complete files, in their order; empty where the rows went elsewhere.
+    pub files: Vec<String>,
+    /// The file with the plot.
+    pub plot: Option<String>,
+    /// Seconds from the start to the end.
+    pub time: f64,
+    /// Rows with values, of all drives.
+    pub rows: u64,
+    /// Rows that are gaps, of all drives.
+    pub gaps: u64,
+    /// The signals.
+    pub signals: Vec<RecordedSignal>,
+    /// The drives.
+    pub drives: Vec<RecordedDrive>,
+    /// The event at which the recording began; null without one, and where it did not happen.
+    pub trigger: Option<RecordTrigger>,
+}
+
+/// A signal of a recording.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct RecordedSignal {
+    /// As it was named.
+    pub name: String,
+    /// Unit of its values, empty for none.
+    pub unit: String,
+    /// The parameter or the signal of the telegram: `DRV.ACC (p2108)`, `signal 5`.
+    pub parameter: String,
+    /// How the values follow from what travels; empty for a number as it travels.
+    pub scaling: String,
+}
+
+/// What was recorded of a drive.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct RecordedDrive {
+    /// The drive.
+    pub drive: String,
+    /// Rows with values.
+    pub rows: u64,
+    /// Rows that are gaps.
+    pub gaps: u64,
+    /// Readings or cycles that are missing, in gaps or beside them.
+    pub missed: u64,
+    /// How often it did not answer or was lost.
+    pub outages: u64,
+    /// How long it was away, as far as it came back, in seconds.
+    pub outage_time: f64,
+    /// Update time of the cyclic connection in seconds; null where parameters were read.
+    pub cycle: Option<f64>,
+    /// Telegram of the cyclic connection.
+    pub telegram: Option<u16>,
+}
+
+/// The event at which a recording began.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct RecordTrigger {
+    /// What happened: `fault`, `NIST_A > 60rpm`.
+    pub condition: String,
+    /// The drive on which it happened.
+    pub drive: String,
+    /// Seconds from the start to its row.
+    pub time: f64,
+    /// The time of day of its row, in seconds since 1970-01-01 UTC; null in virtual time.
+    pub wall: Option<f64>,
+}
+
+#[cfg(feature = "recording")]
+mod of {
+    use std::path::{Path, PathBuf};
+    use std::time::Duration;
+
+    use super::{RecordReport, RecordTrigger, RecordedDrive, RecordedSignal};
+    use crate::recording::Recording;
+    use crate::report::drive::since_1970;
+
+    impl RecordReport {
+        /// Returns what was recorded so far. `cyclic` has the update time and telegram of each drive.
+        #[must_use]
+        pub fn of(recording: &Recording, cyclic: &[Option<(Duration, u16)>], files: &[PathBuf]) -> Self {
+            let table = recording.table();
+            let counts = recording.counts();
+            let name = |drive: usize| table.drives.get(drive).cloned().unwrap_or_default();
+            let drives = counts.iter().enumerate().map(|(at, counts)| {
+                let cyclic = cyclic.get(at).copied().flatten();
+                RecordedDrive {
+                    drive: name(at),
+                    rows: counts.rows,
+                    gaps: counts.gaps,
+                    missed: counts.missed,
+                    outages: counts.outages,
+                    outage_time: counts.outage_time.as_secs_f64(),
+                    cycle: cyclic.map(|(cycle, _)| cycle.as_secs_f64()),
+                    telegram: cyclic.map(|(_, telegram)| telegram),
+                }
+            });
+            let signals = table.columns.iter().map(|column| RecordedSignal {
+                name: column.name.clone(),
+                unit: column.unit.clone(),
+                parameter: column.parameter.clone(),
+                scaling: column.scaling.clone(),
+            });
+            let shown = |file: &PathBuf| Path::display(file).to_string();
+            Self {
+                files: files.iter().map(shown).collect(),
+                plot: None,
+                time: recording.elapsed().as_secs_f64(),
+                rows: counts.iter().map(|counts| counts.rows).sum(),
+                gaps: counts.iter().map(|counts| counts.gaps).sum(),
+                signals: signals.collect(),
+                drives: drives.collect(),
+                trigger: recording.triggered().map(|triggered| RecordTrigger {
+                    condition: triggered.trigger.to_string(),
+                    drive: name(triggered.drive),
+                    time: triggered.time.as_secs_f64(),
+                    wall: triggered.wall.and_then(since_1970),
+                }),
+            }
+        }
+    }
+}
