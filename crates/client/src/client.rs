@@ -16,7 +16,9 @@ use profile::parameter::DecodeError;
 use profile::pkw::JobError;
 use uss::{ReceiverStatistics, SlaveId};
 
-use crate::axis::{AxisControl, Command, Goal, Octets, Progress, Sample, SampleQueue, Seen, Traverse, Wiring};
+use crate::axis::{
+    AxisControl, Command, Goal, Octets, Progress, Sample, SampleQueue, Seen, Traverse, Wiring,
+};
 use crate::line::{Answered, Bridge, Line, LineConfig};
 use crate::mapper::{Mapper, Registered};
 

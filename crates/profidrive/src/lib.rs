@@ -87,10 +87,10 @@ pub mod settings;
 mod simulate;
 
 pub use carrier::{CarrierError, serial_settings};
-pub use clock::WallClock;
 /// The services of a drive, and the types of this library that come from there.
 pub use client;
 pub use client::Wait;
+pub use clock::WallClock;
 #[cfg(feature = "gsdml")]
 pub use description::{DescriptionError, describe};
 pub use drive::{DriveError, FindEvent, FindObserver};

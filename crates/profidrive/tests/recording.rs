@@ -13,7 +13,10 @@ const MS: Duration = Duration::from_millis(1);
 fn plant(drives: &[(&str, &str)]) -> String {
     let mut text = String::new();
     for (at, (name, more)) in drives.iter().enumerate() {
-        text += &format!("[[drive]]\nname = \"{name}\"\nip = \"10.0.0.{}/24\"\n{more}\n", at + 1);
+        text += &format!(
+            "[[drive]]\nname = \"{name}\"\nip = \"10.0.0.{}/24\"\n{more}\n",
+            at + 1
+        );
     }
     text
 }
@@ -70,7 +73,10 @@ fn parameters_of_many_drives_are_read_at_the_interval() {
     for drive in 0..2 {
         let own: Vec<&Row> = rows.iter().filter(|row| row.drive == drive).collect();
         assert_eq!(own.len(), 10, "{own:?}");
-        assert!(own.iter().all(|row| !row.gap && row.values[0] == Some(Value::Number(3000.0))));
+        assert!(
+            own.iter()
+                .all(|row| !row.gap && row.values[0] == Some(Value::Number(3000.0)))
+        );
         for (at, row) in own.iter().enumerate() {
             let due = at as u128 * 100;
             assert!((due..due + 50).contains(&millis(row)), "{row:?}");
@@ -90,9 +96,17 @@ fn an_outage_is_one_gap_and_is_counted() {
     let mut recording = begin(&network, members, &request).unwrap();
     let (rows, news) = all(&mut recording);
     let gaps: Vec<&Row> = rows.iter().filter(|row| row.gap).collect();
-    assert!(gaps.len() == 1 && gaps[0].drive == 0 && gaps[0].values[0].is_none(), "{gaps:?} {news:?}");
-    assert!(news.len() == 2 && news[0].starts_with("Silent") && news[1].starts_with("Answers"), "{news:?}");
-    let [first, second] = recording.counts() else { panic!() };
+    assert!(
+        gaps.len() == 1 && gaps[0].drive == 0 && gaps[0].values[0].is_none(),
+        "{gaps:?} {news:?}"
+    );
+    assert!(
+        news.len() == 2 && news[0].starts_with("Silent") && news[1].starts_with("Answers"),
+        "{news:?}"
+    );
+    let [first, second] = recording.counts() else {
+        panic!()
+    };
     assert_eq!((second.rows, second.gaps, second.missed), (80, 0, 0));
     // every reading that was due is a row or is counted as missing
     assert_eq!(first.rows + first.missed, 80, "{first:?}");
@@ -117,7 +131,9 @@ fn every_cycle_is_a_row_and_the_drive_is_not_commanded() {
             assert_eq!(cycle, 16, "{pair:?}");
         }
         for row in own {
-            let Some(Value::Word(word)) = row.values[0] else { panic!("{row:?}") };
+            let Some(Value::Word(word)) = row.values[0] else {
+                panic!("{row:?}")
+            };
             assert_eq!(word & 1 << 10, 0, "bit 10: {word:#06X}");
         }
     }
@@ -205,11 +221,31 @@ fn what_cannot_be_recorded_is_refused_before_anything_is() {
     for (signals, every, trigger, words) in [
         (&[][..], interval, None, "no signal to record"),
         (&["922", "922"], interval, None, "`922` is named twice"),
-        (&["922"], Every::Interval(MS), None, "at least 10 ms between two readings"),
+        (
+            &["922"],
+            Every::Interval(MS),
+            None,
+            "at least 10 ms between two readings",
+        ),
         (&["DRV.AC"], interval, None, "DRV.AC"),
-        (&["NIST_A"], Every::CYCLE, Some("ZSW1>1"), "the trigger compares `ZSW1`"),
-        (&["ZSW1", "FOO"], Every::CYCLE, None, "telegram 1 has no signal `FOO`; it has STW1, NSOLL_A, ZSW1, NIST_A"),
-        (&["NIST_A"], Every::CYCLE, Some("NIST_A>1A"), "the trigger on NIST_A"),
+        (
+            &["NIST_A"],
+            Every::CYCLE,
+            Some("ZSW1>1"),
+            "the trigger compares `ZSW1`",
+        ),
+        (
+            &["ZSW1", "FOO"],
+            Every::CYCLE,
+            None,
+            "telegram 1 has no signal `FOO`; it has STW1, NSOLL_A, ZSW1, NIST_A",
+        ),
+        (
+            &["NIST_A"],
+            Every::CYCLE,
+            Some("NIST_A>1A"),
+            "the trigger on NIST_A",
+        ),
     ] {
         let (_, kind, text) = refused(signals, every, trigger);
         assert_eq!(kind, ErrorKind::Usage, "{text}");

@@ -59,8 +59,15 @@ fn rotation(text: &str) -> Result<Rotation, String> {
         let Some(number) = text.strip_suffix(unit) else {
             continue;
         };
-        let number: f64 = number.trim().parse().map_err(|_| format!("`{text}` is not a size"))?;
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates, and is checked below")]
+        let number: f64 = number
+            .trim()
+            .parse()
+            .map_err(|_| format!("`{text}` is not a size"))?;
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "saturates, and is checked below"
+        )]
         let size = (number * octets) as u64;
         return if size < LEAST_OCTETS {
             Err("a file has 10 kB or more".to_owned())

@@ -170,8 +170,9 @@ impl Watching<'_> {
             let Some(seen) = seen else { return Ok(()) };
             if let Some(outage) = seen.outage() {
                 let seconds = outage.as_secs_f64();
-                self.output
-                    .warn(&format!("{label} answers again after {seconds:.1} s without an answer"));
+                self.output.warn(&format!(
+                    "{label} answers again after {seconds:.1} s without an answer"
+                ));
             }
             show(&seen, &label, &column, self.raw, self.output);
             for fault in &seen.faults {

@@ -21,6 +21,11 @@ use crate::render::table::Table as TextTable;
 pub fn run(args: &Record, target: &Target, output: &Output) -> Result<(), Failure> {
     let request = request(args)?;
     let form = form(&args.output)?;
+    if form.is_none() && output.json() {
+        return Err(Failure::usage(
+            "`-o -` prints CSV, --json a document: write the rows to a file",
+        ));
+    }
     let need = match request.every {
         Every::Interval(_) => Need::Records,
         Every::Cycle { .. } => Need::Cyclic,
@@ -91,7 +96,10 @@ fn form(file: &Path) -> Result<Option<Form>, Failure> {
     }
     Form::of(file).map(Some).ok_or_else(|| {
         let ends: Vec<String> = Form::ends().map(|end| format!(".{end}")).collect();
-        let message = format!("-o {}: the form of a recording follows from its end", file.display());
+        let message = format!(
+            "-o {}: the form of a recording follows from its end",
+            file.display()
+        );
         Failure::usage(message).hint(format!("there are {}; `-o -` prints CSV", ends.join(", ")))
     })
 }
@@ -103,7 +111,9 @@ fn ready(
 ) -> Result<Vec<Source>, Failure> {
     let only = members.len() == 1;
     let rows = members.into_iter();
-    let rows: Vec<OfDrive<Source>> = rows.map(|member| OfDrive::new(member, |_, _| Vec::new())).collect();
+    let rows: Vec<OfDrive<Source>> = rows
+        .map(|member| OfDrive::new(member, |_, _| Vec::new()))
+        .collect();
     if only && let Some(problem) = rows.first().and_then(|row| row.problems.first()) {
         return Err(problem.clone());
     }
@@ -127,7 +137,11 @@ fn beginning(recording: &Recording, args: &Record, request: &Request) -> String 
     } else {
         format!(" to {}", args.output.display())
     };
-    let end = if request.time.is_none() { "; Ctrl-C ends" } else { "" };
+    let end = if request.time.is_none() {
+        "; Ctrl-C ends"
+    } else {
+        ""
+    };
     format!("records {signals} of {}{to}{wait}{end}", each::listed(&names))
 }
 
@@ -263,5 +277,11 @@ fn show(report: &RecordReport, output: &Output) {
         ]);
     }
     output.table(&table);
-    output.say(&format!("{:.1} s recorded to {}", report.time, report.files.join(", ")));
+    if !report.files.is_empty() {
+        output.say(&format!(
+            "{:.1} s recorded to {}",
+            report.time,
+            report.files.join(", ")
+        ));
+    }
 }

@@ -107,7 +107,11 @@ impl AxisSignal {
     /// Returns the number of this signal in a sample; `None` where the data end before it.
     #[must_use]
     pub fn raw(&self, sample: &Sample) -> Option<i64> {
-        let data = if self.is_setpoint { &sample.outputs } else { &sample.inputs };
+        let data = if self.is_setpoint {
+            &sample.outputs
+        } else {
+            &sample.inputs
+        };
         self.field.get(data)
     }
 

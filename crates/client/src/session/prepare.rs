@@ -401,7 +401,9 @@ impl Session {
             (None, needed) => Ok(needed.unwrap_or_default()),
             (Some(Some(mode)), None) => Ok(mode),
             (Some(Some(mode)), Some(needed)) if mode == needed => Ok(mode),
-            (Some(None), None) if matches!(purpose, Purpose::Observe | Purpose::Control) => Ok(Mode::Velocity),
+            (Some(None), None) if matches!(purpose, Purpose::Observe | Purpose::Control) => {
+                Ok(Mode::Velocity)
+            }
             (Some(present), needed) => Err(Error::WrongMode {
                 drive: drive.label(),
                 needed: needed.unwrap_or_default(),

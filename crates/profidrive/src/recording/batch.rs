@@ -71,7 +71,11 @@ impl Builder {
 pub fn schema(table: &Table) -> SchemaRef {
     let mut fields = vec![
         Field::new("t", DataType::Duration(TimeUnit::Nanosecond), false),
-        Field::new("wall", DataType::Timestamp(TimeUnit::Nanosecond, Some("UTC".into())), true),
+        Field::new(
+            "wall",
+            DataType::Timestamp(TimeUnit::Nanosecond, Some("UTC".into())),
+            true,
+        ),
         Field::new_dictionary("drive", DataType::UInt16, DataType::Utf8, false),
         Field::new("gap", DataType::Boolean, false),
     ];

@@ -100,6 +100,10 @@ struct Part {
     written: Duration,
     waiting: usize,
     octets: u64,
+    /// The line of names was written.
+    named: bool,
+    /// Rows that a write which failed has left in the file.
+    kept: u64,
 }
 
 enum Content {
@@ -159,9 +163,17 @@ impl RecordingFile {
         };
         let failed = |error| WriteError::new("cannot create", &grows, error);
         if complete.exists() {
-            return Err(WriteError::new("cannot create", &complete, io::ErrorKind::AlreadyExists.into()));
+            return Err(WriteError::new(
+                "cannot create",
+                &complete,
+                io::ErrorKind::AlreadyExists.into(),
+            ));
         }
-        let out = OpenOptions::new().write(true).create_new(true).open(&grows).map_err(failed)?;
+        let out = OpenOptions::new()
+            .write(true)
+            .create_new(true)
+            .open(&grows)
+            .map_err(failed)?;
         let content = match self.form {
             Form::Csv => Content::Lines(CsvLines::new(&self.table).map_err(failed)?),
             _ => {
@@ -180,6 +192,8 @@ impl RecordingFile {
             written: at,
             waiting: 0,
             octets: 0,
+            named: false,
+            kept: 0,
         })
     }
 
@@ -194,6 +208,7 @@ impl RecordingFile {
             }
             Err(cause) => {
                 let file = part.grows.clone();
+                self.rows += part.kept;
                 Err(self.failed("cannot write", file, cause))
             }
         }
@@ -203,7 +218,9 @@ impl RecordingFile {
         let grown = self.part.take().map(|part| part.grows);
         WriteError {
             rows: self.rows,
-            readable: grown.filter(|_| self.rows > 0).or_else(|| self.complete.last().cloned()),
+            readable: grown
+                .filter(|_| self.rows > 0)
+                .or_else(|| self.complete.last().cloned()),
             ..WriteError::new(action, file, cause)
         }
     }
@@ -285,6 +302,7 @@ impl Part {
         self.waiting = 0;
         let Err(error) = self.out.write_all(&octets) else {
             self.octets += octets.len() as u64;
+            self.named = true;
             return Ok(());
         };
         // what is whole stays, a part of it would make all of it unreadable
@@ -294,7 +312,10 @@ impl Part {
             let written = usize::try_from(reached.saturating_sub(whole)).unwrap_or(0);
             let lines = octets.get(..written).unwrap_or_default();
             let end = lines.iter().rposition(|octet| *octet == b'\n');
-            whole += end.map_or(0, |end| end as u64 + 1);
+            let lines = lines.get(..end.map_or(0, |end| end + 1)).unwrap_or_default();
+            whole += lines.len() as u64;
+            let count = lines.iter().filter(|octet| **octet == b'\n').count() as u64;
+            self.kept = count.saturating_sub(u64::from(!self.named));
         }
         let _ = self.out.set_len(whole);
         let _ = self.out.seek(SeekFrom::Start(whole));

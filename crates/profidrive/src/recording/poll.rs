@@ -107,9 +107,19 @@ mod tests {
     fn readings_stay_on_their_grid() {
         let at = Instant::from_millis;
         let interval = Duration::from_millis(10);
-        for (end, due, missed) in [(100, 110, 0), (109, 110, 0), (115, 110, 0), (120, 120, 1), (139, 130, 2)] {
+        for (end, due, missed) in [
+            (100, 110, 0),
+            (109, 110, 0),
+            (115, 110, 0),
+            (120, 120, 1),
+            (139, 130, 2),
+        ] {
             let next = next(at(100), interval, at(end));
-            assert_eq!((next, skipped(at(100), interval, next)), (at(due), missed), "{end}");
+            assert_eq!(
+                (next, skipped(at(100), interval, next)),
+                (at(due), missed),
+                "{end}"
+            );
         }
     }
 }

@@ -132,7 +132,9 @@ impl Producer {
         value: impl Fn(&Place, Kind) -> Option<Value>,
     ) {
         let values = self.columns.iter();
-        let values = values.map(|(place, kind)| value(place.as_ref()?, *kind)).collect();
+        let values = values
+            .map(|(place, kind)| value(place.as_ref()?, *kind))
+            .collect();
         let row = self.stamped(at, false, values);
         self.send(Item::Row(Reported { row, fault, warning })).await;
     }

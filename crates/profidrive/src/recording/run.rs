@@ -255,7 +255,9 @@ impl Recording {
             }
             match self.producers.poll_next_unpin(context) {
                 Poll::Ready(Some((_, Ok(())))) => {}
-                Poll::Ready(Some((drive, Err(error)))) => return Poll::Ready(Some(Step::Ended(drive, error))),
+                Poll::Ready(Some((drive, Err(error)))) => {
+                    return Poll::Ready(Some(Step::Ended(drive, error)));
+                }
                 Poll::Ready(None) => {
                     // nobody sends any more
                     let rest = Pin::new(&mut self.rows).poll_next_unpin(context);
@@ -322,9 +324,15 @@ impl Recording {
     /// enough: the futures of drives that were not woken are not polled.
     fn next_beat(&self) -> BoxFuture<'static, Result<(), Error>> {
         let left = self.end.map(|end| end.saturating_sub(self.elapsed()));
-        let time = left.filter(|left| !left.is_zero()).map_or(BEAT, |left| left.min(BEAT));
+        let time = left
+            .filter(|left| !left.is_zero())
+            .map_or(BEAT, |left| left.min(BEAT));
         let mut session = self.session.clone();
-        Box::pin(async move { session.uninterrupted(async |session: &mut Session| session.pass(time).await).await })
+        Box::pin(async move {
+            session
+                .uninterrupted(async |session: &mut Session| session.pass(time).await)
+                .await
+        })
     }
 
     /// Counts a row, unless its time is over.
@@ -333,7 +341,11 @@ impl Recording {
             return None;
         }
         let counts = self.counts.get_mut(row.drive)?;
-        *(if row.gap { &mut counts.gaps } else { &mut counts.rows }) += 1;
+        *(if row.gap {
+            &mut counts.gaps
+        } else {
+            &mut counts.rows
+        }) += 1;
         Some(News::Row(row))
     }
 }
@@ -364,7 +376,14 @@ fn produce(
                 poll(producer, source.drive, selections, interval, words).await
             }
             (Origin::Parameters(selections), Every::Cycle { .. }) => {
-                poll(producer, source.drive, selections, crate::monitor::SHORTEST_INTERVAL, words).await
+                poll(
+                    producer,
+                    source.drive,
+                    selections,
+                    crate::monitor::SHORTEST_INTERVAL,
+                    words,
+                )
+                .await
             }
             (Origin::Cyclic(observed), _) => observe(producer, *observed, names, table).await,
         };

@@ -129,12 +129,24 @@ async fn parameters(
             let reading = match reading {
                 Some(Ok(reading)) => reading,
                 Some(Err(refusal)) => {
-                    return Err(client::Error::Refused { drive: label, refusal }.into());
+                    return Err(client::Error::Refused {
+                        drive: label,
+                        refusal,
+                    }
+                    .into());
                 }
-                None => return Err(RecordingError::NotANumber { drive: label, name: element }),
+                None => {
+                    return Err(RecordingError::NotANumber {
+                        drive: label,
+                        name: element,
+                    });
+                }
             };
             let Some(kind) = kind_of(&reading) else {
-                return Err(RecordingError::NotANumber { drive: label, name: element });
+                return Err(RecordingError::NotANumber {
+                    drive: label,
+                    name: element,
+                });
             };
             columns.push(Column {
                 name: element,
@@ -214,7 +226,10 @@ pub(super) fn chosen(axis: &Axis, names: &[String]) -> Result<Vec<AxisSignal>, R
                 drive: axis.drive().label(),
                 telegram: axis.telegram(),
                 name: name.clone(),
-                signals: there.iter().map(|signal| signal.field.signal.name.to_owned()).collect(),
+                signals: there
+                    .iter()
+                    .map(|signal| signal.field.signal.name.to_owned())
+                    .collect(),
             });
         }
         for signal in found {

@@ -32,8 +32,8 @@ pub use dissect::report::{DriveState, Parameter, ParameterContent, ParameterErro
 pub use backup::{BackupReport, DiffReport, Difference, MotionTask, NumberedTask, TaskDifference};
 pub use change::{MotionTaskChange, RestoreReport, SettingChange, SkippedSetting, WriteReport};
 pub use drive::{
-    FaultsReport, Identity, InfoReport, LogEntry, Module, MonitorReading, MonitorSilence, Neighbour, ParametersReport,
-    Submodule,
+    FaultsReport, Identity, InfoReport, LogEntry, Module, MonitorReading, MonitorSilence, Neighbour,
+    ParametersReport, Submodule,
 };
 pub use drives::{Drives, OfDrive};
 pub use gsdml::{

@@ -10,8 +10,8 @@ use serde_json::{Map, Value, json};
 use super::{
     BackupReport, BlinkReport, DemoEvent, DescribeReport, DiffReport, Drives, Error, FaultsReport,
     GsdmlCheckReport, GsdmlExportReport, GsdmlShowReport, InfoReport, InjectReport, IpReport, ListReport,
-    MonitorReading, MonitorSilence, NameReport, ParametersReport, RecordReport, ResetReport, RestoreReport, ScanReport, SimulationReport,
-    StationChange, StatusReport, WriteReport,
+    MonitorReading, MonitorSilence, NameReport, ParametersReport, RecordReport, ResetReport, RestoreReport,
+    ScanReport, SimulationReport, StationChange, StatusReport, WriteReport,
 };
 use crate::motion::{self, JogPlan, Message, MoveReport, RunPlan, StopReport};
 
