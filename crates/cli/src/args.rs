@@ -26,7 +26,7 @@ pub use explain::{Decode, Explain, Octets, Only, Sender};
 pub use gsdml::{Gsdml, GsdmlCheck, GsdmlCommand, GsdmlExport, GsdmlShow};
 pub use motion::{Ack, Cyclic, Enabling, Home, InMode, Jog, Move, Run, Stop, Task};
 pub use parameters::{Describe, List, Read, Write};
-pub use record::{Every, Record};
+pub use record::{Every, Record, Step};
 pub use simulate::{DcpInOperation, Demo, Inject, Protocol, Simulate, simulated};
 pub use stations::{Blink, Ip, Name, Network, Reset, ResetMode, Scan};
 
@@ -283,6 +283,9 @@ pub enum Command {
     /// Turn the motor at a speed for a time, then stop it (moves the axis)
     #[command(after_help = CYCLIC)]
     Run(OnDrive<Run>),
+    /// Step the speed of the motor, record each cycle and show rise time, overshoot and settling time (moves the axis)
+    #[command(after_help = CYCLIC)]
+    Step(OnDrive<Step>),
     /// Turn the motor at a jog speed for a time, then stop it (moves the axis)
     #[command(after_help = CYCLIC)]
     Jog(OnDrive<Jog>),

@@ -5,8 +5,9 @@ use std::time::Duration;
 
 use clap::Args;
 use profidrive::recording::{Rotation, Trigger};
+use profile::notation::Quantity;
 
-use super::{Cyclic, duration};
+use super::{Cyclic, InMode, duration};
 
 #[derive(Debug, Args)]
 pub struct Record {
@@ -32,8 +33,49 @@ pub struct Record {
     /// Begin the next file after this time (1h) or size (100MB): NAME-0001.csv, NAME-0002.csv, ..
     #[arg(long, value_name = "TIME|SIZE", value_parser = rotation)]
     pub rotate: Option<Rotation>,
+    /// Also draw the signals: .svg, or .html to look through
+    #[arg(long, value_name = "FILE")]
+    pub plot: Option<PathBuf>,
     #[command(flatten)]
     pub cyclic: Cyclic,
+}
+
+#[derive(Debug, Args)]
+pub struct Step {
+    /// Speed before the step and speed of the step: 0:300rpm, -60rpm:60rpm; a bare number has the unit of the other one, or rpm
+    #[arg(long, value_name = "FROM:TO", allow_hyphen_values = true, value_parser = speeds)]
+    pub velocity: (Quantity, Quantity),
+    /// How long the speed of the step is commanded, at most 60 s
+    #[arg(long = "for", value_name = "TIME", default_value = "1s", value_parser = duration)]
+    pub time: Duration,
+    /// The speed has settled once it stays this near to the new one: a share of the step
+    #[arg(long, value_name = "SHARE", default_value = "2%")]
+    pub band: Quantity,
+    /// File to write every sample to: .csv, .arrows, .arrow or .parquet
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+    /// Draw the step: .svg, or .html to look through
+    #[arg(long, value_name = "FILE")]
+    pub plot: Option<PathBuf>,
+    /// Compare with a step that was recorded before to a CSV file: figures, and drawn below this one
+    #[arg(long, value_name = "FILE")]
+    pub before: Option<PathBuf>,
+    /// Refuse any speed above this [default: 3000rpm, or 100% for speeds in percent]
+    #[arg(long, value_name = "SPEED")]
+    pub limit: Option<Quantity>,
+    #[command(flatten)]
+    pub control: InMode,
+}
+
+fn speeds(text: &str) -> Result<(Quantity, Quantity), String> {
+    let wrong = || format!("`{text}` is not FROM:TO, such as 0:300rpm");
+    let (from, to) = text.split_once(':').ok_or_else(wrong)?;
+    let parse = |text: &str| text.parse::<Quantity>().map_err(|error| error.to_string());
+    let (mut from, mut to) = (parse(from)?, parse(to)?);
+    let unit = to.unit.clone().or_else(|| from.unit.clone());
+    from.unit = from.unit.or_else(|| unit.clone());
+    to.unit = to.unit.or(unit);
+    Ok((from, to))
 }
 
 /// When there are values.

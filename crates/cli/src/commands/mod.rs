@@ -26,6 +26,7 @@ mod scan;
 mod schema;
 mod simulate;
 mod status;
+mod step;
 mod stop;
 mod task;
 
@@ -57,6 +58,7 @@ pub fn run(cli: &Cli, output: &Output) -> Result<(), Failure> {
         Command::List(on) => parameters::list(&on.args, &target(cli, on), output),
         Command::Describe(on) => parameters::describe(&on.args, &target(cli, on), output),
         Command::Run(on) => run::run(&on.args, &target(cli, on), output),
+        Command::Step(on) => step::run(&on.args, &target(cli, on), output),
         Command::Jog(on) => jog::run(&on.args, &target(cli, on), output),
         Command::Move(on) => r#move::run(&on.args, &target(cli, on), output),
         Command::Task(on) => task::run(&on.args, &target(cli, on), output),

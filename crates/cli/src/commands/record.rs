@@ -5,10 +5,10 @@ use std::time::Duration;
 
 use client::Wait;
 use profidrive::recording::{
-    CsvLines, Every, Form, News, Recording, RecordingError, RecordingFile, Request, Row, Sink, Source, Table,
-    WriteError, prepare,
+    CsvLines, Every, Form, Mark, News, PlotError, Recording, RecordingError, RecordingFile, Request, Row,
+    Scope, Sink, Source, Table, WriteError, html, prepare, svg,
 };
-use profidrive::report::RecordReport;
+use profidrive::report::{RecordReport, RecordTrigger};
 
 use super::axis;
 use super::each::{self, Row as OfDrive};
@@ -21,6 +21,7 @@ use crate::render::table::Table as TextTable;
 pub fn run(args: &Record, target: &Target, output: &Output) -> Result<(), Failure> {
     let request = request(args)?;
     let form = form(&args.output)?;
+    args.plot.as_deref().map(drawing).transpose()?;
     if form.is_none() && output.json() {
         return Err(Failure::usage(
             "`-o -` prints CSV, --json a document: write the rows to a file",
@@ -51,9 +52,19 @@ pub fn run(args: &Record, target: &Target, output: &Output) -> Result<(), Failur
         None => Place::printed(recording.table(), output)?,
     };
     output.say(&beginning(&recording, args, &request));
-    let result = record(&mut recording, &mut sink, output).wait();
+    let mut scope = args.plot.as_ref().map(|_| Scope::new(recording.table()));
+    let result = record(&mut recording, &mut sink, &mut scope, output).wait();
     let closed = session.close().wait();
-    let report = RecordReport::of(&recording, &cyclic, sink.files());
+    let mut report = RecordReport::of(&recording, &cyclic, sink.files());
+    let drawn = match args.plot.as_ref().zip(scope) {
+        Some((file, scope)) => {
+            let marks: Vec<Mark> = report.trigger.iter().map(mark).collect();
+            let drawn = draw(file, &target.drive, &scope, &marks);
+            report.plot = drawn.is_ok().then(|| file.display().to_string());
+            drawn
+        }
+        None => Ok(()),
+    };
     output.json_report(&report);
     if !output.json() && form.is_some() {
         show(&report, output);
@@ -62,6 +73,7 @@ pub fn run(args: &Record, target: &Target, output: &Output) -> Result<(), Failur
         output.warn("the trigger did not come: nothing is recorded");
     }
     each::last(result?, output)?;
+    drawn?;
     Ok(closed?)
 }
 
@@ -89,8 +101,42 @@ fn request(args: &Record) -> Result<Request, Failure> {
     Ok(request)
 }
 
+fn mark(trigger: &RecordTrigger) -> Mark {
+    Mark {
+        time: trigger.time,
+        text: format!("{} of {}", trigger.condition, trigger.drive),
+    }
+}
+
+/// How a plot is drawn.
+type Drawing = fn(&str, &Scope, &[Mark]) -> Result<String, PlotError>;
+
+/// Returns how a file with this name is drawn.
+pub fn drawing(file: &Path) -> Result<Drawing, Failure> {
+    match file.extension().and_then(std::ffi::OsStr::to_str) {
+        Some("svg") => Ok(svg),
+        Some("html") => Ok(html),
+        _ => Err(Failure::usage(format!(
+            "--plot {}: a plot is drawn as .svg or .html",
+            file.display()
+        ))),
+    }
+}
+
+/// Draws curves to a file.
+pub fn draw(file: &Path, title: &str, scope: &Scope, marks: &[Mark]) -> Result<(), Failure> {
+    let local = |error: &dyn std::fmt::Display| {
+        Failure::new(
+            client::ErrorKind::Local,
+            format!("cannot write {}: {error}", file.display()),
+        )
+    };
+    let plot = drawing(file)?(title, scope, marks).map_err(|error| local(&error))?;
+    std::fs::write(file, plot).map_err(|error| local(&error))
+}
+
 /// The form of the file; `None` for CSV that is printed.
-fn form(file: &Path) -> Result<Option<Form>, Failure> {
+pub fn form(file: &Path) -> Result<Option<Form>, Failure> {
     if file == Path::new("-") {
         return Ok(None);
     }
@@ -149,6 +195,7 @@ fn beginning(recording: &Recording, args: &Record, request: &Request) -> String 
 async fn record(
     recording: &mut Recording,
     sink: &mut Place<'_>,
+    scope: &mut Option<Scope>,
     output: &Output,
 ) -> Result<Vec<Failure>, Failure> {
     let mut problems = Vec::new();
@@ -160,6 +207,9 @@ async fn record(
     while let Some(news) = recording.next().await? {
         match news {
             News::Row(row) if broken.is_none() => {
+                if let Some(scope) = scope {
+                    scope.push(&row);
+                }
                 if let Err(error) = sink.write(&row) {
                     // the connections are closed in order all the same
                     recording.stop();

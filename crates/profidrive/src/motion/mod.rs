@@ -6,6 +6,7 @@
 //! | turn at a speed | [`run`] | [`plan_run`] |
 //! | jog at the speed that the drive has, or at one set for the time | [`jog`] | [`plan_jog`] |
 //! | jog at a speed of the telegram (real-time jogging) | [`jog_in_real_time`] | [`plan_jog_in_real_time`] |
+//! | step from one speed to another, with every sample and figures | [`step`](step()) | |
 //! | go to a position | [`move_to`] | [`plan_move`] |
 //! | carry out a motion task of the drive | [`task`] | |
 //! | set the home position | [`home`] | |
@@ -72,7 +73,9 @@ mod plan;
 mod position;
 mod remark;
 mod report;
+mod response;
 mod run;
+mod step;
 mod stop;
 
 use std::time::Duration;
@@ -91,7 +94,9 @@ pub use plan::{JogChange, JogPlan, MoveReport, RunPlan, Telegrams};
 pub use position::{Home, Move, Task, home, move_to, plan_move, task};
 pub use remark::Remark;
 pub use report::{Frames, MotionResult, PutBack, Report};
+pub use response::{Response, StepPoint, step_in};
 pub use run::{Run, TelegramName, plan_run, run};
+pub use step::{LONGEST_STEP, Step, Stepped, step};
 pub use stop::{StopReport, stop};
 
 /// What all motions have in common.

@@ -107,7 +107,7 @@ impl Run {
         Ok(within(self.speed, self.limit, self.unit)?)
     }
 
-    fn settings(&self, drive: &Drive) -> Result<AxisSettings, MotionError> {
+    pub(super) fn settings(&self, drive: &Drive) -> Result<AxisSettings, MotionError> {
         Ok(AxisSettings {
             telegram: self.telegram.map(|name| name.number(drive)).transpose()?,
             unit: self.unit,
@@ -167,7 +167,7 @@ pub async fn plan_run(
 }
 
 /// The objections of the drive to a run, before anything is sent.
-async fn permitted(
+pub(super) async fn permitted(
     session: &mut Session,
     drive: &mut Drive,
     wanted: &Run,

@@ -40,7 +40,11 @@ fn charts(scope: &Scope) -> Vec<(&str, Vec<&Curve>)> {
     let mut charts: Vec<(&str, Vec<&Curve>)> = Vec::new();
     let drawn = scope.curves.iter().filter(|curve| !curve.points.is_empty());
     for curve in drawn {
-        let unit = if curve.is_word { "bits" } else { curve.unit.as_str() };
+        let unit = if curve.is_word {
+            "bits"
+        } else {
+            curve.unit.as_str()
+        };
         match charts.iter_mut().find(|(other, _)| *other == unit) {
             Some((_, curves)) => curves.push(curve),
             None => charts.push((unit, vec![curve])),
@@ -54,7 +58,9 @@ fn charts(scope: &Scope) -> Vec<(&str, Vec<&Curve>)> {
 fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
     let (low, high) = values
         .filter(|value| value.is_finite())
-        .fold((f64::MAX, f64::MIN), |(low, high), value| (low.min(value), high.max(value)));
+        .fold((f64::MAX, f64::MIN), |(low, high), value| {
+            (low.min(value), high.max(value))
+        });
     if low > high {
         return (0.0, 1.0);
     }
@@ -74,9 +80,14 @@ pub fn svg(title: &str, scope: &Scope, marks: &[Mark]) -> Result<String, PlotErr
         let area = SVGBackend::with_string(&mut text, (WIDTH, HEIGHT * count + 30)).into_drawing_area();
         let failed = |error: &dyn std::fmt::Display| PlotError(error.to_string());
         area.fill(&WHITE).map_err(|error| failed(&error))?;
-        let area = area.titled(title, ("sans-serif", 18)).map_err(|error| failed(&error))?;
+        let area = area
+            .titled(title, ("sans-serif", 18))
+            .map_err(|error| failed(&error))?;
         let areas = area.split_evenly((charts.len().max(1), 1));
-        let times = charts.iter().flat_map(|(_, curves)| curves).flat_map(|curve| &curve.points);
+        let times = charts
+            .iter()
+            .flat_map(|(_, curves)| curves)
+            .flat_map(|curve| &curve.points);
         let (from, to) = range(times.map(|point| point.time));
         for ((unit, curves), area) in charts.iter().zip(&areas) {
             chart(area, unit, curves, marks, from..to).map_err(|error| failed(&error))?;
@@ -151,11 +162,17 @@ pub fn html(title: &str, scope: &Scope, marks: &[Mark]) -> Result<String, PlotEr
         .iter()
         .map(|mark| serde_json::json!({ "time": number(mark.time), "text": mark.text }))
         .collect();
-    let colours: Vec<String> = COLOURS.iter().map(|RGBColor(r, g, b)| format!("#{r:02X}{g:02X}{b:02X}")).collect();
+    let colours: Vec<String> = COLOURS
+        .iter()
+        .map(|RGBColor(r, g, b)| format!("#{r:02X}{g:02X}{b:02X}"))
+        .collect();
     let data = serde_json::json!({ "title": title, "curves": curves, "marks": marks, "colours": colours });
     let data = serde_json::to_string(&data).map_err(|error| PlotError(error.to_string()))?;
     // nothing in a name ends the script, and all texts are set as texts, not as markup
-    let data = data.replace('<', "\\u003c").replace('>', "\\u003e").replace('&', "\\u0026");
+    let data = data
+        .replace('<', "\\u003c")
+        .replace('>', "\\u003e")
+        .replace('&', "\\u0026");
     Ok(include_str!("page.html").replace("\"@DATA@\"", &data))
 }
 
@@ -176,7 +193,10 @@ mod tests {
         };
         let table = Table {
             drives: vec![name.into()],
-            columns: vec![column("speed", Kind::Number, "rpm"), column("ZSW1", Kind::Word, "")],
+            columns: vec![
+                column("speed", Kind::Number, "rpm"),
+                column("ZSW1", Kind::Word, ""),
+            ],
         };
         let mut scope = Scope::new(&table);
         for at in 0..100_u32 {

@@ -82,7 +82,10 @@ impl Scope {
 impl Curve {
     fn push(&mut self, time: f64, value: f64) {
         let joins = self.filled < self.share
-            && self.points.last().is_some_and(|last| !last.is_gap() && !value.is_nan());
+            && self
+                .points
+                .last()
+                .is_some_and(|last| !last.is_gap() && !value.is_nan());
         match self.points.last_mut().filter(|_| joins) {
             Some(last) => {
                 last.low = last.low.min(value);
@@ -108,7 +111,9 @@ impl Curve {
         let pairs = self.points.chunks(2);
         self.points = pairs
             .filter_map(|pair| match *pair {
-                [one, other] if one.is_gap() || other.is_gap() => Some(if one.is_gap() { one } else { other }),
+                [one, other] if one.is_gap() || other.is_gap() => {
+                    Some(if one.is_gap() { one } else { other })
+                }
                 [one, other] => Some(Point {
                     time: one.time,
                     low: one.low.min(other.low),
@@ -165,7 +170,12 @@ mod tests {
         let curve = curve((0..1_000_000).map(|at| if at == 777_777 { 99.0 } else { (at % 10) as f64 }));
         assert!(curve.points.len() < MOST_POINTS);
         assert!(curve.points.iter().any(|point| point.high == 99.0));
-        assert!(curve.points.iter().all(|point| point.low == 0.0 || point.high == 99.0));
+        assert!(
+            curve
+                .points
+                .iter()
+                .all(|point| point.low == 0.0 || point.high == 99.0)
+        );
     }
 
     #[test]

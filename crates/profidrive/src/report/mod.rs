@@ -40,7 +40,7 @@ pub use gsdml::{
     GsdmlAccessPoint, GsdmlCheckReport, GsdmlExportReport, GsdmlItem, GsdmlModule, GsdmlProblem,
     GsdmlShowReport, GsdmlSubmodule, GsdmlSystemSubmodule,
 };
-pub use record::{RecordReport, RecordTrigger, RecordedDrive, RecordedSignal};
+pub use record::{RecordReport, RecordTrigger, RecordedDrive, RecordedSignal, StepReport};
 pub use scan::{Change, Duplicate, Remark, ScanReport, Scanned, Shared, StationChange};
 pub use shapes::{
     Action, Controller, DriveWords, Error, Fault, LossReaction, PlainWording, Quantity, Station, Warning,

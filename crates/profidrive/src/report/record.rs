@@ -2,6 +2,9 @@
 
 use serde::Serialize;
 
+use super::Quantity;
+use crate::motion::Response;
+
 /// A recording that ended.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -22,6 +25,32 @@ pub struct RecordReport {
     pub drives: Vec<RecordedDrive>,
     /// The event at which the recording began; null without one, and where it did not happen.
     pub trigger: Option<RecordTrigger>,
+}
+
+/// A step of the speed of an axis that ended.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct StepReport {
+    /// The drive.
+    pub drive: String,
+    /// Speed before the step.
+    pub from: Quantity,
+    /// Speed that was commanded by the step.
+    pub to: Quantity,
+    /// Update time of the connection, s: the figures are no finer.
+    pub cycle: f64,
+    /// Samples of the step.
+    pub samples: usize,
+    /// Samples that were lost on the way.
+    pub dropped: u64,
+    /// The figures; null where the connection carries no speed or the step was not seen.
+    pub response: Option<Response>,
+    /// The figures of the step it is compared with.
+    pub before: Option<Response>,
+    /// The file with the samples.
+    pub file: Option<String>,
+    /// The file with the plot.
+    pub plot: Option<String>,
 }
 
 /// A signal of a recording.

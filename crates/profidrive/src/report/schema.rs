@@ -11,7 +11,7 @@ use super::{
     BackupReport, BlinkReport, DemoEvent, DescribeReport, DiffReport, Drives, Error, FaultsReport,
     GsdmlCheckReport, GsdmlExportReport, GsdmlShowReport, InfoReport, InjectReport, IpReport, ListReport,
     MonitorReading, MonitorSilence, NameReport, ParametersReport, RecordReport, ResetReport, RestoreReport,
-    ScanReport, SimulationReport, StationChange, StatusReport, WriteReport,
+    ScanReport, SimulationReport, StationChange, StatusReport, StepReport, WriteReport,
 };
 use crate::motion::{self, JogPlan, Message, MoveReport, RunPlan, StopReport};
 
@@ -50,6 +50,7 @@ const COMMANDS: &[(&str, Describe)] = &[
     ("monitor", of::<Monitored>),
     ("record", of::<RecordReport>),
     ("run", motion::<RunPlan>),
+    ("step", motion::<StepReport>),
     ("jog", motion::<JogPlan>),
     ("move", motion::<MoveReport>),
     ("task", of::<Message>),
