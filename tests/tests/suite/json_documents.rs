@@ -59,6 +59,7 @@ const OF_DRIVES: &[Call] = &[
     ("monitor PARAM 64999 --for 10ms", &[0]),
     ("run --velocity 60rpm --dry-run", &[0, 6]),
     ("run --velocity 20% --for 10ms --may-run-on", &[0, 1, 6]),
+    ("step --velocity 0:60rpm --for 100ms", &[0, 1, 6]),
     ("jog --velocity 30rpm --for 100ms --dry-run", &[0, 1, 6]),
     ("jog --velocity 30rpm --for 100ms", &[0, 1, 6]),
     (
@@ -104,6 +105,12 @@ const OTHERS: &[Call] = &[
     ("backup all -o FOLDER/all", &[0, 1]),
     ("backup all", &[2]),
     ("monitor all 922 --for 10ms", &[0]),
+    ("record akd-1,vlt-1 922 --for 50ms -o FOLDER/r.csv", &[0]),
+    (
+        "record akd-1 all --every cycle --for 200ms -o FOLDER/r.parquet",
+        &[0, 3, 6],
+    ),
+    ("record nobody 922 -o FOLDER/s.csv", &[4]),
     ("ack all", &[0]),
     ("stop all", &[0]),
     ("stop nobody,akd-1", &[4]),

@@ -39,6 +39,7 @@ mod plant_of_vendors;
 mod position_words;
 mod reach;
 mod readings;
+mod recording;
 mod reporting;
 mod scanning;
 mod selection;

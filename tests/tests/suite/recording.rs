@@ -1,0 +1,268 @@
+//! Recordings on a wire, counted against a capture; their files, read by another library; a full disk.
+
+use std::collections::HashMap;
+use std::path::Path;
+use std::time::Duration;
+
+use serde_json::Value;
+use system_tests::judge::fields;
+use system_tests::{Finished, Lab, Running, Side, built, client, peer, python, simulate, undisturbed};
+
+const SHORT: Duration = Duration::from_secs(20);
+const DRIVES: usize = 8;
+
+/// Starts drives with 16 cyclic signals each.
+fn drives(lab: &Lab) -> Running {
+    // ZSW1, NIST_A, XIST_A, XIST_ERROR, DRIVE_MOTION_STATUS, DRIVE_INPUTS, AKTSATZ, ZSW2
+    let words = [2, 6, 28, 28, 104, 104, 105, 105, 106, 33, 4, 0];
+    let words: Vec<String> = words
+        .iter()
+        .enumerate()
+        .map(|(at, word)| format!("\"916[{at}]\" = {word}"))
+        .collect();
+    let words = words.join(", ");
+    let mut plant = String::new();
+    for number in 1..=DRIVES {
+        plant += &format!(
+            "[[drive]]\nname = \"akd-{number}\"\nip = \"192.168.77.{}/24\"\nparameters = {{ 922 = 400, {words} }}\n",
+            50 + number
+        );
+    }
+    let file = lab.folder().join("plant.toml");
+    std::fs::write(&file, plant).unwrap();
+    let mut drives = lab.spawn(
+        Side::Device,
+        built("profidrive"),
+        ["simulate", file.to_str().unwrap(), "-i", "dev0"],
+    );
+    drives.wait_for("Ctrl-C ends", SHORT);
+    drives
+}
+
+fn record(lab: &Lab, arguments: &[&str]) -> Finished {
+    client(lab, &[&["record"], arguments].concat())
+}
+
+fn path(lab: &Lab, name: &str) -> String {
+    lab.folder().join(name).to_str().unwrap().to_owned()
+}
+
+/// Every frame between the first and the last row of a drive is a row.
+#[test]
+fn no_row_is_missing_that_was_on_the_wire() {
+    undisturbed(|| {
+        let lab = Lab::alone("record-wire");
+        let _drives = drives(&lab);
+        let file = path(&lab, "wire.csv");
+        let capture = lab.capture("wire");
+        let every = [
+            "--every",
+            "cycle",
+            "--for",
+            "3s",
+            "--watchdog",
+            "60",
+            "--json",
+            "-o",
+            &file,
+        ];
+        let done = record(&lab, &[&["akd-*", "all"], &every[..]].concat()).ok();
+        let capture = capture.stop();
+        let report: Value = serde_json::from_str(&done.out).unwrap();
+        assert_eq!(report["signals"].as_array().map(Vec::len), Some(16), "{report}");
+        let rows = rows_of(Path::new(&file));
+        assert_eq!(rows.len(), DRIVES);
+        let on_wire = frames_of(&capture);
+        for (drive, times) in &rows {
+            let (first, last) = (times[0], times[times.len() - 1]);
+            let frames = on_wire[drive]
+                .iter()
+                .filter(|time| **time > first && **time <= last)
+                .count();
+            if times.len() < 100 || frames > times.len() {
+                return Err(format!("{drive}: {} rows, {frames} frames", times.len()));
+            }
+        }
+        Ok(())
+    });
+}
+
+/// Times of day of the rows with values, for each drive, s.
+fn rows_of(file: &Path) -> HashMap<String, Vec<f64>> {
+    let mut rows: HashMap<String, Vec<f64>> = HashMap::new();
+    for line in std::fs::read_to_string(file).unwrap().lines().skip(1) {
+        let cells: Vec<&str> = line.split(',').collect();
+        if cells[3] == "false" {
+            rows.entry(cells[2].to_owned())
+                .or_default()
+                .push(time_of_day(cells[1]));
+        }
+    }
+    rows
+}
+
+/// Seconds since midnight of `2026-11-24T10:05:11.300811113Z`.
+fn time_of_day(text: &str) -> f64 {
+    let time = text.split('T').nth(1).unwrap().trim_end_matches('Z');
+    let parts: Vec<f64> = time.split(':').map(|part| part.parse().unwrap()).collect();
+    parts[0] * 3600.0 + parts[1] * 60.0 + parts[2]
+}
+
+/// Times of day of the cyclic frames of each drive.
+fn frames_of(capture: &Path) -> HashMap<String, Vec<f64>> {
+    let names: HashMap<String, String> = fields(
+        capture,
+        "pn_dcp.suboption_device_nameofstation && pn_dcp.service_type == 1",
+        &["eth.src", "pn_dcp.suboption_device_nameofstation"],
+    )
+    .into_iter()
+    .map(|row| (row[0].clone(), row[1].clone()))
+    .collect();
+    let mut frames: HashMap<String, Vec<f64>> = HashMap::new();
+    // cyclic real-time frames only
+    for row in fields(capture, "pn_rt.cycle_counter", &["eth.src", "frame.time_epoch"]) {
+        if let Some(name) = names.get(&row[0]) {
+            let time: f64 = row[1].parse().unwrap();
+            frames.entry(name.clone()).or_default().push(time % 86_400.0);
+        }
+    }
+    frames
+}
+
+#[test]
+fn another_library_reads_the_files() {
+    let lab = Lab::new("record-files");
+    let _drives = drives(&lab);
+    for end in ["parquet", "arrow", "arrows"] {
+        let file = path(&lab, &format!("table.{end}"));
+        let done = record(
+            &lab,
+            &[
+                "akd-1,akd-2",
+                "all",
+                "--every",
+                "cycle",
+                "--for",
+                "500ms",
+                "-o",
+                &file,
+                "--json",
+            ],
+        );
+        let report: Value = serde_json::from_str(&done.ok().out).unwrap();
+        let script = peer("read_table.py");
+        let read = lab
+            .run(
+                Side::Controller,
+                python(),
+                [script.as_os_str(), file.as_ref()],
+                SHORT,
+            )
+            .ok();
+        let read: Value = serde_json::from_str(&read.out).unwrap();
+        let rows = report["rows"].as_u64().unwrap() + report["gaps"].as_u64().unwrap();
+        assert!(
+            rows > 30 && read["rows"] == rows && read["gaps"] == report["gaps"],
+            "{read} {report}"
+        );
+        assert_eq!(read["drives"], serde_json::json!(["akd-1", "akd-2"]));
+        assert_eq!(read["schema"], "profidrive/1");
+        assert_eq!(
+            (&read["units"]["NIST_A"], &read["units"]["XIST_A"]),
+            (&"rpm".into(), &"rev".into())
+        );
+        let columns = read["columns"].as_array().unwrap();
+        assert_eq!(columns.len(), 4 + 16, "{read}");
+        let of = |name: &str| columns.iter().position(|column| column == name).unwrap();
+        assert_eq!(read["types"][of("ZSW1")], "uint16");
+        assert_eq!(read["types"][of("t")], "duration[ns]");
+        assert_eq!(read["types"][of("wall")], "timestamp[ns, tz=UTC]");
+    }
+}
+
+#[test]
+fn a_full_disk_ends_a_recording_and_loses_nothing_that_was_recorded() {
+    let lab = Lab::new("record-full");
+    let _drives = drives(&lab);
+    for (name, readable) in [("full.csv", "full.csv"), ("full.parquet", "full.parquet.part")] {
+        let script = format!(
+            "mkdir -p /run/full && mount -t tmpfs -o size=64k full /run/full && \
+             {} record 'akd-*' all --every cycle --for 60s -i {} -o /run/full/{name} --json -q; code=$?; \
+             cp /run/full/{readable} {}; exit $code",
+            built("profidrive").display(),
+            Side::Controller.interface(),
+            lab.folder().display(),
+        );
+        let done = lab.run(
+            Side::Controller,
+            "sh",
+            ["-c", script.as_str()],
+            Duration::from_secs(60),
+        );
+        assert_eq!(done.code, Some(1), "{done:?}");
+        let report: Value = serde_json::from_str(done.out.lines().next().unwrap()).unwrap();
+        let error = &report["error"];
+        assert_eq!(error["kind"], "local", "{report}");
+        let message = error["message"].as_str().unwrap();
+        assert!(
+            message.contains("No space left") && message.contains(readable),
+            "{message}"
+        );
+        let said: usize = message
+            .split_once("; the ")
+            .and_then(|(_, rest)| rest.split(' ').next()?.parse().ok())
+            .unwrap();
+        let copy = lab.folder().join(readable);
+        let there = if name.ends_with("csv") {
+            let text = std::fs::read_to_string(&copy).unwrap();
+            assert!(text.ends_with('\n'));
+            text.lines().count() - 1
+        } else {
+            let script = peer("read_table.py");
+            let read = lab.run(
+                Side::Controller,
+                python(),
+                [script.as_os_str(), copy.as_os_str()],
+                SHORT,
+            );
+            let read: Value = serde_json::from_str(&read.ok().out).unwrap();
+            usize::try_from(read["rows"].as_u64().unwrap()).unwrap()
+        };
+        assert!(there > 100 && there == said, "{there} of {said}: {message}");
+    }
+}
+
+#[test]
+fn a_step_is_measured_drawn_and_compared() {
+    let lab = Lab::new("record-step");
+    let _drive = simulate(&lab, &["--name", "akd-1", "--ip", "192.168.77.50/24"]);
+    let (file, plot) = (path(&lab, "step.csv"), path(&lab, "step.html"));
+    let step = |more: &[&str]| {
+        let line = [
+            "step",
+            "akd-1",
+            "--velocity",
+            "0:300rpm",
+            "--for",
+            "600ms",
+            "--json",
+        ];
+        let done = client(&lab, &[&line[..], more].concat()).ok();
+        let last = done.json_lines().pop().unwrap();
+        assert_eq!(last["command"], "step");
+        last
+    };
+    let fast = step(&["-o", &file]);
+    client(&lab, &["write", "akd-1", "DRV.ACC=1000rpm/s"]).ok();
+    let slow = step(&["--before", &file, "--plot", &plot]);
+    let rise = |of: &Value| of["rise_time"].as_f64().unwrap();
+    // 80 % of 300 rpm with 3000 and 1000 rpm/s
+    assert!((rise(&fast["response"]) - 0.08).abs() < 0.04, "{fast}");
+    assert!((rise(&slow["response"]) - 0.24).abs() < 0.06, "{slow}");
+    assert!(
+        (rise(&slow["before"]) - rise(&fast["response"])).abs() < 1e-3,
+        "{slow}"
+    );
+    let page = std::fs::read_to_string(&plot).unwrap();
+    assert!(page.contains("before: speed") && page.contains("akd-1 speed"));
+}
