@@ -61,16 +61,16 @@ fn batches(file: &Path, form: Form) -> Vec<RecordBatch> {
     let open = || File::open(file).expect("there");
     match form {
         Form::Parquet => ParquetRecordBatchReader::try_new(open(), 1024)
-            .unwrap()
-            .map(Result::unwrap)
+            .expect("readable")
+            .map(|batch| batch.expect("whole"))
             .collect(),
         Form::Arrow => FileReader::try_new(open(), None)
-            .unwrap()
-            .map(Result::unwrap)
+            .expect("readable")
+            .map(|batch| batch.expect("whole"))
             .collect(),
         _ => StreamReader::try_new(open(), None)
-            .unwrap()
-            .map(Result::unwrap)
+            .expect("readable")
+            .map(|batch| batch.expect("whole"))
             .collect(),
     }
 }

@@ -247,13 +247,13 @@ async fn record(
 /// Where rows go.
 enum Place<'o> {
     File(Box<RecordingFile>),
-    Printed(CsvLines, &'o Output),
+    Printed(Box<CsvLines>, &'o Output),
 }
 
 impl<'o> Place<'o> {
     fn printed(table: &Table, output: &'o Output) -> Result<Self, Failure> {
         let lines = CsvLines::new(table).map_err(internal)?;
-        let mut place = Self::Printed(lines, output);
+        let mut place = Self::Printed(Box::new(lines), output);
         place.print()?;
         Ok(place)
     }

@@ -154,33 +154,35 @@ fn show(report: &StepReport, unit: &str, output: &Output) {
         head.push("before");
     }
     let mut table = Table::new(&head);
-    let seconds =
-        |time: Option<f64>| time.map_or_else(|| "not reached".to_owned(), |time| format!("{time:.3} s"));
-    let rows: [(String, Box<dyn Fn(&Response) -> String>); 5] = [
-        (
-            "rise time, 10 % to 90 %".to_owned(),
-            Box::new(|one| seconds(one.rise_time)),
-        ),
-        (
-            "overshoot".to_owned(),
-            Box::new(|one| format!("{:.1} %", one.overshoot)),
-        ),
-        (
-            format!("settled within {} %", response.band),
-            Box::new(|one| seconds(one.settling_time)),
-        ),
-        (
-            "greatest following error".to_owned(),
-            Box::new(|one| format!("{:.1} {unit}", one.following_error)),
-        ),
-        (
-            "steady error".to_owned(),
-            Box::new(|one| format!("{:.2} {unit}", one.steady_error)),
-        ),
-    ];
-    for (name, value) in rows {
-        let columns = [Some(response), report.before.as_ref()];
-        table.row(std::iter::once(name).chain(columns.into_iter().flatten().map(value)));
+    for name in FIGURES {
+        let columns = [Some(response), report.before.as_ref()].into_iter().flatten();
+        let values = columns.map(|one| figure(name, one, unit));
+        let title = match name {
+            "settled" => format!("settled within {} %", response.band),
+            name => name.to_owned(),
+        };
+        table.row(std::iter::once(title).chain(values));
     }
     output.table(&table);
+}
+
+const FIGURES: [&str; 5] = [
+    "rise time, 10 % to 90 %",
+    "overshoot",
+    "settled",
+    "greatest following error",
+    "steady error",
+];
+
+/// Returns one of the [`FIGURES`] in words.
+fn figure(name: &str, of: &Response, unit: &str) -> String {
+    let seconds =
+        |time: Option<f64>| time.map_or_else(|| "not reached".to_owned(), |time| format!("{time:.3} s"));
+    match name {
+        "overshoot" => format!("{:.1} %", of.overshoot),
+        "settled" => seconds(of.settling_time),
+        "greatest following error" => format!("{:.1} {unit}", of.following_error),
+        "steady error" => format!("{:.2} {unit}", of.steady_error),
+        _ => seconds(of.rise_time),
+    }
 }

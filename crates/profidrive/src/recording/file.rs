@@ -107,7 +107,7 @@ struct Part {
 }
 
 enum Content {
-    Lines(CsvLines),
+    Lines(Box<CsvLines>),
     Columns(Box<Batch>, Box<StreamWriter<Vec<u8>>>),
 }
 
@@ -175,7 +175,7 @@ impl RecordingFile {
             .open(&grows)
             .map_err(failed)?;
         let content = match self.form {
-            Form::Csv => Content::Lines(CsvLines::new(&self.table).map_err(failed)?),
+            Form::Csv => Content::Lines(Box::new(CsvLines::new(&self.table).map_err(failed)?)),
             _ => {
                 let batch = Batch::new(&self.table);
                 let stream = StreamWriter::try_new(Vec::new(), &batch.schema());
