@@ -33,13 +33,17 @@ fn begin(
     session: &Session,
     members: Vec<Selected>,
     request: &Request,
-) -> Result<Recording, (String, RecordingError)> {
+) -> Result<Recording, Box<(String, RecordingError)>> {
     let mut sources = Vec::new();
     for member in prepare(session, members, request).wait() {
-        sources.push(member.result.map_err(|error| (member.name.clone(), error))?);
+        sources.push(
+            member
+                .result
+                .map_err(|error| Box::new((member.name.clone(), error)))?,
+        );
     }
     Recording::begin(session, profidrive::WallClock::NONE, sources, request)
-        .map_err(|error| (String::new(), error))
+        .map_err(|error| Box::new((String::new(), error)))
 }
 
 /// Everything until the end: rows, and the other news as texts.
@@ -214,7 +218,7 @@ fn what_cannot_be_recorded_is_refused_before_anything_is() {
             trigger: trigger.map(|text| text.parse().unwrap()),
             ..Request::new(signals.iter().copied(), every)
         };
-        let (drive, error) = begin(&network, members, &request).unwrap_err();
+        let (drive, error) = *begin(&network, members, &request).unwrap_err();
         (drive, error.kind(), error.to_string())
     };
     let interval = Every::Interval(MS * 100);
@@ -260,6 +264,6 @@ fn a_drive_with_a_controller_or_in_operation_is_not_observed() {
     let (mut network, members) = open(&controlled, "akd-1");
     network.pass(MS * 3000).wait().unwrap();
     let request = Request::new(["ZSW1"], Every::CYCLE);
-    let (_, error) = begin(&network, members, &request).unwrap_err();
+    let (_, error) = *begin(&network, members, &request).unwrap_err();
     assert!(error.to_string().contains("controller"), "{error}");
 }
