@@ -2,7 +2,7 @@
 
 use std::time::{Duration, SystemTime};
 
-use crate::open::{Network, Transport};
+use crate::open::{Caller, Transport};
 
 /// The time of day on a network. A plant in memory has none: its time is virtual.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -21,12 +21,12 @@ impl WallClock {
     }
 }
 
-impl Network {
+impl Caller {
     /// Returns the clock that gives the time of day of what happens on this network.
     #[must_use]
     pub const fn wall_clock(&self) -> WallClock {
         WallClock {
-            is_real: match &self.transport {
+            is_real: match self.transport() {
                 Transport::Packet(_) | Transport::Udp | Transport::Serial => true,
                 #[cfg(feature = "simulate")]
                 Transport::Plant(_) => false,
