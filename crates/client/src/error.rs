@@ -25,8 +25,8 @@ pub use refusal::{ChannelCause, ChannelRefusal, NotCarried, Refusal};
 pub use text::describe;
 pub(crate) use text::mode_words;
 use text::{
-    closed_text, highest_text, holders_text, in_place, join, objections_text, once, others, owner_text,
-    reaction_text, scaling_text, speed_text, telegram_text, unit_text,
+    closed_text, frequency_text, highest_text, holders_text, in_place, join, objections_text, once, others,
+    owner_text, reaction_text, scaling_text, speed_text, telegram_text, unit_text,
 };
 
 /// Why the wire failed; shared by all waiting calls.
@@ -532,6 +532,14 @@ pub enum Error {
         drive: String,
         /// The requested unit.
         wanted: SpeedUnit,
+    },
+    /// A speed in Hz for a drive whose speed is no output frequency.
+    #[error("{drive}: a speed in Hz cannot be converted: {}", frequency_text(*.converter))]
+    NoFrequency {
+        /// The drive.
+        drive: String,
+        /// It is a frequency converter, but its motor data are not valid.
+        converter: bool,
     },
     /// A telegram that the drive has not.
     #[error("{drive} has no telegram {wanted}")]

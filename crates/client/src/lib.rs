@@ -58,5 +58,5 @@ pub use session::{
     Axis, AxisPlan, AxisSettings, AxisStatus, Described, Enabled, FaultEntry, FaultReport, Info, JogSpeed,
     Keep, LoggedFault, ModeChange, Peer, PutBack, Released, ReportedLimits, Rest, Samples, Session, Snapshot,
     StopHandle, StopMeans, StopOutcome, StopWay, TemporaryChange, WarningEntry, WarningWatcher, Watcher,
-    WriteMode,
+    WriteMode, synchronous_speed,
 };

@@ -542,3 +542,51 @@ fn motions_may_change_threads() {
     };
     movable(&motion::home(&mut session, &mut drive, &home, &observer));
 }
+
+fn at_frequency(hertz: f64, limit: Option<f64>) -> Run {
+    Run {
+        frequency: Some(motion::Frequency { hertz, limit }),
+        time: Some(SECOND),
+        control: Control {
+            may_run_on: true,
+            ..Control::default()
+        },
+        ..Run::at_frequency(hertz)
+    }
+}
+
+#[test]
+fn a_converter_runs_at_a_frequency_by_the_pole_pairs_of_its_motor() {
+    for model in [&model::VLT, &model::VACON] {
+        let mut plant = Plant::new(model);
+        let (observer, events) = kept();
+        let report = plant.run(&at_frequency(10.0, None), &observer).unwrap();
+        // 4 poles
+        let speed = report.result.speed.unwrap();
+        assert_eq!(speed.unit, "rpm");
+        assert!((speed.value - 300.0).abs() < 15.0, "{speed:?}");
+        let reported = events.lock().unwrap().iter().any(|event| {
+            matches!(event, Event::Converted { hertz, rpm, pole_pairs } if [*hertz, *rpm, *pole_pairs] == [10.0, 300.0, 2.0])
+        });
+        assert!(reported);
+        assert!(plant.is_at_rest());
+    }
+}
+
+#[test]
+fn a_frequency_above_its_limit_or_for_a_servo_drive_moves_nothing() {
+    let mut plant = Plant::new(&model::VLT);
+    let (observer, _) = kept();
+    let error = plant.run(&at_frequency(10.0, Some(5.0)), &observer).unwrap_err();
+    assert_eq!(error.kind(), ErrorKind::Safety, "{error}");
+    assert!(plant.is_at_rest());
+
+    let mut plant = Plant::new(&model::AKD);
+    let error = plant.run(&at_frequency(10.0, None), &observer).unwrap_err();
+    assert_eq!(error.kind(), ErrorKind::Unsupported, "{error}");
+    assert_eq!(
+        error.to_string(),
+        "drive-1: a speed in Hz cannot be converted: it is not known as a frequency converter"
+    );
+    assert!(plant.is_at_rest());
+}

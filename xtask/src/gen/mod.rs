@@ -8,6 +8,7 @@ use crate::Outcome;
 
 mod advice;
 mod catalogue;
+mod names;
 mod parameter;
 mod profile;
 mod vendors;
@@ -40,6 +41,7 @@ pub fn run(root: &Path, mode: Mode) -> Outcome<()> {
     files.extend(words::files(root)?);
     files.extend(advice::files(root)?);
     files.push(vendors::file(root)?);
+    files.push(names::file(root)?);
     let mut stale = Vec::new();
     for file in files {
         let text = rustfmt(

@@ -51,7 +51,7 @@ pub struct Ack {
 
 #[derive(Debug, Args)]
 pub struct Run {
-    /// Speed: 60rpm, -1rps, or 20% of the reference of the drive; a bare number is in rpm
+    /// Speed: 60rpm, -1rps, 20% of the reference of the drive, or 25Hz of a frequency converter; a bare number is in rpm
     #[arg(long, value_name = "SPEED", allow_hyphen_values = true)]
     pub velocity: Quantity,
     /// What 100 % of the reference is, for a drive that does not report it: 1500rpm

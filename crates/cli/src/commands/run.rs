@@ -2,7 +2,8 @@
 
 use client::Wait;
 use client::axis::SpeedUnit;
-use profidrive::motion::{self, RunPlan, Telegrams};
+use profidrive::motion::{self, Frequency, RunPlan, Telegrams};
+use profile::notation::Quantity;
 
 use super::axis;
 use crate::args::{Run, Target};
@@ -12,12 +13,12 @@ use crate::output::Output;
 
 pub fn run(args: &Run, target: &Target, output: &Output) -> Result<(), Failure> {
     let wanted = wanted(args)?;
-    let speed = format!(
-        "{} {} {}",
-        wanted.speed,
-        wanted.unit.symbol(),
-        duration_text(args)
-    );
+    let (number, unit) = wanted
+        .frequency
+        .map_or((wanted.speed, wanted.unit.symbol()), |frequency| {
+            (frequency.hertz, "Hz")
+        });
+    let speed = format!("{number} {unit} {}", duration_text(args));
     if args.dry_run {
         let plan = axis::with_drive(target, Need::Records, output, |session, drive| {
             let observer = axis::observer(&drive.label(), Box::new(|_, _| None), output);
@@ -42,12 +43,21 @@ fn wanted(args: &Run) -> Result<motion::Run, Failure> {
         _ => SpeedUnit::Rpm,
     };
     let symbol = unit.symbol();
-    let speed = axis::in_unit(&args.velocity, symbol, "--velocity")?;
+    let hertz = args.velocity.in_hertz();
+    let speed = match hertz {
+        Some(_) => 0.0,
+        None => axis::in_unit(&args.velocity, symbol, "--velocity")?,
+    };
     let usual = match unit {
         SpeedUnit::Rpm => motion::Run::at(speed),
         SpeedUnit::Percent => motion::Run::at_percent(speed),
     };
-    let limit = args.limit.as_ref();
+    let frequency_limit = args
+        .limit
+        .as_ref()
+        .and_then(Quantity::in_hertz)
+        .filter(|_| hertz.is_some());
+    let limit = args.limit.as_ref().filter(|_| frequency_limit.is_none());
     let limit = limit
         .map(|limit| axis::in_unit(limit, symbol, "--limit"))
         .transpose()?;
@@ -55,6 +65,10 @@ fn wanted(args: &Run) -> Result<motion::Run, Failure> {
     let reference = reference.map(|speed| axis::rpm(speed, "--reference-speed"));
     let wanted = motion::Run {
         limit: limit.map_or(usual.limit, f64::abs),
+        frequency: hertz.map(|hertz| Frequency {
+            hertz,
+            limit: frequency_limit.map(f64::abs),
+        }),
         reference_speed: reference.transpose()?,
         telegram: args.telegram,
         time: args.time,

@@ -251,7 +251,7 @@ impl Error {
             } => {
                 "give the speed in percent ({choose percent}), or say what 100 % is: {choose reference-speed}"
             }
-            Self::SpeedUnit { .. } => "give the speed in rpm",
+            Self::SpeedUnit { .. } | Self::NoFrequency { .. } => "give the speed in rpm",
             Self::SpeedRange { .. } => "use a lower speed",
             Self::SpeedNotReached { .. } => "the ramp, a limit of the drive or the load holds it",
             Self::NotEnabled { .. } => "enable it again",

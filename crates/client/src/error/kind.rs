@@ -149,6 +149,7 @@ impl Error {
             | Self::ForeignModule { .. }
             | Self::NoStopBeside { .. }
             | Self::SpeedUnit { .. }
+            | Self::NoFrequency { .. }
             | Self::NoSuchTelegram { .. }
             | Self::UnknownModel { .. }
             | Self::TooManyKinds { .. }

@@ -105,6 +105,14 @@ pub(super) const fn unit_text(wanted: SpeedUnit) -> &'static str {
     }
 }
 
+pub(super) const fn frequency_text(converter: bool) -> &'static str {
+    if converter {
+        "pole pairs, nominal frequency and nominal speed of its motor are not known"
+    } else {
+        "it is not known as a frequency converter"
+    }
+}
+
 pub(super) fn telegram_text(number: Option<u16>) -> String {
     number.map_or_else(
         || "an unknown telegram".into(),

@@ -226,16 +226,18 @@ impl Readings {
 
     /// Returns the pole pairs of the motor: from the drive or its nameplate; 1 when unknown.
     pub fn pole_pairs(&self) -> f64 {
+        self.known_pole_pairs().unwrap_or(1.0)
+    }
+
+    /// The same; `None` when unknown.
+    pub fn known_pole_pairs(&self) -> Option<f64> {
         let poles = self.number(Part::MotorPoles).filter(|poles| *poles >= 2.0);
         let plate = || {
             let speed = self.number(Part::MotorSpeed).filter(|speed| *speed > 0.0)?;
             Some((60.0 * self.number(Part::MotorFrequency)? / speed).floor())
         };
-        poles
-            .map(|poles| poles / 2.0)
-            .or_else(plate)
-            .unwrap_or(1.0)
-            .max(1.0)
+        let pairs = poles.map(|poles| poles / 2.0).or_else(plate);
+        pairs.map(|pairs| pairs.max(1.0))
     }
 
     /// Returns the speed that is 100 % of the reference, in rpm; `None` when the reference is not a speed, or not

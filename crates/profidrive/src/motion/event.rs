@@ -55,6 +55,15 @@ pub enum Event {
     RunsOn(LossReaction),
     /// The limit switch in the direction of the motion is hit: the drive may not turn.
     AtSwitch,
+    /// A speed in Hz is converted by the pole pairs of the motor.
+    Converted {
+        /// The requested output frequency, Hz.
+        hertz: f64,
+        /// The synchronous speed, rpm.
+        rpm: f64,
+        /// Pole pairs of the motor.
+        pole_pairs: f64,
+    },
     /// The speed travels as the nearest representable value. The difference may be too small for the figures shown.
     Rounded {
         /// The requested speed.

@@ -95,7 +95,7 @@ pub use position::{Home, Move, Task, home, move_to, plan_move, task};
 pub use remark::Remark;
 pub use report::{Frames, MotionResult, PutBack, Report};
 pub use response::{Response, StepPoint, step_in};
-pub use run::{Run, TelegramName, plan_run, run};
+pub use run::{Frequency, Run, TelegramName, plan_run, run};
 pub use step::{LONGEST_STEP, Step, Stepped, step};
 pub use stop::{StopReport, stop};
 

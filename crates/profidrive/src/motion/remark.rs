@@ -86,6 +86,15 @@ impl Event {
             Self::AtSwitch => {
                 Remark::warning("the limit switch in this direction is hit: the drive may not turn")
             }
+            Self::Converted {
+                hertz,
+                rpm,
+                pole_pairs,
+            } => Remark::news(format!(
+                "{} Hz -> {} rpm, without slip, by {pole_pairs} pole pairs of the motor",
+                figures(*hertz),
+                figures(*rpm)
+            )),
             Self::Rounded { asked, sent, unit } => {
                 let (asked, sent) = (figures(*asked), figures(*sent));
                 // a step too fine for the figures shown is no news

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use client::axis::{Purpose, SpeedUnit};
-use client::{AxisSettings, Drive, Enabled, Error, Session};
+use client::{AxisSettings, Drive, Enabled, Error, Session, synchronous_speed};
 use profile::catalogue::Part;
 use profile::state::Mode;
 use profile::telegram::Telegram;
@@ -32,6 +32,8 @@ pub struct Run {
     pub unit: SpeedUnit,
     /// Any speed above this is refused.
     pub limit: f64,
+    /// Output frequency of a frequency converter in place of `speed`; see [`Run::at_frequency`].
+    pub frequency: Option<Frequency>,
     /// Speed in rpm that is 100 % of the reference, for a drive that does not report it.
     pub reference_speed: Option<f64>,
     /// The telegram to connect with. When `None` it is the one that the drive reports if that carries a speed, else telegram 1.
@@ -40,6 +42,15 @@ pub struct Run {
     pub time: Option<Duration>,
     /// What all motions have in common.
     pub control: Control,
+}
+
+/// A speed as the output frequency of a frequency converter.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Frequency {
+    /// Output frequency, Hz.
+    pub hertz: f64,
+    /// Any frequency above this is refused; when `None` the limit is that of the speed.
+    pub limit: Option<f64>,
 }
 
 /// A telegram as a person names it.
@@ -74,6 +85,7 @@ impl Run {
             speed: rpm,
             unit: SpeedUnit::Rpm,
             limit: SPEED_LIMIT,
+            frequency: None,
             reference_speed: None,
             telegram: None,
             time: None,
@@ -89,6 +101,44 @@ impl Run {
             limit: 100.0,
             ..Self::at(percent)
         }
+    }
+
+    /// At an output frequency in Hz, for a frequency converter, until the caller stops it. The speed is that of the motor
+    /// without slip: the pole pairs are read from the drive, and the conversion is reported.
+    #[must_use]
+    pub fn at_frequency(hertz: f64) -> Self {
+        Self {
+            frequency: Some(Frequency { hertz, limit: None }),
+            ..Self::at(0.0)
+        }
+    }
+
+    /// Returns the run with its speed in place of a frequency.
+    async fn in_rpm(
+        &self,
+        session: &mut Session,
+        drive: &mut Drive,
+        observer: &Observer,
+    ) -> Result<Self, MotionError> {
+        let Some(Frequency { hertz, limit }) = self.frequency else {
+            return Ok(*self);
+        };
+        let pole_pairs = session.pole_pairs(drive).await?;
+        let speed = synchronous_speed(hertz, pole_pairs);
+        observer.report(&Event::Converted {
+            hertz,
+            rpm: speed,
+            pole_pairs,
+        });
+        let wanted = Self {
+            speed,
+            unit: SpeedUnit::Rpm,
+            limit: limit.map_or(self.limit, |limit| synchronous_speed(limit, pole_pairs)),
+            frequency: None,
+            ..*self
+        };
+        wanted.check()?;
+        Ok(wanted)
     }
 
     /// Checks what is wrong whatever the drive is like.
@@ -129,6 +179,7 @@ pub async fn run(
     observer: &Observer,
 ) -> Result<Report, MotionError> {
     wanted.check()?;
+    let wanted = &wanted.in_rpm(session, drive, observer).await?;
     let change = mode::enter(session, drive, Mode::Velocity, &wanted.control, observer).await?;
     let result = turn(session, drive, wanted, observer).await;
     let restored = mode::leave(change, observer).await;
@@ -146,6 +197,7 @@ pub async fn plan_run(
     observer: &Observer,
 ) -> Result<RunPlan, MotionError> {
     wanted.check()?;
+    let wanted = &wanted.in_rpm(session, drive, observer).await?;
     permitted(session, drive, wanted, observer).await?;
     let settings = wanted.settings(drive)?;
     let set_mode = wanted.control.set_mode.then_some(Mode::Velocity);

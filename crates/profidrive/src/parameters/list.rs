@@ -122,6 +122,9 @@ mod tests {
         assert!(numbers(&AKD, "nothing like it").is_empty());
         // the number itself stands first
         assert_eq!(numbers(&VLT, "3-4"), ["3-04", "3-40", "3-41", "3-42"]);
+        for (tables, ramp) in [(&AKD, "p2108"), (&VLT, "3-41"), (&VACON, "ID 103")] {
+            assert!(numbers(tables, "ramp").contains(&ramp.into()), "{ramp}");
+        }
         assert!(numbers(&AKD, "210").contains(&"p2108".into()));
         let found = numbers(&VACON, "id 10");
         assert!(found.contains(&"ID 103".into()), "{found:?}");

@@ -36,6 +36,8 @@ pub struct ParameterDescription {
     pub number: String,
     /// The vendor's name.
     pub name: &'static str,
+    /// Names that mean the same on the drives of every vendor: `ramp-up`.
+    pub common_names: Vec<&'static str>,
     /// What it is.
     pub description: &'static str,
     /// Unit of the value, empty for none.
@@ -121,6 +123,7 @@ impl ParameterDescription {
             index: parameter.base,
             number: number(tables, parameter),
             name: parameter.name,
+            common_names: tables.common_names(parameter).map(|common| common.name).collect(),
             description: parameter.description,
             unit: parameter.unit_in(&drive.scaling),
             access: access(parameter.access),

@@ -19,8 +19,10 @@ use crate::notation::Notation;
 
 mod akd;
 mod backup;
+mod common;
 mod device;
 mod fault;
+mod generated_names;
 mod generated_parts;
 mod generated_vendors;
 mod nearest;
@@ -35,6 +37,7 @@ mod word;
 
 pub use akd::AKD;
 pub use backup::{BackupRule, Phase, Role};
+pub use common::CommonName;
 pub use device::{DescriptionFacts, Device, Layout, ParameterPoint, RecordView, TelegramModule, Words};
 pub use fault::{Cleared, Fault, Reaction};
 pub use generated_parts::Part;
@@ -139,11 +142,21 @@ impl Catalogue {
         nearest::nearest(self.parameters, name, count)
     }
 
-    /// Parameters whose name or description contains `text` (case does not matter), ascending by PNU.
-    pub fn filter<'a>(&self, text: &'a str) -> impl Iterator<Item = &'static Parameter> + use<'a> {
-        self.parameters
-            .iter()
-            .filter(move |parameter| contains(parameter.name, text) || contains(parameter.description, text))
+    /// Parameters whose name, common name or description contains `text` (case does not matter), ascending by PNU.
+    ///
+    /// ```
+    /// use profidrive_profile::catalogue::AKD;
+    /// let found: Vec<_> = AKD.filter("ramp-up").map(|parameter| parameter.name).collect();
+    /// assert!(found.contains(&"DRV.ACC"));
+    /// ```
+    pub fn filter<'a>(&'a self, text: &'a str) -> impl Iterator<Item = &'static Parameter> + use<'a> {
+        self.parameters.iter().filter(move |parameter| {
+            contains(parameter.name, text)
+                || contains(parameter.description, text)
+                || self
+                    .common_names(parameter)
+                    .any(|common| contains(common.name, text))
+        })
     }
 
     /// Returns the remedy for a write that is refused because of the present state (error 0x11).

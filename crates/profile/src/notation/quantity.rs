@@ -147,6 +147,20 @@ impl Quantity {
         }
     }
 
+    /// Returns the number in Hz where it was written with a unit of frequency; `None` for any other and for a bare number.
+    ///
+    /// ```
+    /// use profidrive_profile::notation::Quantity;
+    /// assert_eq!("0.025kHz".parse::<Quantity>()?.in_hertz(), Some(25.0));
+    /// assert_eq!("25".parse::<Quantity>()?.in_hertz(), None);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn in_hertz(&self) -> Option<f64> {
+        self.unit.as_ref()?;
+        self.in_unit("Hz").ok()
+    }
+
     /// Returns the raw number where it was written as such (`0x047F`).
     #[must_use]
     pub const fn raw(&self) -> Option<u64> {

@@ -207,7 +207,9 @@ impl Parameters {
                 name: name.to_owned(),
             });
         };
-        tables.by_name(name).ok_or_else(|| ParameterProblem::Unknown {
+        // a name of the vendor comes first
+        let found = tables.by_name(name).or_else(|| tables.by_common_name(name));
+        found.ok_or_else(|| ParameterProblem::Unknown {
             name: name.to_owned(),
             model: tables.model,
             nearest: tables

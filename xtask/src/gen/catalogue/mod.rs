@@ -17,6 +17,8 @@ mod meanings;
 mod parameters;
 mod parts;
 
+pub use parts::variant;
+
 /// A drive model whose tables are in `data/`.
 pub struct Model {
     /// Folder of its tables below `data/`, and of the generated module.

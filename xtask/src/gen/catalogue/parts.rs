@@ -60,7 +60,7 @@ pub fn render(parts: &Table, names_of_parts: &Table, known: &[Known]) -> Outcome
 }
 
 /// `speed-actual` is `SpeedActual`.
-fn variant(key: &str) -> String {
+pub fn variant(key: &str) -> String {
     let capital = |word: &str| {
         let mut letters = word.chars();
         let first = letters.next().map(|first| first.to_ascii_uppercase());

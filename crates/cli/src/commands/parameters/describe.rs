@@ -39,6 +39,10 @@ pub fn describe(args: &Describe, target: &Target, output: &Output) -> Result<(),
     let word = tables.word_at(parameter.pnu, parameter.base);
     let saved = known.saved_by(&drive).map(saved_words).unwrap_or_default();
     let limits = known.limits(&drive);
+    let common: Vec<&str> = tables.common_names(parameter).map(|common| common.name).collect();
+    if !common.is_empty() {
+        output.line(&format!("  {:<10} {}", "also", common.join(", ")));
+    }
     for line in description_lines(parameter, scaling, &limits, &known, (word, &saved)) {
         output.line(&line);
     }
