@@ -359,7 +359,10 @@ mod tests {
     fn a_drive_that_is_gone_while_connecting_has_advice() {
         let error = Error::Connect {
             drive: "akd-1".into(),
-            cause: LostCause::Service(ServiceError::Timeout { what: "connect" }),
+            cause: LostCause::Service(ServiceError::Timeout {
+                what: "connect",
+                path: profinet::rpc::PathCount::default(),
+            }),
         };
         let hint = error.advice().unwrap().to_string();
         assert!(

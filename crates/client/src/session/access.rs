@@ -4,6 +4,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use profinet::controller::{ArId, CallId, LostCause, Misuse, RecordAddress, Resolve, ServiceError, Target};
+use profinet::rpc::PathCount;
 use profinet::wire::{PnioStatus, Uuid};
 use profinet::{Instant, MacAddress};
 use std::net::Ipv4Addr;
@@ -411,6 +412,7 @@ impl Session {
         let result = self.wait(RECORD_LIMIT, |client| client.take_record(call)).await?;
         let result = result.unwrap_or(Err(ServiceError::Timeout {
             what: "implicit read",
+            path: PathCount::default(),
         }));
         match &result {
             Err(error) if is_no_service(error) => self.close_route(drive, Route::Implicit, error.to_string()),

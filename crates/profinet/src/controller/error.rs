@@ -7,7 +7,7 @@ use core::time::Duration;
 
 use crate::MacAddress;
 use crate::cyclic::IocrError;
-use crate::rpc::CallError;
+use crate::rpc::{CallError, PathCount};
 use crate::wire::dcp::{BlockError, DcpOption, IpRule, NameRule};
 use crate::wire::{DecodeError, PnioStatus};
 
@@ -61,10 +61,12 @@ pub enum ServiceError {
         status: PnioStatus,
     },
     /// No answer, or none in time.
-    #[error("{what}: no answer in time")]
+    #[error("{what}: no answer in time{path}")]
     Timeout {
         /// The service.
         what: &'static str,
+        /// What became of the requests before: whether frames are lost on the way.
+        path: PathCount,
     },
     /// The device's RPC layer did not execute it.
     #[error("{what}: {error}")]

@@ -3,7 +3,7 @@
 use alloc::vec::Vec;
 
 use super::error::ServiceError;
-use crate::rpc::{CallError, Reply};
+use crate::rpc::{CallError, PathCount, Reply};
 use crate::wire::block::{
     Block, BlockType, ControlBlock, ControlCommand, RECORD_HEADER, ReadRequest, ReadResponse, RecordAddress,
     WriteRequest, WriteResponse,
@@ -37,8 +37,10 @@ pub(super) fn open<'a>(
 ) -> Result<Reader<'a>, ServiceError> {
     let reply = match reply {
         Ok(reply) => reply,
-        Err(CallError::Timeout { .. } | CallError::NeverFinished { .. }) => {
-            return Err(ServiceError::Timeout { what });
+        Err(CallError::Timeout { path, .. }) => return Err(ServiceError::Timeout { what, path: *path }),
+        Err(CallError::NeverFinished { .. }) => {
+            let path = PathCount::default();
+            return Err(ServiceError::Timeout { what, path });
         }
         Err(error) => return Err(ServiceError::Call { what, error: *error }),
     };
@@ -403,8 +405,22 @@ mod tests {
                 }
             );
         }
-        let error = check_control("PrmEnd", &Err(CallError::Timeout { sends: 3 }), &request).unwrap_err();
-        assert_eq!(error, ServiceError::Timeout { what: "PrmEnd" });
+        let error = check_control(
+            "PrmEnd",
+            &Err(CallError::Timeout {
+                sends: 3,
+                path: PathCount::default(),
+            }),
+            &request,
+        )
+        .unwrap_err();
+        assert_eq!(
+            error,
+            ServiceError::Timeout {
+                what: "PrmEnd",
+                path: PathCount::default()
+            }
+        );
     }
 
     proptest! {

@@ -6,6 +6,7 @@ use core::net::SocketAddrV4;
 use core::time::Duration;
 
 use super::fragment::{Incoming, Outgoing, Progress};
+use super::path::{PathCount, Paths};
 use crate::Instant;
 use crate::wire::rpc::{FackBody, Flags, Header, PacketType, reject};
 use crate::wire::{ByteOrder, Reader, SliceWriter};
@@ -51,10 +52,12 @@ pub struct Reply {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum CallError {
     /// Nothing came back.
-    #[error("no answer after {sends} sends")]
+    #[error("no answer after {sends} sends{path}")]
     Timeout {
         /// How often the request was sent.
         sends: u8,
+        /// What became of the requests before.
+        path: PathCount,
     },
     /// The server was still working when the time was over.
     #[error("the server did not finish within {} s", limit.as_secs())]
@@ -84,6 +87,8 @@ struct Pending {
     working: bool,
     incoming: Option<Incoming>,
     sends: u8,
+    /// Requests and pings since the last answer.
+    unanswered: u8,
     due: Instant,
     limit: Instant,
     /// Until then an answer to what was sent last is likely: see [`AWAITED`].
@@ -130,7 +135,7 @@ const QUEUE: usize = 32;
 ///     client.handle_timeout(Instant::from_millis(second * 1000));
 ///     while client.poll_transmit(Instant::from_millis(second * 1000), &mut buffer).is_some() {}
 /// }
-/// assert_eq!(client.poll_event(), Some((call, Err(CallError::Timeout { sends: 3 }))));
+/// assert_eq!(client.poll_event(), Some((call, Err(CallError::Timeout { sends: 3, path: Default::default() }))));
 /// ```
 #[derive(Debug)]
 pub struct Client {
@@ -140,6 +145,7 @@ pub struct Client {
     events: VecDeque<(CallId, Result<Reply, CallError>)>,
     next: u32,
     serial: u16,
+    paths: Paths,
 }
 
 impl Client {
@@ -153,6 +159,7 @@ impl Client {
             events: VecDeque::new(),
             next: 0,
             serial: 0,
+            paths: Paths::new(),
         }
     }
 
@@ -171,6 +178,7 @@ impl Client {
             working: false,
             incoming: None,
             sends: 0,
+            unanswered: 0,
             due: now + self.config.wait,
             limit: now + self.config.limit,
             awaited: None,
@@ -207,6 +215,10 @@ impl Client {
             return false;
         };
         call.awaited = None;
+        if call.unanswered > 0 {
+            self.paths.ended(*call.server.ip(), call.unanswered, true);
+            call.unanswered = 0;
+        }
         let mut result = None;
         match header.packet_type {
             PacketType::Working => {
@@ -278,7 +290,7 @@ impl Client {
     /// Does what is due.
     pub fn handle_timeout(&mut self, now: Instant) {
         let config = self.config;
-        let events = &mut self.events;
+        let (events, paths) = (&mut self.events, &mut self.paths);
         self.calls.retain_mut(|call| {
             call.awaited = call.awaited.filter(|until| now < *until);
             let error = if now >= call.limit {
@@ -294,7 +306,13 @@ impl Client {
                 }
                 return true;
             } else {
-                CallError::Timeout { sends: call.sends }
+                let server = *call.server.ip();
+                let path = paths.count(server);
+                paths.ended(server, call.unanswered, false);
+                CallError::Timeout {
+                    sends: call.sends,
+                    path,
+                }
             };
             events.push_back((call.id, Err(error)));
             false
@@ -337,6 +355,7 @@ impl Client {
         call.awaited = Some(now + LIKELY);
         self.serial = self.serial.wrapping_add(1);
         call.sends = call.sends.saturating_add(1);
+        call.unanswered = call.unanswered.saturating_add(1);
         call.due = now + wait;
         if call.send_request {
             call.send_request = false;

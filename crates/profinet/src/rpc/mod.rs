@@ -6,10 +6,12 @@
 mod client;
 mod epm;
 mod fragment;
+mod path;
 mod server;
 
 pub use client::{CallError, CallId, Client, ClientConfig, Reply};
 pub use epm::{EndpointMapper, Registration, annotation};
+pub use path::PathCount;
 pub use server::{Call, CallKey, Interface, Server, ServerLimits};
 
 #[cfg(test)]

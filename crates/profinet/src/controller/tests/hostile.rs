@@ -23,7 +23,10 @@ fn a_refused_or_unanswered_connect() {
     let cause = lost(&mut p, 100 * SECOND);
     assert_eq!(
         cause,
-        LostCause::Service(ServiceError::Timeout { what: "connect" })
+        LostCause::Service(ServiceError::Timeout {
+            what: "connect",
+            path: crate::rpc::PathCount::default()
+        })
     );
     assert!(p.now - start > 5 * SECOND);
 }

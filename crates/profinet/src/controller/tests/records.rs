@@ -176,7 +176,13 @@ fn implicit_reads_need_no_connection() {
     else {
         panic!("{call:?}")
     };
-    assert_eq!(error, ServiceError::Timeout { what: "record read" });
+    assert_eq!(
+        error,
+        ServiceError::Timeout {
+            what: "record read",
+            path: crate::rpc::PathCount::default()
+        }
+    );
 }
 
 #[test]

@@ -1,0 +1,42 @@
+//! What errors say about a network that loses frames, in virtual time.
+
+// helpers of tests fail by panicking, like the tests themselves
+#![allow(clippy::unwrap_used)]
+#![cfg(feature = "simulate")]
+
+use profidrive::{Transport, Wait};
+
+const PLANT: &str = "[[drive]]\nname = \"akd-1\"\nip = \"192.168.0.11/24\"";
+
+/// Reads a parameter until that fails, at most so often. Returns the error.
+fn error_of_reads(event: &str, count: usize) -> Option<String> {
+    let mut network = profidrive::open_plan(PLANT.parse().unwrap()).unwrap();
+    let mut drive = network.find(&"akd-1".parse().unwrap()).wait().unwrap();
+    let selection = drive.select("ramp-up").unwrap();
+    for _ in 0..5 {
+        network.read_one(&mut drive, &selection).wait().unwrap();
+    }
+    let Transport::Plant(plant) = network.transport() else {
+        panic!("a plant is in memory");
+    };
+    let event = event.parse().unwrap();
+    plant
+        .with_world(|world| world.inject("akd-1", event, None))
+        .unwrap();
+    (0..count).find_map(|_| {
+        let read = network.read_one(&mut drive, &selection).wait();
+        read.err().map(|error| error.to_string())
+    })
+}
+
+#[test]
+fn thirty_percent_loss_is_called_loss() {
+    let error = error_of_reads("loss=30%", 500).unwrap();
+    assert!(error.contains("packet loss of "), "{error}");
+}
+
+#[test]
+fn a_pulled_cable_is_not_called_loss() {
+    let error = error_of_reads("cable=pulled", 1).unwrap();
+    assert!(!error.contains("loss"), "{error}");
+}
