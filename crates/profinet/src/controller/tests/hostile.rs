@@ -25,7 +25,7 @@ fn a_refused_or_unanswered_connect() {
         cause,
         LostCause::Service(ServiceError::Timeout {
             what: "connect",
-            path: crate::rpc::PathCount::default()
+            path: rpc::PathCount::default()
         })
     );
     assert!(p.now - start > 5 * SECOND);

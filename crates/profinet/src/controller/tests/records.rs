@@ -180,7 +180,7 @@ fn implicit_reads_need_no_connection() {
         error,
         ServiceError::Timeout {
             what: "record read",
-            path: crate::rpc::PathCount::default()
+            path: rpc::PathCount::default()
         }
     );
 }
