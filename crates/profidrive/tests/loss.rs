@@ -1,7 +1,7 @@
 //! What errors say about a network that loses frames, in virtual time.
 
 // helpers of tests fail by panicking, like the tests themselves
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, clippy::panic)]
 #![cfg(feature = "simulate")]
 
 use profidrive::{Transport, Wait};
