@@ -22,7 +22,9 @@ const RECENT: usize = 5;
 pub struct Monitor {
     expectations: Vec<Expectation>,
     checks: Vec<Check>,
-    /// Checks whose clock waits for a condition, with the expectation.
+    /// The checks of each drive that are not decided.
+    open: Vec<Vec<usize>>,
+    /// Expectations whose clock waits for a condition.
     waiting: Vec<usize>,
     recent: Vec<VecDeque<Event>>,
     seed: u64,
@@ -206,6 +208,7 @@ impl Monitor {
     #[must_use]
     pub fn new(expectations: &[Expectation], drives: usize, seed: u64) -> Self {
         let mut checks = Vec::new();
+        let mut open = vec![Vec::new(); drives];
         let mut waiting = Vec::new();
         for (number, expectation) in expectations.iter().enumerate() {
             if matches!(
@@ -218,6 +221,9 @@ impl Monitor {
                 waiting.push(number);
             }
             for target in &expectation.targets {
+                if let Some(open) = open.get_mut(target.drive) {
+                    open.push(checks.len());
+                }
                 checks.push(Check {
                     expectation: number,
                     drive: target.drive,
@@ -233,6 +239,7 @@ impl Monitor {
         Self {
             expectations: expectations.to_vec(),
             checks,
+            open,
             waiting,
             recent: vec![VecDeque::new(); drives],
             seed,
@@ -255,13 +262,17 @@ impl Monitor {
     /// Takes what the drive of that number is like at `now`, after everything that has happened until then.
     pub fn observe(&mut self, drive: usize, now: Duration, seen: &dyn Observed) {
         self.start_clocks(drive, now, seen);
-        let recent = &self.recent;
-        for check in &mut self.checks {
-            if check.drive == drive && check.done.is_none() {
-                let recent = || recent.get(drive).into_iter().flatten().cloned().collect();
+        let (recent, checks) = (&self.recent, &mut self.checks);
+        let recent = || recent.get(drive).into_iter().flatten().cloned().collect();
+        let Some(open) = self.open.get_mut(drive) else {
+            return;
+        };
+        open.retain(|number| {
+            checks.get_mut(*number).is_some_and(|check| {
                 check.observe(now, seen, recent);
-            }
-        }
+                check.done.is_none()
+            })
+        });
     }
 
     fn start_clocks(&mut self, drive: usize, now: Duration, seen: &dyn Observed) {
@@ -290,7 +301,7 @@ impl Monitor {
     /// Returns true when every check is decided.
     #[must_use]
     pub fn is_decided(&self) -> bool {
-        self.checks.iter().all(|check| check.done.is_some())
+        self.open.iter().all(Vec::is_empty)
     }
 
     /// Ends the run at `end`; returns what came of each expectation for each drive, in the order of the file. `name` has the
