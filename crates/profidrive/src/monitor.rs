@@ -164,7 +164,7 @@ impl Monitor {
         Self { more, ..self }
     }
 
-    /// Returns the same that stamps readings with the time of day too ([`Network::wall_clock`](crate::Network::wall_clock)).
+    /// Returns the same that stamps readings with the time of day too ([`Caller::wall_clock`](crate::Caller::wall_clock)).
     #[must_use]
     pub fn stamped_by(self, clock: WallClock) -> Self {
         Self { clock, ..self }

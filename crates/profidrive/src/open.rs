@@ -306,7 +306,7 @@ impl Opening {
         self
     }
 
-    /// Opens it, a plant where one was given. That UDP alone had to be enough shows in its [`Network::transport`].
+    /// Opens it, a plant where one was given. That UDP alone had to be enough shows in its [`Caller::transport`].
     ///
     /// # Errors
     /// When there is no such interface, it is down, has no address, or the right is missing.

@@ -120,7 +120,7 @@ pub struct DriveCounts {
 }
 
 impl Recording {
-    /// Begins to record. `clock` is that of the network ([`Network::wall_clock`](crate::Network::wall_clock)).
+    /// Begins to record. `clock` is that of the network ([`Caller::wall_clock`](crate::Caller::wall_clock)).
     ///
     /// # Errors
     /// When the request is not valid, or the drives do not fit together: one name has two units.
