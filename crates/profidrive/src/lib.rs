@@ -71,6 +71,7 @@ mod driver;
 mod explained;
 pub mod fleet;
 pub mod inspection;
+pub mod machine;
 pub mod monitor;
 pub mod motion;
 mod open;

@@ -1,6 +1,7 @@
 //! Why a motion did not go as it was to.
 
 use super::report::Report;
+use crate::machine::SpeedBound;
 use client::axis::Trouble;
 use client::status::{Cause, Diagnosis, Note, Verdict, diagnose, switched_off_beside};
 use client::{Action, Advice, Choice, Drive, Error, ErrorKind, FaultEntry, Session};
@@ -83,6 +84,27 @@ pub enum MotionError {
         /// The parameter that sets it.
         by: Option<String>,
     },
+    /// The speed is above the limit of the machine file.
+    #[error("the speed {speed} rpm is above the limit of {} rpm in line {} of the machine file", .bound.rpm, .bound.line)]
+    AboveBound {
+        /// Requested speed, rpm.
+        speed: f64,
+        /// The limit.
+        bound: SpeedBound,
+    },
+    /// The machine file limits the speed, and it is not known whether the motion is within the limit.
+    #[error(
+        "{drive}: {what} may be faster than the {} rpm in line {} of the machine file: the drive has no limit that is as low",
+        .bound.rpm, .bound.line
+    )]
+    NotBounded {
+        /// The drive.
+        drive: String,
+        /// The motion.
+        what: &'static str,
+        /// The limit.
+        bound: SpeedBound,
+    },
     /// A dry run found that something keeps the drive from running.
     #[error("{drive} would not run: {}", .diagnosis.sentence)]
     Held {
@@ -160,7 +182,10 @@ impl MotionError {
             Self::Failed { error, .. } => error.kind(),
             Self::Stopped { .. } => ErrorKind::Interrupted,
             Self::NotPutBack { .. } => ErrorKind::Partial,
-            Self::AboveLimit { .. } | Self::MovedFromOutside { .. } => ErrorKind::Safety,
+            Self::AboveLimit { .. }
+            | Self::AboveBound { .. }
+            | Self::NotBounded { .. }
+            | Self::MovedFromOutside { .. } => ErrorKind::Safety,
             Self::Held { .. } => ErrorKind::Refused,
             Self::NeedsRestart { .. } | Self::FaultsStay { .. } => ErrorKind::Fault,
             Self::NoClearParameter { .. } => ErrorKind::Unsupported,

@@ -65,9 +65,8 @@ impl Jog {
     /// # Errors
     /// A speed above the limit.
     pub fn check(&self) -> Result<(), MotionError> {
-        Ok(self
-            .speed
-            .map_or(Ok(()), |speed| within(speed, self.limit, SpeedUnit::Rpm))?)
+        let within = |speed| within(speed, self.limit, SpeedUnit::Rpm, &self.control);
+        self.speed.map_or(Ok(()), within)
     }
 }
 
@@ -88,7 +87,7 @@ impl RealTimeJog {
     /// # Errors
     /// A speed above the limit.
     pub fn check(&self) -> Result<(), MotionError> {
-        Ok(within(self.speed, self.limit, SpeedUnit::Rpm)?)
+        within(self.speed, self.limit, SpeedUnit::Rpm, &self.control)
     }
 }
 
@@ -201,7 +200,7 @@ pub async fn plan_jog(
             })
         });
     }
-    within(speed, wanted.limit, SpeedUnit::Rpm)?;
+    within(speed, wanted.limit, SpeedUnit::Rpm, &wanted.control)?;
     limit::jog(speed, &session.motion_facts(drive).await?, drive)?;
     Ok(JogPlan {
         drive: drive.label(),
@@ -260,7 +259,7 @@ async fn with_setting(
     let mut axis = session.take_axis(drive, settings).await?;
     let reading = prepared(&mut axis, wanted, setting, change, observer).await?;
     let speed = setting.rpm(&reading).unwrap_or(0.0);
-    within(speed, wanted.limit, SpeedUnit::Rpm)?;
+    within(speed, wanted.limit, SpeedUnit::Rpm, &wanted.control)?;
     limit::jog(speed, &facts, drive)?;
     report_switch(speed, &facts, observer);
     let start = Start::Jog {

@@ -83,6 +83,8 @@ use std::time::Duration;
 use client::AxisSettings;
 use client::axis::Purpose;
 
+use crate::machine::SpeedBound;
+
 pub use acknowledge::{acknowledge, acknowledge_by_parameter};
 pub use error::{End, MotionError};
 pub use event::{Arrival, Ended, Event, Observer, Setting, Start, TelegramChange};
@@ -100,7 +102,7 @@ pub use step::{LONGEST_STEP, Step, Stepped, step};
 pub use stop::{StopReport, stop};
 
 /// What all motions have in common.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Control {
     /// Update time of the cyclic connection; see [`AxisSettings::cycle`].
     pub cycle: Option<Duration>,
@@ -111,6 +113,9 @@ pub struct Control {
     /// Put the drive into the mode that the motion needs (PNU 930), and mode and telegram (PNU 922) back afterwards.
     /// Without it a drive in another mode is refused.
     pub set_mode: bool,
+    /// Highest speed of the drive on this machine; see [`Machine::bound`](crate::machine::Machine::bound). A motion above it is
+    /// refused, whatever its own limit is.
+    pub bound: Option<SpeedBound>,
 }
 
 impl Control {

@@ -11,7 +11,7 @@ use profile::value::{Reading, Selection};
 use super::axis::{Done, Taken, check_controller_loss};
 use super::error::{End, MotionError};
 use super::event::{Arrival, Observer, Start};
-use super::limit::within;
+use super::limit::{self, within};
 use super::plan::MoveReport;
 use super::report::{MotionResult, Report};
 use super::{Control, SPEED_LIMIT, mode};
@@ -59,12 +59,12 @@ impl Move {
     /// # Errors
     /// A speed above the limit.
     pub fn check(&self) -> Result<(), MotionError> {
-        Ok(within(self.order.speed, self.limit, SpeedUnit::Rpm)?)
+        within(self.order.speed, self.limit, SpeedUnit::Rpm, &self.control)
     }
 }
 
 /// A motion task of the drive, or a chain of them.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Task {
     /// Its number in the table of the drive: 1 to 128.
     pub number: u16,
@@ -75,7 +75,7 @@ pub struct Task {
 }
 
 /// The homing procedure of the drive.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Home {
     /// The axis is stopped when homing takes longer.
     pub timeout: Duration,
@@ -199,6 +199,7 @@ pub async fn task(
     wanted: &Task,
     observer: &Observer,
 ) -> Result<Report, MotionError> {
+    limit::of_drive(session, drive, &wanted.control, "a motion task").await?;
     let change = mode::enter(session, drive, Mode::Position, &wanted.control, observer).await?;
     let result = carry_out(session, drive, wanted, observer).await;
     let restored = mode::leave(change, observer).await;
@@ -251,6 +252,7 @@ pub async fn home(
     wanted: &Home,
     observer: &Observer,
 ) -> Result<Report, MotionError> {
+    limit::of_drive(session, drive, &wanted.control, "homing").await?;
     let change = mode::enter(session, drive, Mode::Position, &wanted.control, observer).await?;
     let result = set_home(session, drive, wanted, observer).await;
     let restored = mode::leave(change, observer).await;

@@ -12,7 +12,7 @@ use super::axis::{Done, Taken, check_controller_loss, report_rounded, report_swi
 use super::check::checked_axis;
 use super::error::{End, MotionError};
 use super::event::{Event, Observer, Start};
-use super::limit::{above, too_fast, within};
+use super::limit::{self, above, too_fast, within};
 use super::plan::RunPlan;
 use super::report::{MotionResult, Report};
 use super::{Control, SPEED_LIMIT, UNLIMITED, mode};
@@ -154,7 +154,7 @@ impl Run {
                 what: "the reference speed has to be above 0",
             });
         }
-        Ok(within(self.speed, self.limit, self.unit)?)
+        within(self.speed, self.limit, self.unit, &self.control)
     }
 
     pub(super) fn settings(&self, drive: &Drive) -> Result<AxisSettings, MotionError> {
@@ -233,6 +233,10 @@ pub(super) async fn permitted(
             session.check_speed(drive, speed).await?;
         }
         permit_speed(session, drive, speed, wanted.reference_speed, observer).await?;
+    }
+    if wanted.unit == SpeedUnit::Percent && wanted.control.bound.is_some() {
+        let facts = session.motion_facts(drive).await?;
+        limit::share(speed, wanted.reference_speed, &facts, &wanted.control, drive)?;
     }
     Ok(check_controller_loss(session, drive, &wanted.control, observer).await?)
 }
