@@ -164,7 +164,12 @@ impl Interface {
     pub fn target(&self, drive: &str) -> Target {
         let kind = Kind::default();
         let interface = self.clone();
-        DriveOptions { interface, kind }.target(drive)
+        let options = DriveOptions {
+            interface,
+            kind,
+            machine: None,
+        };
+        options.target(drive)
     }
 }
 
@@ -187,6 +192,10 @@ pub struct DriveOptions {
     pub interface: Interface,
     #[command(flatten)]
     pub kind: Kind,
+    /// Machine file: groups of drives (@line1) and limits of this machine; else that of the variable PROFIDRIVE_MACHINE, else
+    /// machine.toml in the current folder
+    #[arg(long, value_name = "FILE")]
+    pub machine: Option<PathBuf>,
 }
 
 impl DriveOptions {
@@ -221,7 +230,8 @@ pub struct OnDrive<T: Args> {
 /// A command for one drive or many.
 #[derive(Debug, Args)]
 pub struct OnSelected<T: Args> {
-    /// A drive as for all commands, a list (akd-1,akd-2), a pattern (akd-*), model=vlt, vendor=danfoss, or all
+    /// A drive as for all commands, a list (akd-1,akd-2), a pattern (akd-*), model=vlt, vendor=danfoss, @line1 of
+    /// the machine file, or all
     pub drive: String,
     #[command(flatten)]
     pub args: T,

@@ -1,13 +1,16 @@
 //! From the command line to a session with a drive: options and signals in, messages and progress out.
 
+use std::path::PathBuf;
+
 use client::{Drive, ErrorKind, Wait};
 use network::system::{Error as NetworkError, ForcedExit, Stop};
 use profidrive::fleet::Fleet;
+use profidrive::machine::{Machine, MachineError};
 use profidrive::{
     DescriptionError, DriveError, FindEvent, Network, OpenError, Opening, Selector, SelectorError,
 };
 
-use crate::args::{Interface, Kind, Target};
+use crate::args::{DriveOptions, Interface, Kind, Target};
 use crate::commands::gsdml;
 use crate::failure::Failure;
 use crate::output::Output;
@@ -28,18 +31,54 @@ pub fn session(interface: &Interface, need: Need, output: &Output) -> Result<Liv
 }
 
 /// Returns which drives are meant.
-pub fn selector(target: &Target) -> Result<Selector, Failure> {
-    target.drive.parse().map_err(|error: SelectorError| {
-        Failure::usage(error.to_string()).hint(
+pub fn selector(target: &Target, output: &Output) -> Result<Selector, Failure> {
+    // without a group no machine file is read: a file that is not valid must not keep a drive from being stopped
+    let machine = match target.drive.contains('@') {
+        true => machine(&target.options, output)?,
+        false => None,
+    };
+    Selector::of(&target.drive, machine.as_ref()).map_err(|error| {
+        let failure = Failure::usage(error.to_string());
+        if matches!(error, SelectorError::NoMachine { .. }) {
+            return failure.hint("--machine FILE, PROFIDRIVE_MACHINE, or machine.toml in the current folder");
+        }
+        if matches!(error, SelectorError::UnknownGroup(_)) {
+            return failure;
+        }
+        failure.hint(
             "DRIVE is a station name (akd-1), an IP address, a MAC address, or fc:PORT/ADDRESS or uss:PORT/ADDRESS at a serial \
              line; for several drives a list (akd-1,akd-2), a pattern (akd-*), model=vlt, vendor=danfoss or all",
         )
     })
 }
 
+/// Returns where the machine file is: as configured, else `machine.toml` in the current folder where there is one.
+pub fn machine_path(options: &DriveOptions) -> Option<PathBuf> {
+    let variable = || std::env::var_os("PROFIDRIVE_MACHINE").filter(|path| !path.is_empty());
+    let named = options.machine.clone().or_else(|| variable().map(PathBuf::from));
+    // what exists and cannot be read is an error later on, not silence
+    let usual = || Some(PathBuf::from("machine.toml")).filter(|path| std::fs::symlink_metadata(path).is_ok());
+    named.or_else(usual)
+}
+
+/// Reads the machine file, where there is one.
+pub fn machine(options: &DriveOptions, output: &Output) -> Result<Option<Machine>, Failure> {
+    let Some(path) = machine_path(options) else {
+        return Ok(None);
+    };
+    output.detail(&format!("machine file: {}", path.display()));
+    Ok(Some(Machine::read(&path)?))
+}
+
+impl From<MachineError> for Failure {
+    fn from(error: MachineError) -> Self {
+        Self::new(error.kind(), clean(&error.to_string()))
+    }
+}
+
 /// Opens the network or the serial line of a drive and finds the drive.
 pub fn drive(target: &Target, need: Need, output: &Output) -> Result<(Live, Drive), Failure> {
-    let selector = selector(target)?;
+    let selector = selector(target, output)?;
     let address = selector.single().ok_or_else(|| {
         Failure::usage(format!(
             "`{selector}` may be several drives, and this command is for one"
@@ -78,7 +117,7 @@ pub fn drive(target: &Target, need: Need, output: &Output) -> Result<(Live, Driv
 
 /// Opens the network and finds the drives that are meant.
 pub fn drives(target: &Target, need: Need, output: &Output) -> Result<(Live, Fleet), Failure> {
-    let selector = selector(target)?;
+    let selector = selector(target, output)?;
     let (opening, mut session) = network(target, &selector, need, output)?;
     let spinner = spinner(output, format!("looking for {selector}"));
     let found = opening.select(&mut session, &selector).wait();

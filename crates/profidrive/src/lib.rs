@@ -62,6 +62,7 @@
 pub mod addressing;
 mod carrier;
 mod clock;
+pub mod commissioning;
 #[cfg(feature = "gsdml")]
 mod description;
 #[cfg(feature = "gsdml")]

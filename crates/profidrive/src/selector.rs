@@ -10,6 +10,8 @@ use profile::notation::wildcard_fits;
 use profinet::controller::Station;
 use profinet::wire::dcp::role;
 
+use crate::machine::{Machine, UnknownGroup};
+
 /// Which drives are meant, as a person writes it: terms separated by commas.
 ///
 /// | term | means |
@@ -19,6 +21,7 @@ use profinet::wire::dcp::role;
 /// | `model=vlt` | the stations of this model |
 /// | `vendor=danfoss` | the stations of this vendor: the beginning of its name, or its VendorID |
 /// | `all` | all stations that are no controllers |
+/// | `@line1` | the drives of a group of the machine file: see [`Selector::of`] |
 /// | `fc:PORT/ADDRESS`, `uss:PORT/ADDRESS` | a drive at a serial line, never with another term |
 ///
 /// ```
@@ -94,6 +97,15 @@ pub enum SelectorError {
         /// What stands before the equals sign.
         key: String,
     },
+    /// A group without a machine file.
+    #[error("`{term}` is a group of a machine file, and there is none")]
+    NoMachine {
+        /// The term.
+        term: String,
+    },
+    /// A group that the machine file does not have.
+    #[error(transparent)]
+    UnknownGroup(#[from] UnknownGroup),
     /// A drive at a serial line beside others.
     #[error("`{line}` is at a serial line: it is selected alone")]
     Line {
@@ -165,6 +177,24 @@ impl FromStr for Selector {
     type Err = SelectorError;
 
     fn from_str(text: &str) -> Result<Self, SelectorError> {
+        Self::of(text, None)
+    }
+}
+
+impl Selector {
+    /// Reads a selector whose groups (`@line1`) are those of a machine file. A group stands for the names of its drives.
+    ///
+    /// ```
+    /// use profidrive::Selector;
+    /// use profidrive::machine::Machine;
+    /// let machine: Machine = "[[drive]]\nname = \"feed\"\nmodel = \"akd\"\ngroups = [\"line1\"]".parse()?;
+    /// assert_eq!(Selector::of("@line1,vlt-*", Some(&machine))?.to_string(), "feed,vlt-*");
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// When a term is not valid, or names a group that does not exist.
+    pub fn of(text: &str, machine: Option<&Machine>) -> Result<Self, SelectorError> {
         // a line has its settings behind commas
         if let Ok(line @ DriveAddress::Line(_)) = text.parse::<DriveAddress>() {
             return Ok(line.into());
@@ -180,6 +210,17 @@ impl FromStr for Selector {
         for part in text.split(',').map(str::trim) {
             if part.is_empty() && text.contains(',') {
                 return Err(SelectorError::Empty { text: shown(text) });
+            }
+            if let Some(group) = part.strip_prefix('@') {
+                let term = || part.chars().take(40).collect();
+                let machine = machine.ok_or_else(|| SelectorError::NoMachine { term: term() })?;
+                for name in machine.group(group)? {
+                    let term = Term::Address(DriveAddress::Name(name.to_owned()));
+                    if !terms.contains(&term) {
+                        terms.push(term);
+                    }
+                }
+                continue;
             }
             let term = Term::parse(part)?;
             if let Term::Address(DriveAddress::Line(line)) = &term {

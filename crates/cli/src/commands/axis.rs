@@ -4,6 +4,7 @@ use std::time::Duration;
 
 use client::axis::Room;
 use client::{Drive, Wait};
+use profidrive::machine::SpeedBound;
 use profidrive::motion::{Control, End, Event, Message, MotionError, Observer, Remark, Start};
 use profile::notation::Quantity;
 use profinet::cyclic::Timing;
@@ -64,7 +65,7 @@ pub fn in_mode(args: &InMode) -> Result<Control, Failure> {
     })
 }
 
-/// Connects to a drive and moves it; closes the connection after a motion that went well.
+/// Connects to a drive and works on its axis; closes the connection after what went well.
 pub fn with_drive<T>(
     target: &Target,
     need: Need,
@@ -75,6 +76,33 @@ pub fn with_drive<T>(
     let done = work(&mut session, &mut drive)?;
     session.close().wait()?;
     Ok(done)
+}
+
+/// Connects to a drive and moves it. `work` gets the limit that the machine file has for the speed of the drive.
+pub fn moving<T>(
+    target: &Target,
+    need: Need,
+    output: &Output,
+    work: impl FnOnce(&mut Live, &mut Drive, Option<SpeedBound>) -> Result<T, MotionError>,
+) -> Result<T, Failure> {
+    let machine = connect::machine(&target.options, output)?;
+    let mut of_machine = false;
+    let done = with_drive(target, need, output, |session, drive| {
+        let bound = machine
+            .as_ref()
+            .and_then(|machine| machine.bound(&drive.station.name));
+        let done = work(session, drive, bound);
+        of_machine = matches!(
+            done,
+            Err(MotionError::AboveBound { .. } | MotionError::NotBounded { .. })
+        );
+        done
+    });
+    let path = machine.and_then(|machine| machine.path).filter(|_| of_machine);
+    done.map_err(|failure| match path {
+        Some(path) => failure.and_hint(format!("the machine file is {}", path.display())),
+        None => failure,
+    })
 }
 
 /// A motion that failed. What stops one is this program's own.

@@ -17,7 +17,7 @@ use crate::output::Output;
 
 pub fn run(args: &args::Backup, target: &Target, output: &Output) -> Result<(), Failure> {
     // what cannot be written is reported before anything is read
-    let place = match (&args.output, connect::selector(target)?.single()) {
+    let place = match (&args.output, connect::selector(target, output)?.single()) {
         (None, Some(_)) => Place::Output,
         (None, None) => {
             let failure = Failure::usage("the settings of several drives need a folder");

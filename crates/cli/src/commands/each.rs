@@ -64,7 +64,7 @@ pub trait Each {
 
 /// Carries out a command for the drives that are meant.
 pub fn run(verb: &impl Each, target: &Target, output: &Output) -> Result<(), Failure> {
-    if connect::selector(target)?.single().is_some() {
+    if connect::selector(target, output)?.single().is_some() {
         one(verb, target, output)
     } else {
         many(verb, target, output)

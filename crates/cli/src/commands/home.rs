@@ -11,11 +11,12 @@ use crate::output::Output;
 use crate::render::value;
 
 pub fn run(args: &Home, target: &Target, output: &Output) -> Result<(), Failure> {
-    let wanted = motion::Home {
+    let mut wanted = motion::Home {
         timeout: args.timeout,
         control: axis::in_mode(&args.control)?,
     };
-    axis::with_drive(target, Need::Cyclic, output, |session, drive| {
+    axis::moving(target, Need::Cyclic, output, |session, drive, bound| {
+        wanted.control.bound = bound;
         let start =
             Box::new(|start: &_, telegram| Some(format!("homes{}, telegram {telegram}", procedure(start))));
         let observer = axis::observer(&drive.label(), start, output);

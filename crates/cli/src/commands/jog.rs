@@ -28,7 +28,7 @@ pub fn run(args: &Jog, target: &Target, output: &Output) -> Result<(), Failure> 
         };
         return real_time(args, wanted, target, output);
     }
-    let wanted = motion::Jog {
+    let mut wanted = motion::Jog {
         setpoint: match args.jog {
             2 => Setpoint::Two,
             _ => Setpoint::One,
@@ -40,7 +40,8 @@ pub fn run(args: &Jog, target: &Target, output: &Output) -> Result<(), Failure> 
     };
     wanted.check()?;
     if args.dry_run {
-        let plan = axis::with_drive(target, Need::Records, output, |session, drive| {
+        let plan = axis::moving(target, Need::Records, output, |session, drive, bound| {
+            wanted.control.bound = bound;
             let observer = axis::observer(&drive.label(), Box::new(|_, _| None), output);
             motion::plan_jog(session, drive, &wanted, &observer).wait()
         })?;
@@ -48,7 +49,8 @@ pub fn run(args: &Jog, target: &Target, output: &Output) -> Result<(), Failure> 
         return Ok(());
     }
     let seconds = args.time.as_secs_f64();
-    axis::with_drive(target, Need::Cyclic, output, |session, drive| {
+    axis::moving(target, Need::Cyclic, output, |session, drive, bound| {
+        wanted.control.bound = bound;
         let start = Box::new(move |start: &_, _| match start {
             Start::Jog { speed } => Some(format!("jogs at {} for {seconds} s", value::full(speed))),
             _ => None,
@@ -59,17 +61,19 @@ pub fn run(args: &Jog, target: &Target, output: &Output) -> Result<(), Failure> 
     .map(|_| ())
 }
 
-fn real_time(args: &Jog, wanted: RealTimeJog, target: &Target, output: &Output) -> Result<(), Failure> {
+fn real_time(args: &Jog, mut wanted: RealTimeJog, target: &Target, output: &Output) -> Result<(), Failure> {
     wanted.check()?;
     if args.dry_run {
-        let plan = axis::with_drive(target, Need::Records, output, |session, drive| {
+        let plan = axis::moving(target, Need::Records, output, |session, drive, bound| {
+            wanted.control.bound = bound;
             let observer = axis::observer(&drive.label(), Box::new(|_, _| None), output);
             motion::plan_jog_in_real_time(session, drive, &wanted, &observer).wait()
         })?;
         show(&plan, output);
         return Ok(());
     }
-    axis::with_drive(target, Need::Cyclic, output, |session, drive| {
+    axis::moving(target, Need::Cyclic, output, |session, drive, bound| {
+        wanted.control.bound = bound;
         let start = Box::new(move |_: &_, telegram| {
             Some(format!(
                 "jogs at {} rpm for {} s (real-time jogging, telegram {telegram})",

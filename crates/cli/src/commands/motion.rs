@@ -35,7 +35,7 @@ pub fn ack(args: &Ack, target: &Target, output: &Output) -> Result<(), Failure> 
             motion::acknowledge(session, drive, &control, observer).await
         }
     };
-    if connect::selector(target)?.single().is_some() {
+    if connect::selector(target, output)?.single().is_some() {
         let report = axis::with_drive(target, need, output, |session, drive| {
             let observer = axis::observer(&drive.label(), Box::new(|_, _| None), output);
             acknowledge(session, drive, &observer).wait()
@@ -99,7 +99,7 @@ pub fn monitor(args: &args::Monitor, target: &Target, output: &Output) -> Result
         raw: args.raw,
         output,
     };
-    if connect::selector(target)?.single().is_some() {
+    if connect::selector(target, output)?.single().is_some() {
         let (mut session, mut drive) = connect::drive(target, Need::Records, output)?;
         output.say(&format!("watching {}, reads only; Ctrl-C ends", drive.label()));
         let watching = watching.stamped_by(session.wall_clock());

@@ -14,7 +14,7 @@ use crate::render::number;
 
 pub fn run(args: &Move, target: &Target, output: &Output) -> Result<(), Failure> {
     let order = order(args)?;
-    let wanted = motion::Move {
+    let mut wanted = motion::Move {
         order,
         limit: axis::rpm(&args.limit, "--limit")?.abs(),
         timeout: args.timeout,
@@ -23,9 +23,10 @@ pub fn run(args: &Move, target: &Target, output: &Output) -> Result<(), Failure>
     wanted.check()?;
     let relative = wanted.order.relative;
     if args.dry_run {
-        return try_out(&wanted, target, output);
+        return try_out(wanted, target, output);
     }
-    axis::with_drive(target, Need::Cyclic, output, |session, drive| {
+    axis::moving(target, Need::Cyclic, output, |session, drive, bound| {
+        wanted.control.bound = bound;
         let start = Box::new(move |start: &_, telegram| match start {
             Start::Move(plan) => Some(format!("{}, telegram {telegram}", plan_text(plan, relative))),
             _ => None,
@@ -37,17 +38,19 @@ pub fn run(args: &Move, target: &Target, output: &Output) -> Result<(), Failure>
 }
 
 /// Everything that `move` reads and checks; nothing is sent that changes anything.
-fn try_out(wanted: &motion::Move, target: &Target, output: &Output) -> Result<(), Failure> {
-    let (plan, report) = axis::with_drive(target, Need::Records, output, |session, drive| {
+fn try_out(mut wanted: motion::Move, target: &Target, output: &Output) -> Result<(), Failure> {
+    let relative = wanted.order.relative;
+    let (plan, report) = axis::moving(target, Need::Records, output, |session, drive, bound| {
+        wanted.control.bound = bound;
         let observer = axis::observer(&drive.label(), Box::new(|_, _| None), output);
-        let plan = motion::plan_move(session, drive, wanted, &observer).wait()?;
+        let plan = motion::plan_move(session, drive, &wanted, &observer).wait()?;
         let report = MoveReport::of(&plan, drive);
         Ok((plan, report))
     })?;
     output.say(&format!(
         "dry run: {} {}; nothing moves",
         report.drive,
-        plan_text(&plan, wanted.order.relative)
+        plan_text(&plan, relative)
     ));
     output.json_report(&report);
     if plan.objections.is_empty() {

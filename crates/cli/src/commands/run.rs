@@ -12,7 +12,7 @@ use crate::failure::Failure;
 use crate::output::Output;
 
 pub fn run(args: &Run, target: &Target, output: &Output) -> Result<(), Failure> {
-    let wanted = wanted(args)?;
+    let mut wanted = wanted(args)?;
     let (number, unit) = wanted
         .frequency
         .map_or((wanted.speed, wanted.unit.symbol()), |frequency| {
@@ -20,14 +20,16 @@ pub fn run(args: &Run, target: &Target, output: &Output) -> Result<(), Failure> 
         });
     let speed = format!("{number} {unit} {}", duration_text(args));
     if args.dry_run {
-        let plan = axis::with_drive(target, Need::Records, output, |session, drive| {
+        let plan = axis::moving(target, Need::Records, output, |session, drive, bound| {
+            wanted.control.bound = bound;
             let observer = axis::observer(&drive.label(), Box::new(|_, _| None), output);
             motion::plan_run(session, drive, &wanted, &observer).wait()
         })?;
         show(&plan, &speed, output);
         return Ok(());
     }
-    axis::with_drive(target, Need::Cyclic, output, |session, drive| {
+    axis::moving(target, Need::Cyclic, output, |session, drive, bound| {
+        wanted.control.bound = bound;
         let text = format!("turns at {speed}");
         let start = Box::new(move |_: &_, _| Some(text.clone()));
         let observer = axis::observer(&drive.label(), start, output);

@@ -19,7 +19,7 @@ pub fn run(args: &Stop, target: &Target, output: &Output) -> Result<(), Failure>
     } else {
         StopWay::Stop
     };
-    if connect::selector(target)?.single().is_none() {
+    if connect::selector(target, output)?.single().is_none() {
         return many(way, args, target, output);
     }
     let report = axis::with_drive(target, Need::Stop, output, |session, drive| {
@@ -53,7 +53,7 @@ fn remarks(report: &StopReport, output: &Output) {
 }
 
 fn many(way: StopWay, args: &Stop, target: &Target, output: &Output) -> Result<(), Failure> {
-    let selector = connect::selector(target)?;
+    let selector = connect::selector(target, output)?;
     let (opening, mut session) = connect::network(target, &selector, Need::Stop, output)?;
     let stopped = fleet::stop(&opening, &mut session, &selector, way, args.timeout).wait();
     let stopped = stopped.map_err(Failure::from)?;

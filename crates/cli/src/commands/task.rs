@@ -11,12 +11,13 @@ use crate::output::Output;
 
 pub fn run(args: &Task, target: &Target, output: &Output) -> Result<(), Failure> {
     let number = args.number;
-    let wanted = motion::Task {
+    let mut wanted = motion::Task {
         number,
         timeout: args.timeout,
         control: axis::in_mode(&args.control)?,
     };
-    axis::with_drive(target, Need::Cyclic, output, |session, drive| {
+    axis::moving(target, Need::Cyclic, output, |session, drive, bound| {
+        wanted.control.bound = bound;
         let start = Box::new(move |_: &_, telegram| {
             Some(format!(
                 "carries out its motion task {number}, telegram {telegram}"

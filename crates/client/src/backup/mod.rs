@@ -30,6 +30,7 @@
 
 mod compare;
 mod header;
+mod merge;
 mod nearest;
 mod parse;
 mod pattern;

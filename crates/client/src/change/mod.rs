@@ -24,6 +24,7 @@ use profile::parameter::{Dialect, Format, Saving};
 use profile::value::{CheckedValue, Content, Interpretation, Parameters, Reading, Selection, is_scaling};
 
 pub use kept::{Kept, Persistence, SavedBy};
+pub(crate) use plan::in_size_of;
 pub use plan::{Choice, Plan, Skip, Skipped, TaskSkipped};
 pub use set::ChangeSet;
 

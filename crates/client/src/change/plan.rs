@@ -312,7 +312,7 @@ fn decide(
                 return Err(Skip::Same);
             }
             within(parameter, target, choice, &here)?;
-            number(&here, &selection, old, target)?
+            in_size_of(&here, &selection, old, target)?
         }
         _ if old.octets == reading.octets => return Err(Skip::Same),
         _ if old.octets.len() != reading.octets.len() => {
@@ -388,7 +388,12 @@ fn within(parameter: &Parameter, raw: i64, choice: &Choice, here: &Parameters) -
 }
 
 /// Returns the number in the size and format in which the drive has it.
-fn number(here: &Parameters, selection: &Selection, old: &Reading, raw: i64) -> Result<Reading, Skip> {
+pub(crate) fn in_size_of(
+    here: &Parameters,
+    selection: &Selection,
+    old: &Reading,
+    raw: i64,
+) -> Result<Reading, Skip> {
     let width = old.octets.len();
     let size = selection
         .parameter

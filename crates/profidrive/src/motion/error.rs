@@ -234,6 +234,8 @@ impl MotionError {
                 let value = value.replace(' ', "");
                 Some(Advice::from(Action::Write { parameter, value }).and(" puts it back"))
             }
+            Self::AboveBound { .. } => Some("ask for a speed within it".into()),
+            Self::NotBounded { .. } => Some("set a limit of the drive itself, or give a speed in rpm".into()),
             Self::NoPpo { .. } => Some("use the number of a telegram".into()),
             Self::NeedsRestart { .. } => Some("remove the cause, then switch the drive off and on".into()),
             Self::NoClearParameter { .. } => {

@@ -28,7 +28,7 @@ pub fn write(args: &Write, target: &Target, output: &Output) -> Result<(), Failu
         save: args.save,
         dry_run: args.dry_run,
     };
-    if connect::selector(target)?.single().is_none() {
+    if connect::selector(target, output)?.single().is_none() {
         return many(args, &assignments, wanted, target, output);
     }
     let (mut session, mut drive) = connect::drive(target, Need::Records, output)?;

@@ -1,0 +1,165 @@
+//! Why a drive of a machine file is not as the file says.
+
+use client::change::Skip;
+use client::{Advice, DriveAddress, Error, ErrorKind};
+use profinet::MacAddress;
+
+use crate::DriveError;
+use crate::addressing::AddressingError;
+use crate::settings::{FileError, RestoreError};
+
+/// What speaks against commissioning a drive, or went wrong with it.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum CommissionError {
+    /// No station has the name or the MAC address of the drive.
+    #[error("{drive} (line {line}) does not answer{}", by(.mac.as_ref()))]
+    NotFound {
+        /// Name of the drive.
+        drive: String,
+        /// Line of the machine file.
+        line: usize,
+        /// The MAC address that was searched, too.
+        mac: Option<MacAddress>,
+    },
+    /// Another station than the one with this MAC address has the name.
+    #[error("{drive} (line {line}): the station with this name has the MAC address {found}, not {mac}")]
+    OtherStation {
+        /// Name of the drive.
+        drive: String,
+        /// Line of the machine file.
+        line: usize,
+        /// The MAC address in the file.
+        mac: MacAddress,
+        /// That of the station.
+        found: MacAddress,
+    },
+    /// The drive is of another model.
+    #[error("{drive} (line {line}): the file says {wanted}, the drive is {found}")]
+    OtherModel {
+        /// Name of the drive.
+        drive: String,
+        /// Line of the machine file.
+        line: usize,
+        /// Model of the file.
+        wanted: &'static str,
+        /// What the station is.
+        found: String,
+    },
+    /// A setting of the file is not valid for this drive.
+    #[error("{drive} (line {line}): {problem}")]
+    Setting {
+        /// Name of the drive.
+        drive: String,
+        /// Line of the machine file.
+        line: usize,
+        /// What is wrong.
+        problem: Box<Error>,
+    },
+    /// The drive cannot have a setting of the file or of the backup.
+    #[error("{drive} (line {line}): {parameter} cannot be set: {why}")]
+    LeftOut {
+        /// Name of the drive.
+        drive: String,
+        /// Line of the machine file.
+        line: usize,
+        /// The parameter.
+        parameter: String,
+        /// Why.
+        why: Skip,
+    },
+    /// The motion tasks of the backup cannot be set.
+    #[error("{drive}: the motion tasks are left out: {why}")]
+    TasksLeftOut {
+        /// Name of the drive.
+        drive: String,
+        /// Why.
+        why: String,
+    },
+    /// After everything was written the drive is not as the file says.
+    #[error("{drive} is not as the file says: {count} settings differ after they were written")]
+    Differs {
+        /// Name of the drive.
+        drive: String,
+        /// How many settings.
+        count: usize,
+    },
+    /// The drive refused values, or to save them.
+    #[error("{drive} refused {count} values, or to save them")]
+    Refused {
+        /// Name of the drive.
+        drive: String,
+        /// How many values.
+        count: usize,
+    },
+    /// The machine was read from a text: there is no folder for the values before.
+    #[error("the machine is not a file: there is no folder for the values before")]
+    NoFolder,
+    /// The note that a run has begun cannot be written or removed.
+    #[error("{}: {source}", path.display())]
+    Note {
+        /// The file.
+        path: std::path::PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// The drive cannot be worked with.
+    #[error(transparent)]
+    Drive(#[from] DriveError),
+    /// The name or the address cannot be given.
+    #[error(transparent)]
+    Addressing(#[from] AddressingError),
+    /// The settings cannot be written.
+    #[error(transparent)]
+    Restore(#[from] RestoreError),
+    /// The backup cannot be read.
+    #[error(transparent)]
+    File(#[from] FileError),
+    /// The drive cannot be reached, or refuses.
+    #[error(transparent)]
+    Client(#[from] Error),
+}
+
+fn by(mac: Option<&MacAddress>) -> String {
+    mac.map_or_else(String::new, |mac| format!(", neither by its name nor as {mac}"))
+}
+
+impl CommissionError {
+    /// The kind of the error.
+    #[must_use]
+    pub fn kind(&self) -> ErrorKind {
+        match self {
+            Self::NotFound { .. } => ErrorKind::Unreachable,
+            Self::OtherStation { .. } | Self::OtherModel { .. } => ErrorKind::Safety,
+            Self::Setting { problem, .. } => problem.kind(),
+            Self::LeftOut { .. } | Self::TasksLeftOut { .. } | Self::Differs { .. } => ErrorKind::Difference,
+            Self::Refused { .. } => ErrorKind::Refused,
+            Self::NoFolder => ErrorKind::Usage,
+            Self::Note { .. } => ErrorKind::Local,
+            Self::Drive(error) => error.kind(),
+            Self::Addressing(error) => error.kind(),
+            Self::Restore(error) => error.kind(),
+            Self::File(error) => error.kind(),
+            Self::Client(error) => error.kind(),
+        }
+    }
+
+    /// What to do; empty where there is nothing to add.
+    #[must_use]
+    pub fn advice(&self) -> Advice {
+        match self {
+            Self::NotFound { .. } => Advice::from("{scan} lists who answers"),
+            Self::Setting { problem, .. } => problem.advice().unwrap_or_default(),
+            Self::Client(error) | Self::Restore(RestoreError::Client(error)) => {
+                error.advice().unwrap_or_default()
+            }
+            _ => Advice::default(),
+        }
+    }
+}
+
+/// Returns the error of a name that two stations have.
+pub(super) fn ambiguous(name: &str, macs: Vec<MacAddress>) -> CommissionError {
+    let drive = DriveAddress::Name(name.to_owned());
+    CommissionError::Client(Error::Ambiguous { drive, macs })
+}
