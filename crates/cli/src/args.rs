@@ -6,6 +6,7 @@
 mod drives;
 mod explain;
 mod gsdml;
+mod machine;
 mod motion;
 mod parameters;
 mod record;
@@ -24,6 +25,7 @@ use profile::notation::Quantity;
 pub use drives::{Backup, Diff, Faults, Restore, Status};
 pub use explain::{Decode, Explain, Octets, Only, Sender};
 pub use gsdml::{Gsdml, GsdmlCheck, GsdmlCommand, GsdmlExport, GsdmlShow};
+pub use machine::Commission;
 pub use motion::{Ack, Cyclic, Enabling, Home, InMode, Jog, Move, Run, Stop, Task};
 pub use parameters::{Describe, List, Read, Write};
 pub use record::{Every, Record, Step};
@@ -327,6 +329,8 @@ pub enum Command {
     Diff(OnDrives<Diff>),
     /// Restore saved settings: prints a plan, saves the present values first, writes, verifies
     Restore(OnDrive<Restore>),
+    /// Bring the drives of a machine to what the machine file says: names, addresses, settings; shows a plan and asks first
+    Commission(OnDrives<Commission>),
     /// Explain what a number means
     Explain(Explain),
     /// Explain what a parameter job or a capture file contains

@@ -10,7 +10,7 @@ use profile::notation::wildcard_fits;
 use profinet::controller::Station;
 use profinet::wire::dcp::role;
 
-use crate::machine::{Machine, UnknownGroup};
+use crate::machine::{Machine, MachineDrive, UnknownGroup};
 
 /// Which drives are meant, as a person writes it: terms separated by commas.
 ///
@@ -137,6 +137,26 @@ impl Selector {
         Self {
             terms: vec![Term::Group(Group::All)],
         }
+    }
+
+    /// Returns true for a drive of a machine file that this means: by its name, its address, its model or its vendor.
+    #[must_use]
+    pub fn means(&self, drive: &MachineDrive) -> bool {
+        let tables = drive.model.catalogue;
+        let station = Station {
+            name: drive.name.clone(),
+            vendor_id: tables.map_or(0, |tables| tables.device.vendor_id),
+            device_id: tables.map_or(0, |tables| tables.device.device_id),
+            role: role::DEVICE,
+            ..Station::default()
+        };
+        self.terms.iter().any(|term| match term {
+            Term::Group(group) => group.means(&station),
+            Term::Address(DriveAddress::Name(name)) => *name == drive.name,
+            Term::Address(DriveAddress::Ip(ip)) => drive.ip.is_some_and(|own| own.address == *ip),
+            Term::Address(DriveAddress::Mac(mac)) => drive.mac == Some(*mac),
+            Term::Address(DriveAddress::Line(_)) => false,
+        })
     }
 
     pub(crate) fn terms(&self) -> &[Term] {

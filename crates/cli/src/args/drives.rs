@@ -31,10 +31,10 @@ pub struct Backup {
 
 #[derive(Debug, Args)]
 pub struct Diff {
-    /// A backup file or a drive; a file of this name comes first
+    /// A backup file, a machine file (*.toml) or a drive; a file of this name comes first
     #[arg(value_name = "A")]
     pub left: String,
-    /// A backup file or a drive
+    /// A backup file or a drive; for a machine file its drives: all, @line1, akd-*
     #[arg(value_name = "B")]
     pub right: String,
 }

@@ -7,7 +7,7 @@ use client::{DriveAddress, ErrorKind, Wait};
 use profidrive::settings::{self, CompareError, Comparison};
 use profile::value::Reading;
 
-use super::backup;
+use super::{backup, commission};
 use crate::advice::Commands;
 use crate::args::{Diff, DriveOptions, Target};
 use crate::connect::{self, Need};
@@ -17,6 +17,10 @@ use crate::render::table::Table;
 use crate::render::value;
 
 pub fn run(args: &Diff, options: &DriveOptions, output: &Output) -> Result<(), Failure> {
+    let machine = Path::new(&args.left);
+    if machine.extension().is_some_and(|extension| extension == "toml") {
+        return commission::drift(machine, &args.right, options, output);
+    }
     let (left, right) = (source(&args.left)?, source(&args.right)?);
     let drive = |name: &str| {
         let read = backup::whole(&options.target(name), output);

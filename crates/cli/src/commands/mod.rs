@@ -3,6 +3,7 @@
 mod address;
 mod axis;
 mod backup;
+mod commission;
 mod completions;
 mod decode;
 mod demo;
@@ -72,6 +73,7 @@ pub fn run(cli: &Cli, output: &Output) -> Result<(), Failure> {
         Command::Backup(on) => backup::run(&on.args, &selected(cli, on), output),
         Command::Diff(on) => diff::run(&on.args, &options(cli, &on.options), output),
         Command::Restore(on) => restore::run(&on.args, &target(cli, on), output),
+        Command::Commission(on) => commission::run(&on.args, &options(cli, &on.options), output),
         Command::Explain(args) => explain::run(args, output),
         Command::Decode(args) => {
             let interface = args.interface.as_ref().or(cli.interface.interface.as_ref());

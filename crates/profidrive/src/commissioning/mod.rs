@@ -217,7 +217,7 @@ fn beside(machine: &Machine, drive: &str) -> Result<PathBuf, CommissionError> {
 }
 
 /// Carries out a plan: first all names and addresses, one after the other, then the settings of all drives side by side, each
-/// saved and read back. Drives with objections are left as they are; where one drive fails the others go on.
+/// saved and read back. Where there is an objection to any drive, nothing is changed; where one fails later, the others go on.
 /// `done` receives the name of each drive that is finished.
 ///
 /// # Errors
@@ -232,10 +232,10 @@ pub async fn carry_out(
     if machine.path.is_none() {
         return Err(CommissionError::NoFolder);
     }
-    for one in planned
-        .iter_mut()
-        .filter(|one| one.objections.is_empty() && one.is_change())
-    {
+    if planned.iter().any(|one| !one.objections.is_empty()) {
+        return Ok(planned);
+    }
+    for one in planned.iter_mut().filter(|one| one.is_change()) {
         if let Err(error) = begin(network, machine, one).await {
             one.objections.push(error);
         }

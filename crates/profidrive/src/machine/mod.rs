@@ -31,6 +31,8 @@ use profile::model::Model;
 use profile::value::Assignment;
 use profinet::{IpSuite, MacAddress};
 
+use crate::Selector;
+
 /// Octets of a machine file at most.
 pub const LONGEST_FILE: usize = 1 << 20;
 /// Drives of a machine at most.
@@ -217,6 +219,14 @@ impl Machine {
             .filter(|(group, _)| drive.groups.contains(group));
         let bounds = of_groups.map(|(_, bound)| *bound).chain(drive.max_speed);
         bounds.min_by(|a, b| a.rpm.total_cmp(&b.rpm))
+    }
+
+    /// Returns the machine with the drives that a selector means; `None` where it means none of them.
+    #[must_use]
+    pub fn only(&self, selector: &Selector) -> Option<Self> {
+        let mut machine = self.clone();
+        machine.drives.retain(|drive| selector.means(drive));
+        (!machine.drives.is_empty()).then_some(machine)
     }
 
     /// Returns a path of the file, which counts from the folder of the file.

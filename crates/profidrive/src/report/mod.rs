@@ -14,6 +14,7 @@
 
 mod backup;
 mod change;
+mod commission;
 mod drive;
 mod drives;
 mod gsdml;
@@ -31,6 +32,7 @@ pub use dissect::report::{DriveState, Parameter, ParameterContent, ParameterErro
 
 pub use backup::{BackupReport, DiffReport, Difference, MotionTask, NumberedTask, TaskDifference};
 pub use change::{MotionTaskChange, RestoreReport, SettingChange, SkippedSetting, WriteReport};
+pub use commission::{CommissionReport, CommissionedDrive};
 pub use drive::{
     FaultsReport, Identity, InfoReport, LogEntry, Module, MonitorReading, MonitorSilence, Neighbour,
     ParametersReport, Submodule,

@@ -8,7 +8,7 @@ use serde::Serialize;
 use serde_json::{Map, Value, json};
 
 use super::{
-    BackupReport, BlinkReport, DemoEvent, DescribeReport, DiffReport, Drives, Error, FaultsReport,
+    BackupReport, BlinkReport, CommissionReport, DemoEvent, DescribeReport, DiffReport, Drives, Error, FaultsReport,
     GsdmlCheckReport, GsdmlExportReport, GsdmlShowReport, InfoReport, InjectReport, IpReport, ListReport,
     MonitorReading, MonitorSilence, NameReport, ParametersReport, RecordReport, ResetReport, RestoreReport,
     ScanReport, SimulationReport, StationChange, StatusReport, StepReport, WriteReport,
@@ -31,7 +31,8 @@ const COMMANDS: &[(&str, Describe)] = &[
     ("write", each::<WriteReport, WriteReport>),
     ("backup", each::<BackupReport, BackupReport>),
     ("restore", of::<RestoreReport>),
-    ("diff", of::<DiffReport>),
+    ("diff", of::<Diff>),
+    ("commission", of::<CommissionReport>),
     ("gsdml check", of::<GsdmlCheckReport>),
     ("gsdml show", of::<GsdmlShowReport>),
     ("gsdml export", of::<GsdmlExportReport>),
@@ -75,6 +76,15 @@ enum Scan {
 enum Monitored {
     Reading(Box<MonitorReading>),
     Silence(MonitorSilence),
+}
+
+/// What two sets of settings differ in, or the drives of a machine from its file.
+#[derive(Serialize, JsonSchema)]
+#[serde(untagged)]
+#[expect(dead_code, reason = "only its schema is used")]
+enum Diff {
+    Settings(DiffReport),
+    Machine(CommissionReport),
 }
 
 /// What a motion reports while it goes on and at its end, or its plan in a dry run.

@@ -1,0 +1,196 @@
+//! `profidrive commission`, and `profidrive diff` with a machine file
+
+use std::path::Path;
+
+use client::change::Step;
+use client::{ErrorKind, Wait};
+use profidrive::commissioning::{self, CommissionError, Planned, Purpose};
+use profidrive::machine::Machine;
+use profidrive::report::CommissionReport;
+use profidrive::{Opening, Selector};
+
+use super::each::{self, Row};
+use crate::advice::Commands;
+use crate::args::{Commission, DriveOptions};
+use crate::confirm::{Question, confirm};
+use crate::connect::{self, Live, Need};
+use crate::failure::Failure;
+use crate::output::Output;
+use crate::render::table::{Table, clean};
+use crate::render::value;
+
+pub fn run(args: &Commission, options: &DriveOptions, output: &Output) -> Result<(), Failure> {
+    let path = args.file.clone().or_else(|| connect::machine_path(options));
+    let path = path.ok_or_else(|| {
+        Failure::usage("no machine file is named, and there is no machine.toml in this folder")
+            .hint("`profidrive commission FILE`, or PROFIDRIVE_MACHINE")
+    })?;
+    let machine = selected(Machine::read(&path)?, args.only.as_deref())?;
+    let (opening, mut session, planned) = plan(&machine, Purpose::Commission, options, output)?;
+    let objections = planned.iter().any(|one| !one.objections.is_empty());
+    let changing = planned.iter().filter(|one| one.is_change()).count();
+    if !output.json() {
+        show(&planned, output);
+    }
+    if objections || args.dry_run || changing == 0 {
+        session.close().wait()?;
+        output.json_report(&CommissionReport::new(&machine, &planned, true, &Commands::any()));
+        ended(planned, output).map_err(|failure| Failure {
+            message: format!("nothing was changed; {}", failure.message),
+            ..failure
+        })?;
+        output.say(if changing == 0 {
+            "nothing to change: every drive is as the file says"
+        } else {
+            "dry run: nothing was changed"
+        });
+        return Ok(());
+    }
+    if !args.yes {
+        let question = Question {
+            text: &format!("Change {changing} of {} drives?", planned.len()),
+            undone: "nothing was changed",
+            unasked: "--yes changes without asking",
+        };
+        confirm(&mut session, &question, output)?;
+    }
+    let bar = connect::bar(output, planned.len(), "commissioning");
+    let done = commissioning::carry_out(&opening, &mut session, &machine, planned, |_| bar.inc(1)).wait();
+    bar.finish_and_clear();
+    let done = done?;
+    let closed = session.close().wait();
+    output.json_report(&CommissionReport::new(&machine, &done, false, &Commands::any()));
+    results(&done, output);
+    ended(done, output)?;
+    Ok(closed?)
+}
+
+/// The drives of a machine that are not as its file says.
+pub fn drift(path: &Path, drives: &str, options: &DriveOptions, output: &Output) -> Result<(), Failure> {
+    let machine = selected(Machine::read(path)?, Some(drives))?;
+    let (_, mut session, planned) = plan(&machine, Purpose::Compare, options, output)?;
+    session.close().wait()?;
+    output.json_report(&CommissionReport::new(&machine, &planned, true, &Commands::any()));
+    if !output.json() {
+        show(&planned, output);
+    }
+    let differ = planned.iter().filter(|one| one.is_change()).count();
+    let drives = planned.len();
+    ended(planned, output)?;
+    if differ == 0 {
+        output.say("no difference");
+        return Ok(());
+    }
+    output.say(&format!("{differ} of {drives} drives differ from the file"));
+    Err(Failure::silent(ErrorKind::Difference))
+}
+
+/// The machine with the drives that are meant.
+fn selected(machine: Machine, only: Option<&str>) -> Result<Machine, Failure> {
+    let Some(only) = only else {
+        return Ok(machine);
+    };
+    let selector = Selector::of(only, Some(&machine)).map_err(|error| Failure::usage(error.to_string()))?;
+    machine.only(&selector).ok_or_else(|| {
+        let names: Vec<&str> = machine.drives.iter().map(|drive| drive.name.as_str()).collect();
+        Failure::usage(format!("`{only}` fits no drive of the machine file"))
+            .hint(format!("it has {}", each::listed(&names)))
+    })
+}
+
+fn plan(
+    machine: &Machine,
+    purpose: Purpose,
+    options: &DriveOptions,
+    output: &Output,
+) -> Result<(Opening, Live, Vec<Planned>), Failure> {
+    let all = Selector::all();
+    let (opening, mut session) = connect::network(&options.target("all"), &all, Need::Records, output)?;
+    let spinner = connect::spinner(output, "reading the drives of the machine".to_owned());
+    let planned = commissioning::plan(&opening, &mut session, machine, purpose).wait();
+    spinner.finish_and_clear();
+    Ok((opening, session, planned?))
+}
+
+/// What differs from the file, one line each.
+fn show(planned: &[Planned], output: &Output) {
+    let mut table = Table::new(&["drive", "name", "number", ">now", "", ">in the file", "unit"]);
+    for one in planned {
+        let mut row = |name: &str, number: &str, now: &str, new: &str, unit: &str| {
+            table.row([&one.wanted.name, name, number, now, "->", new, unit].map(clean));
+        };
+        if let Some(name) = &one.name {
+            let now = name.old.as_deref().unwrap_or("-");
+            row("station name", "", now, name.name.as_deref().unwrap_or("-"), "");
+        }
+        if let (Some(ip), Some(drive)) = (&one.ip, &one.drive) {
+            let now = drive.station.ip;
+            let now = if now.is_set() {
+                now.address.to_string()
+            } else {
+                "-".to_owned()
+            };
+            row("IP address", "", &now, &ip.ip, "");
+        }
+        for change in one
+            .settings
+            .iter()
+            .flat_map(|settings| settings.plan.set.changes())
+        {
+            let old = change.old.as_ref().and_then(|old| old.as_ref().ok());
+            let ([old, new], unit) = value::pair(old, Some(&change.new));
+            let name = change.new.name.unwrap_or_default();
+            row(name, &change.new.shown().to_string(), &old, &new, &unit);
+        }
+        for task in one.settings.iter().flat_map(|settings| settings.plan.set.tasks()) {
+            row(&format!("MT[{}]", task.number), "", "", "other values", "");
+        }
+        if one.settings_later {
+            row("settings", "", "?", "compared once the drive has its address", "");
+        }
+        if one.unfinished {
+            row("saved settings", "", "?", "saved (a run before did not end)", "");
+        }
+    }
+    output.table(&table);
+}
+
+fn results(done: &[Planned], output: &Output) {
+    for one in done.iter().filter(|one| one.is_change()) {
+        let name = &one.wanted.name;
+        let set = one.settings.as_ref().map(|settings| &settings.plan.set);
+        let written = set.map_or(0, |set| set.count(Step::is_written));
+        if one.verified {
+            output.say(&format!("{name}: as the file says; settings written: {written}"));
+        }
+        if let Some(path) = &one.way_back {
+            let path = path.display();
+            output.say(&format!(
+                "{name}: `profidrive restore {name} {path} --network` brings the values before back"
+            ));
+        }
+    }
+}
+
+fn ended(planned: Vec<Planned>, output: &Output) -> Result<(), Failure> {
+    let rows = planned.into_iter().map(|one| Row {
+        name: one.wanted.name,
+        drive: one.drive,
+        done: Some(()),
+        problems: one.objections.into_iter().map(Failure::from).collect(),
+    });
+    each::ended(&rows.collect::<Vec<_>>(), None, output)
+}
+
+impl From<CommissionError> for Failure {
+    fn from(error: CommissionError) -> Self {
+        match error {
+            CommissionError::Drive(error) => error.into(),
+            CommissionError::Addressing(error) => error.into(),
+            CommissionError::Restore(error) => error.into(),
+            CommissionError::File(error) => error.into(),
+            CommissionError::Client(error) => error.into(),
+            error => Self::new(error.kind(), error.to_string()).hint(error.advice()),
+        }
+    }
+}
