@@ -409,6 +409,7 @@ const SET_MODE: Control = Control {
     watchdog: None,
     may_run_on: false,
     set_mode: true,
+    bound: None,
 };
 
 /// A motion that changes settings of the drive, by its number.

@@ -67,7 +67,7 @@ fn a_drive_in_another_subnet_is_reported_before_any_request() {
             4,
             &[
                 "akd-1 has 192.168.5.11/24, ctl0 has 192.168.77.11/24: two subnets",
-                "profidrive ip akd-1 A.B.C.D/NN",
+                &format!("profidrive ip {} A.B.C.D/NN", verb[1]),
                 "ip address add A.B.C.D/24 dev ctl0",
             ],
         );

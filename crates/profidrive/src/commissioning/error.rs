@@ -66,7 +66,7 @@ pub enum CommissionError {
         /// The parameter.
         parameter: String,
         /// Why.
-        why: Skip,
+        why: Box<Skip>,
     },
     /// The motion tasks of the backup cannot be set.
     #[error("{drive}: the motion tasks are left out: {why}")]

@@ -87,10 +87,10 @@ async fn settings_of(
         drive: wanted.name.clone(),
         line: line_of(&explicit, &reading).unwrap_or(wanted.line),
         parameter: label(&reading),
-        why: Skip::Size {
+        why: Box::new(Skip::Size {
             drive: reading.octets.len(),
             file: 8,
-        },
+        }),
     });
     let unfit = unfit.collect();
     Ok(Some((settings, explicit, unfit)))
@@ -154,7 +154,7 @@ fn objections(plan: &Plan, explicit: &[Explicit], wanted: &MachineDrive) -> Vec<
             drive: drive(),
             line: of_file.unwrap_or(wanted.line),
             parameter: label(&skipped.reading),
-            why: skipped.why.clone(),
+            why: Box::new(skipped.why.clone()),
         });
     }
     if let Some(why) = &plan.tasks_left_out {

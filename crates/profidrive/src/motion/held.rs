@@ -92,6 +92,7 @@ pub struct HeldAxis {
     taken: Taken,
     change: Option<ModeChange>,
     limit: f64,
+    control: Control,
     session: Session,
     drive: Drive,
 }
@@ -124,6 +125,7 @@ pub async fn hold(
         taken,
         change,
         limit: wanted.limit,
+        control: wanted.control,
         session: session.clone(),
         drive: drive.clone(),
     })
@@ -149,7 +151,7 @@ impl HeldAxis {
     /// # Errors
     /// A speed above the limit of the caller or of the drive, and when the axis is not enabled. What moved before goes on.
     pub async fn run(&mut self, speed: f64) -> Result<(), MotionError> {
-        within(speed, self.limit, SpeedUnit::Rpm)?;
+        within(speed, self.limit, SpeedUnit::Rpm, &self.control)?;
         let observer = self.taken.observer().clone();
         permit_speed(&mut self.session, &mut self.drive, speed, None, &observer).await?;
         if let Some(nearest) = self.taken.axis.rounded_speed(speed) {
@@ -170,7 +172,7 @@ impl HeldAxis {
         let reading = self.session.read_one(&mut self.drive, &setting.selection).await?;
         // a speed that is not known is within no limit
         let speed = setting.rpm(&reading).unwrap_or(f64::NAN);
-        within(speed, self.limit, SpeedUnit::Rpm)?;
+        within(speed, self.limit, SpeedUnit::Rpm, &self.control)?;
         let facts = self.session.motion_facts(&mut self.drive).await?;
         limit::jog(speed, &facts, &self.drive)?;
         report_switch(speed, &facts, self.taken.observer());
@@ -186,7 +188,7 @@ impl HeldAxis {
     /// # Errors
     /// A speed above the limit of the caller or of the drive, a drive in velocity mode, and when the axis is not enabled.
     pub async fn jog_at(&mut self, speed: f64) -> Result<(), MotionError> {
-        within(speed, self.limit, SpeedUnit::Rpm)?;
+        within(speed, self.limit, SpeedUnit::Rpm, &self.control)?;
         let sent = self.session.check_jog(&mut self.drive, speed, self.limit).await?;
         let observer = self.taken.observer().clone();
         report_rounded(speed, sent, SpeedUnit::Rpm.symbol(), &observer);
@@ -204,7 +206,7 @@ impl HeldAxis {
     /// # Errors
     /// A speed above the limit, what speaks against the move ([`Error::Objections`]), and when the axis is not enabled.
     pub async fn start(&mut self, order: &Order) -> Result<MovePlan, MotionError> {
-        within(order.speed, self.limit, SpeedUnit::Rpm)?;
+        within(order.speed, self.limit, SpeedUnit::Rpm, &self.control)?;
         let mut enabled = self.operation()?;
         let result = async {
             let plan = enabled.plan(order).await?;
@@ -222,6 +224,7 @@ impl HeldAxis {
     /// A task that the drive does not have or that cannot run, and when the axis is not enabled.
     pub async fn start_task(&mut self, number: u16) -> Result<(), MotionError> {
         self.session.check_task(&mut self.drive, number).await?;
+        self.bounded("a motion task").await?;
         let mut enabled = self.operation()?;
         let result = enabled.start_task(number).await;
         enabled.leave();
@@ -244,11 +247,17 @@ impl HeldAxis {
     ///
     /// # Errors
     /// When homing fails or takes longer than `limit`, and when the axis is not enabled.
-    pub async fn home(&mut self, limit: Duration) -> Result<(), Error> {
+    pub async fn home(&mut self, limit: Duration) -> Result<(), MotionError> {
+        self.bounded("homing").await?;
         let mut enabled = self.operation()?;
         let result = enabled.home(Some(limit)).await;
         enabled.leave();
-        result
+        Ok(result?)
+    }
+
+    /// Refuses a motion whose speed only the drive has, where the machine bounds it.
+    async fn bounded(&mut self, what: &'static str) -> Result<(), MotionError> {
+        limit::of_drive(&mut self.session, &mut self.drive, &self.control, what).await
     }
 
     /// Lets time pass and keeps the axis: its motion goes on.

@@ -8,10 +8,10 @@ use serde::Serialize;
 use serde_json::{Map, Value, json};
 
 use super::{
-    BackupReport, BlinkReport, CommissionReport, DemoEvent, DescribeReport, DiffReport, Drives, Error, FaultsReport,
-    GsdmlCheckReport, GsdmlExportReport, GsdmlShowReport, InfoReport, InjectReport, IpReport, ListReport,
-    MonitorReading, MonitorSilence, NameReport, ParametersReport, RecordReport, ResetReport, RestoreReport,
-    ScanReport, SimulationReport, StationChange, StatusReport, StepReport, WriteReport,
+    BackupReport, BlinkReport, CommissionReport, DemoEvent, DescribeReport, DiffReport, Drives, Error,
+    FaultsReport, GsdmlCheckReport, GsdmlExportReport, GsdmlShowReport, InfoReport, InjectReport, IpReport,
+    ListReport, MonitorReading, MonitorSilence, NameReport, ParametersReport, RecordReport, ResetReport,
+    RestoreReport, ScanReport, SimulationReport, StationChange, StatusReport, StepReport, WriteReport,
 };
 use crate::motion::{self, JogPlan, Message, MoveReport, RunPlan, StopReport};
 
