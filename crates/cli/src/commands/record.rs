@@ -1,5 +1,6 @@
 //! `profidrive record`
 
+use std::io::Write;
 use std::path::Path;
 use std::time::Duration;
 
@@ -123,7 +124,7 @@ pub fn drawing(file: &Path) -> Result<Drawing, Failure> {
     }
 }
 
-/// Draws curves to a file.
+/// Draws curves to a new file.
 pub fn draw(file: &Path, title: &str, scope: &Scope, marks: &[Mark]) -> Result<(), Failure> {
     let local = |error: &dyn std::fmt::Display| {
         Failure::new(
@@ -132,7 +133,8 @@ pub fn draw(file: &Path, title: &str, scope: &Scope, marks: &[Mark]) -> Result<(
         )
     };
     let plot = drawing(file)?(title, scope, marks).map_err(|error| local(&error))?;
-    std::fs::write(file, plot).map_err(|error| local(&error))
+    let mut new = std::fs::File::create_new(file).map_err(|error| local(&error))?;
+    new.write_all(plot.as_bytes()).map_err(|error| local(&error))
 }
 
 /// The form of the file; `None` for CSV that is printed.

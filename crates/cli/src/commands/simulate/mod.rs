@@ -45,8 +45,13 @@ pub fn run(args: &Simulate, on: &Interface, output: &Output) -> Result<(), Failu
     let mut plant = args.plant.as_deref().map(PlantPlan::read).transpose()?;
     if let (Some(plant), Some(file)) = (&mut plant, &args.expect) {
         let more = plant.read_expectations(file)?;
+        if more.is_empty() {
+            let message = format!("--expect {}: the file has no expectations", file.display());
+            return Err(Failure::usage(message));
+        }
         plant.expectations.extend(more);
     }
+    check_outputs(args)?;
     if let Some(plant) = plant.as_ref().filter(|_| args.virtual_time) {
         return virtual_time::run(plant, args, output);
     }
@@ -64,6 +69,30 @@ pub fn run(args: &Simulate, on: &Interface, output: &Output) -> Result<(), Failu
     config.load_every = (summary || metrics.is_some()).then_some(EACH_SECOND);
     let printer = Printer::new(output, summary, metrics);
     printer.show(|events| Host::open(config, events)?.run())
+}
+
+/// What is written must not replace what is read.
+fn check_outputs(args: &Simulate) -> Result<(), Failure> {
+    let place = |path: &Path| path.canonicalize().ok();
+    let read = [args.plant.as_deref(), args.expect.as_deref()];
+    let read: Vec<_> = read.into_iter().flatten().filter_map(place).collect();
+    let outputs = [
+        ("junit", &args.junit),
+        ("trace", &args.trace),
+        ("pcap", &args.pcap),
+    ];
+    for (option, path) in outputs {
+        if let Some(path) = path
+            && place(path).is_some_and(|place| read.contains(&place))
+        {
+            let message = format!(
+                "--{option} {}: this file is read by the same command",
+                path.display()
+            );
+            return Err(Failure::usage(message));
+        }
+    }
+    Ok(())
 }
 
 fn metrics(address: SocketAddr) -> Result<MetricsServer, Failure> {

@@ -76,7 +76,7 @@ pub fn run(plant: &PlantPlan, args: &Simulate, output: &Output) -> Result<(), Fa
         world.trace_hash(),
         if world.now() < end { "; ended early" } else { "" }
     ));
-    if let Some((path, mut file)) = report {
+    let written = report.map_or(Ok(()), |(path, mut file)| {
         let plant_file = args.plant.as_deref().unwrap_or(Path::new(""));
         let suite = Suite {
             plant: &plant_file.display().to_string(),
@@ -86,9 +86,14 @@ pub fn run(plant: &PlantPlan, args: &Simulate, output: &Output) -> Result<(), Fa
             took,
         };
         file.write_all(junit(&suite, &results).as_bytes())
-            .map_err(|error| failed(&path.display().to_string(), &error))?;
+            .map_err(|error| failed(&path.display().to_string(), &error))
+    });
+    // a lost expectation counts more than a report that could not be written
+    let judged = judge(results, output);
+    if let (Err(_), Err(failure)) = (&judged, &written) {
+        output.problem(failure);
     }
-    judge(results, output)
+    judged.and(written)
 }
 
 /// Shows what came of the expectations; fails when one was lost.
