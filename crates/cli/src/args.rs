@@ -25,7 +25,7 @@ use profile::notation::Quantity;
 pub use drives::{Backup, Diff, Faults, Restore, Status};
 pub use explain::{Decode, Explain, Octets, Only, Sender};
 pub use gsdml::{Gsdml, GsdmlCheck, GsdmlCommand, GsdmlExport, GsdmlShow};
-pub use machine::Commission;
+pub use machine::{Commission, Replace};
 pub use motion::{Ack, Cyclic, Enabling, Home, InMode, Jog, Move, Run, Stop, Task};
 pub use parameters::{Describe, List, Read, Write};
 pub use record::{Every, Record, Step};
@@ -331,6 +331,8 @@ pub enum Command {
     Restore(OnDrive<Restore>),
     /// Bring the drives of a machine to what the machine file says: names, addresses, settings; shows a plan and asks first
     Commission(OnDrives<Commission>),
+    /// Let a new drive take the place of an old one: its name, its address and its settings; shows a plan and asks first
+    Replace(OnDrives<Replace>),
     /// Explain what a number means
     Explain(Explain),
     /// Explain what a parameter job or a capture file contains

@@ -306,3 +306,81 @@ fn a_run_that_did_not_end_is_finished_by_the_next_one() {
     assert_eq!(settings.plan.set.saved(), Saved::Yes);
     assert!(!note.exists());
 }
+
+/// A machine file that was written from the drives says what they are.
+#[test]
+fn a_file_of_the_drives_that_are_there_differs_from_none_of_them() {
+    let mut bench = Bench::new("from", MACHINE);
+    let mut saved = Vec::new();
+    for name in ["akd-1", "vlt-1", "vacon-1"] {
+        let mut drive = bench.find(name);
+        let backup = settings::backup(&mut bench.network, &mut drive, |_, _| {})
+            .wait()
+            .unwrap()
+            .report;
+        assert_eq!(backup.header.ip, Some(drive.station.ip));
+        assert!(backup.header.telegram.is_some(), "{name}");
+        let file = settings::file_in(&bench.folder, &drive);
+        std::fs::write(&file, backup.to_string()).unwrap();
+        assert_eq!(settings::read(&file).unwrap(), backup);
+        saved.push((drive, backup, PathBuf::from(file.file_name().unwrap())));
+    }
+    let text = Machine::text_of(
+        saved
+            .iter()
+            .map(|(drive, backup, file)| (drive, backup, file.as_path())),
+    );
+    let path = bench.folder.join("machine.toml");
+    std::fs::write(&path, text).unwrap();
+    bench.machine = Machine::read(&path).unwrap();
+    assert_eq!(bench.machine.drives.len(), 3);
+    let planned = bench.plan(Purpose::Compare);
+    assert_eq!((changing(&planned), problems(&planned)), (vec![], vec![]));
+}
+
+/// The new drive has neither name nor address; the old one is gone.
+#[test]
+fn a_new_drive_takes_the_place_of_an_old_one() {
+    let mut bench = Bench::new("replace", MACHINE);
+    let mut old = bench.find("akd-1");
+    let assignments = ["DRV.ACC=6000rpm/s".parse().unwrap(), "922=9".parse().unwrap()];
+    let written = bench
+        .network
+        .write(&mut old, &assignments, WriteMode::Write)
+        .wait();
+    written.unwrap().accepted().unwrap();
+    let backup = settings::backup(&mut bench.network, &mut old, |_, _| {})
+        .wait()
+        .unwrap()
+        .report;
+    let file = bench.folder.join("akd-1.backup");
+    std::fs::write(&file, backup.to_string()).unwrap();
+
+    let new = bench.find("new");
+    bench.machine = Machine::replacement(&new, "akd-1", &file, &backup);
+    // as long as the old one answers there are two for one name
+    let found = problems(&bench.plan(Purpose::Commission));
+    assert!(
+        found[0].contains("the station with this name has the MAC address"),
+        "{found:?}"
+    );
+
+    let plant = PLANT.split_once("[[drive]]\nname = \"new\"").unwrap().1;
+    let plant = format!("[[drive]]\nname = \"new\"{plant}");
+    bench.opening = Opening::new(Access::Records).in_plant(plant.parse().unwrap());
+    bench.network = bench.opening.clone().open().unwrap();
+    let planned = bench.plan(Purpose::Commission);
+    assert_eq!(problems(&planned), [""; 0]);
+    assert!(planned[0].name.is_some() && planned[0].ip.is_some());
+    let done = bench.carry_out(planned);
+    assert_eq!(problems(&done), [""; 0]);
+    let found = bench.find("akd-1");
+    assert_eq!(
+        (found.station.mac, found.station.ip),
+        (new.station.mac, old.station.ip)
+    );
+    assert_eq!(bench.value("akd-1", "DRV.ACC"), Some(6000.0));
+    assert_eq!(bench.value("akd-1", "922"), Some(9.0));
+    let again = bench.plan(Purpose::Commission);
+    assert_eq!((changing(&again), problems(&again)), (vec![], vec![]));
+}

@@ -88,9 +88,7 @@ pub fn moving<T>(
     let machine = connect::machine(&target.options, output)?;
     let mut of_machine = false;
     let done = with_drive(target, need, output, |session, drive| {
-        let bound = machine
-            .as_ref()
-            .and_then(|machine| machine.bound(&drive.station.name));
+        let bound = machine.as_ref().and_then(|machine| machine.bound_of(drive));
         let done = work(session, drive, bound);
         of_machine = matches!(
             done,

@@ -2,16 +2,20 @@
 
 use std::path::Path;
 
+use client::backup::Backup;
 use client::change::Step;
 use client::{ErrorKind, Wait};
+use network::files::StateFile;
 use profidrive::commissioning::{self, CommissionError, Planned, Purpose};
+use profidrive::fleet;
 use profidrive::machine::Machine;
 use profidrive::report::CommissionReport;
+use profidrive::settings::{self, BackupFile, FileError};
 use profidrive::{Opening, Selector};
 
 use super::each::{self, Row};
 use crate::advice::Commands;
-use crate::args::{Commission, DriveOptions};
+use crate::args::{Commission, DriveOptions, Replace};
 use crate::confirm::{Question, confirm};
 use crate::connect::{self, Live, Need};
 use crate::failure::Failure;
@@ -25,16 +29,110 @@ pub fn run(args: &Commission, options: &DriveOptions, output: &Output) -> Result
         Failure::usage("no machine file is named, and there is no machine.toml in this folder")
             .hint("`profidrive commission FILE`, or PROFIDRIVE_MACHINE")
     })?;
+    if let Some(drives) = &args.from {
+        return from(drives, &path, args.force, options, output);
+    }
     let machine = selected(Machine::read(&path)?, args.only.as_deref())?;
-    let (opening, mut session, planned) = plan(&machine, Purpose::Commission, options, output)?;
+    carry_out(&machine, (args.dry_run, args.yes), options, output)
+}
+
+/// `profidrive replace NEW OLD`
+pub fn replace(args: &Replace, options: &DriveOptions, output: &Output) -> Result<(), Failure> {
+    let (mut session, new) = connect::drive(&options.target(&args.new), Need::Discovery, output)?;
+    session.close().wait()?;
+    let machine = match &args.backup {
+        Some(file) => Machine::replacement(&new, &args.old, file, &settings::read(file)?),
+        None => {
+            let machine = connect::machine(options, output)?.ok_or_else(|| {
+                Failure::usage("neither a backup nor a machine file says what the old drive was like")
+                    .hint("--backup FILE, or --machine FILE")
+            })?;
+            machine.with_replacement(&new, &args.old).ok_or_else(|| {
+                let names: Vec<&str> = machine.drives.iter().map(|drive| drive.name.as_str()).collect();
+                Failure::usage(format!("the machine file has no drive {}", args.old))
+                    .hint(format!("it has {}", each::listed(&names)))
+            })?
+        }
+    };
+    carry_out(&machine, (args.dry_run, args.yes), options, output)
+}
+
+/// Writes the machine file from the drives that are there, and their backups beside it.
+fn from(
+    drives: &str,
+    path: &Path,
+    force: bool,
+    options: &DriveOptions,
+    output: &Output,
+) -> Result<(), Failure> {
+    let file = StateFile::document(path);
+    if !force && path.exists() {
+        return Err(
+            Failure::usage(format!("{} is there already", path.display())).hint("--force writes over it")
+        );
+    }
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let (mut session, found) = connect::drives(&options.target(drives), Need::Records, output)?;
+    let bar = connect::bar(output, found.members.len(), "reading");
+    let saved = fleet::each(&session, found.members, async |session, drive| {
+        let read = settings::backup(session, drive, |_, _| {}).await?;
+        if drive.station.name.is_empty() {
+            return Err(Failure::new(ErrorKind::Unsupported, "it has no name").hint("{name}"));
+        }
+        let place = settings::file_in(folder, drive);
+        BackupFile::at(&place, force)?.write(&read.report)?;
+        bar.inc(1);
+        Ok(read.report)
+    });
+    let saved = saved.wait();
+    bar.finish_and_clear();
+    let closed = session.close().wait();
+    let rows: Vec<Row<Backup>> = saved
+        .into_iter()
+        .map(|member| {
+            Row::new(member, |backup, drive| {
+                let missing = settings::missing(backup);
+                let incomplete = format!("the backup of {} is incomplete: {missing}", drive.label());
+                let problem = (!missing.is_nothing()).then(|| Failure::new(ErrorKind::Partial, incomplete));
+                problem.into_iter().collect()
+            })
+        })
+        .collect();
+    let whole = rows
+        .iter()
+        .filter_map(|row| row.drive.as_ref().zip(row.done.as_ref()));
+    let files: Vec<_> = whole
+        .map(|(drive, backup)| (drive, backup, settings::file_in(Path::new(""), drive)))
+        .collect();
+    if !files.is_empty() {
+        let text = Machine::text_of(
+            files
+                .iter()
+                .map(|(drive, backup, file)| (*drive, *backup, file.as_path())),
+        );
+        file.replace(text.as_bytes()).map_err(FileError::from)?;
+        output.say(&format!("{} drives in {}", files.len(), path.display()));
+    }
+    each::ended(&rows, None, output)?;
+    Ok(closed?)
+}
+
+/// Shows what a machine needs, asks, and does it.
+fn carry_out(
+    machine: &Machine,
+    (dry_run, yes): (bool, bool),
+    options: &DriveOptions,
+    output: &Output,
+) -> Result<(), Failure> {
+    let (opening, mut session, planned) = plan(machine, Purpose::Commission, options, output)?;
     let objections = planned.iter().any(|one| !one.objections.is_empty());
     let changing = planned.iter().filter(|one| one.is_change()).count();
     if !output.json() {
         show(&planned, output);
     }
-    if objections || args.dry_run || changing == 0 {
+    if objections || dry_run || changing == 0 {
         session.close().wait()?;
-        output.json_report(&CommissionReport::new(&machine, &planned, true, &Commands::any()));
+        output.json_report(&CommissionReport::new(machine, &planned, true, &Commands::any()));
         ended(planned, output).map_err(|failure| Failure {
             message: format!("nothing was changed; {}", failure.message),
             ..failure
@@ -46,7 +144,7 @@ pub fn run(args: &Commission, options: &DriveOptions, output: &Output) -> Result
         });
         return Ok(());
     }
-    if !args.yes {
+    if !yes {
         let question = Question {
             text: &format!("Change {changing} of {} drives?", planned.len()),
             undone: "nothing was changed",
@@ -55,11 +153,11 @@ pub fn run(args: &Commission, options: &DriveOptions, output: &Output) -> Result
         confirm(&mut session, &question, output)?;
     }
     let bar = connect::bar(output, planned.len(), "commissioning");
-    let done = commissioning::carry_out(&opening, &mut session, &machine, planned, |_| bar.inc(1)).wait();
+    let done = commissioning::carry_out(&opening, &mut session, machine, planned, |_| bar.inc(1)).wait();
     bar.finish_and_clear();
     let done = done?;
     let closed = session.close().wait();
-    output.json_report(&CommissionReport::new(&machine, &done, false, &Commands::any()));
+    output.json_report(&CommissionReport::new(machine, &done, false, &Commands::any()));
     results(&done, output);
     ended(done, output)?;
     Ok(closed?)

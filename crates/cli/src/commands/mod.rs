@@ -74,6 +74,7 @@ pub fn run(cli: &Cli, output: &Output) -> Result<(), Failure> {
         Command::Diff(on) => diff::run(&on.args, &options(cli, &on.options), output),
         Command::Restore(on) => restore::run(&on.args, &target(cli, on), output),
         Command::Commission(on) => commission::run(&on.args, &options(cli, &on.options), output),
+        Command::Replace(on) => commission::replace(&on.args, &options(cli, &on.options), output),
         Command::Explain(args) => explain::run(args, output),
         Command::Decode(args) => {
             let interface = args.interface.as_ref().or(cli.interface.interface.as_ref());

@@ -1,7 +1,11 @@
 //! Whose settings a backup holds.
 
+use core::net::Ipv4Addr;
+
 use profile::catalogue::{Part, Scaling};
 use profile::unit::UnitChoice;
+
+use profinet::IpSuite;
 
 use super::TaskCoverage;
 use crate::{Drive, Identity};
@@ -25,6 +29,10 @@ pub struct Header {
     pub serial_number: String,
     /// Software revision, for example `V1.17.0`.
     pub software: String,
+    /// Address, mask and gateway; `None` where the drive has none, or an older file does not say it.
+    pub ip: Option<IpSuite>,
+    /// Number of the telegram (PNU 922), where the drive reports it.
+    pub telegram: Option<u16>,
     /// Coverage of the motion tasks.
     pub tasks: TaskCoverage,
 }
@@ -55,6 +63,8 @@ impl Header {
             order_id: text(|identity| &identity.order_id),
             serial_number: text(|identity| &identity.serial_number),
             software: text(|identity| &identity.software_revision),
+            ip: Some(drive.station.ip).filter(|ip| ip.is_set()),
+            telegram: None,
             tasks: TaskCoverage::Nothing,
         }
     }
@@ -123,6 +133,16 @@ impl Header {
                 text.head(key, value.trim(), "");
             }
         }
+        if let Some(ip) = self.ip {
+            text.head("address", &ip.address.to_string(), "");
+            text.head("mask", &ip.mask.to_string(), "");
+            if !ip.gateway.is_unspecified() && ip.gateway != ip.address {
+                text.head("gateway", &ip.gateway.to_string(), "");
+            }
+        }
+        if let Some(telegram) = self.telegram {
+            text.head("telegram", &telegram.to_string(), "PNU 922");
+        }
         let has = |part| {
             self.known()
                 .catalogue
@@ -153,6 +173,10 @@ impl Header {
         }
     }
 
+    fn suite(&mut self) -> &mut IpSuite {
+        self.ip.get_or_insert(IpSuite::NONE)
+    }
+
     /// Takes one line `key: value`; the scaling goes into `scaling`.
     pub(super) fn take(
         &mut self,
@@ -170,6 +194,14 @@ impl Header {
             "order number" => self.order_id = text(),
             "serial number" => self.serial_number = text(),
             "software" => self.software = text(),
+            "address" => self.suite().address = address(value)?,
+            "mask" => self.suite().mask = address(value)?,
+            "gateway" => self.suite().gateway = address(value)?,
+            "telegram" => {
+                let number = value.trim().parse();
+                self.telegram =
+                    Some(number.map_err(|_| format!("`{value}` is not the number of a telegram"))?);
+            }
             "tasks" => self.tasks = TaskCoverage::parse(&text())?,
             "scaling" => *scaling = Some(read_scaling(value)?),
             "units" => *units = Some(read_units(value)?),
@@ -177,6 +209,11 @@ impl Header {
         }
         Ok(())
     }
+}
+
+fn address(text: &str) -> Result<Ipv4Addr, String> {
+    let address = text.trim().parse();
+    address.map_err(|_| format!("`{text}` is not an address such as 192.168.0.1"))
 }
 
 fn number(text: &str) -> Result<u16, String> {
@@ -276,6 +313,12 @@ mod tests {
             order_id: hostile.clone(),
             serial_number: "\n".to_owned() + &hostile,
             software: hostile.clone(),
+            ip: Some(IpSuite {
+                address: [192, 168, 0, 11].into(),
+                mask: [255, 255, 255, 0].into(),
+                gateway: [192, 168, 0, 254].into(),
+            }),
+            telegram: Some(9),
             tasks: TaskCoverage::LeftOut(hostile),
             ..Header::default()
         };

@@ -19,6 +19,8 @@ pub(crate) fn header() -> Header {
         order_id: "AKD-P00306-NBPN-0000".into(),
         serial_number: "V-000001".into(),
         software: "V1.17.0".into(),
+        ip: None,
+        telegram: None,
         tasks: TaskCoverage::Nothing,
     }
 }

@@ -2,7 +2,7 @@
 
 use profile::catalogue::{Access, Part, Role};
 use profile::notation::Notation;
-use profile::parameter::Identifier;
+use profile::parameter::{Identifier, pnu};
 
 use super::Session;
 use super::authority::power_is_on;
@@ -87,6 +87,9 @@ impl Session {
     ) -> Result<Backup, Error> {
         let settings = self.settings(drive).await?;
         let mut backup = self.backup_of(drive, &settings, progress).await?;
+        let telegram = Selection::number(pnu::TELEGRAM, drive.parameters.notation());
+        let telegram = self.read(drive, &[telegram]).await?.into_iter().flatten().next();
+        backup.header.telegram = telegram.and_then(|reading| u16::try_from(reading.raw()?).ok());
         let window = drive.model.catalogue.and_then(Window::of);
         let rows: Vec<u16> = window.map_or_else(Vec::new, |window| window.rows().collect());
         self.read_tasks(drive, &mut backup, &rows).await?;

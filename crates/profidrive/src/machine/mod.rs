@@ -22,11 +22,12 @@
 //! ```
 
 mod file;
+mod write;
 
 use std::io::{self, Read as _};
 use std::path::{Path, PathBuf};
 
-use client::ErrorKind;
+use client::{Drive, ErrorKind};
 use profile::model::Model;
 use profile::value::Assignment;
 use profinet::{IpSuite, MacAddress};
@@ -218,6 +219,19 @@ impl Machine {
             .iter()
             .filter(|(group, _)| drive.groups.contains(group));
         let bounds = of_groups.map(|(_, bound)| *bound).chain(drive.max_speed);
+        bounds.min_by(|a, b| a.rpm.total_cmp(&b.rpm))
+    }
+
+    /// Returns the limit for the speed of a drive that was found: that of its name or of its MAC address, the lower one.
+    #[must_use]
+    pub fn bound_of(&self, drive: &Drive) -> Option<SpeedBound> {
+        let station = &drive.station;
+        let means = |one: &&MachineDrive| one.name == station.name || one.mac == Some(station.mac);
+        let bounds = self
+            .drives
+            .iter()
+            .filter(means)
+            .filter_map(|one| self.bound(&one.name));
         bounds.min_by(|a, b| a.rpm.total_cmp(&b.rpm))
     }
 

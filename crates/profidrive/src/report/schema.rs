@@ -33,6 +33,7 @@ const COMMANDS: &[(&str, Describe)] = &[
     ("restore", of::<RestoreReport>),
     ("diff", of::<Diff>),
     ("commission", of::<CommissionReport>),
+    ("replace", of::<CommissionReport>),
     ("gsdml check", of::<GsdmlCheckReport>),
     ("gsdml show", of::<GsdmlShowReport>),
     ("gsdml export", of::<GsdmlExportReport>),

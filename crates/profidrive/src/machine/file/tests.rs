@@ -115,6 +115,23 @@ fn each_mistake_has_its_line() {
     assert_eq!("".parse::<Machine>().unwrap_err().line, 1);
 }
 
+#[test]
+fn the_length_and_the_drives_of_a_file_are_bounded() {
+    let problem = |text: &str| text.parse::<Machine>().unwrap_err().message;
+    assert!(problem(&"#".repeat(LONGEST_FILE + 1)).contains("longer than"));
+    let drives: String = (0..=MOST_DRIVES)
+        .map(|number| format!("[[drive]]\nname = \"d-{number}\"\nmodel = \"akd\"\n"))
+        .collect();
+    assert!(problem(&drives).contains("at most 1000 drives"));
+    let groups = vec!["\"a\""; MOST_GROUPS + 1].join(",");
+    let drive = "[[drive]]\nname = \"a\"\nmodel = \"akd\"\n";
+    assert!(problem(&format!("{drive}groups = [{groups}]")).contains("at most 64 groups"));
+    let parameters: String = (0..=MOST_PARAMETERS)
+        .map(|number| format!("p{number} = 1\n"))
+        .collect();
+    assert!(problem(&format!("{drive}[drive.parameters]\n{parameters}")).contains("at most 4096 parameters"));
+}
+
 proptest::proptest! {
     #[test]
     fn no_text_is_too_strange(cut in 0..GOOD.len(), put in ".{0,6}") {
