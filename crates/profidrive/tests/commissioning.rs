@@ -3,7 +3,10 @@
 #![allow(clippy::unwrap_used)]
 
 use std::path::PathBuf;
+use std::pin::pin;
+use std::time::Duration;
 
+use futures::future::{Either, select};
 use profidrive::client::change::Saved;
 use profidrive::client::{Drive, ErrorKind, WriteMode};
 use profidrive::commissioning::{self, Planned, Purpose};
@@ -383,4 +386,104 @@ fn a_new_drive_takes_the_place_of_an_old_one() {
     assert_eq!(bench.value("akd-1", "922"), Some(9.0));
     let again = bench.plan(Purpose::Commission);
     assert_eq!((changing(&again), problems(&again)), (vec![], vec![]));
+}
+
+/// Carries a plan out for some virtual time and then ends like a killed program. Returns whether it was done before.
+fn killed_after(bench: &mut Bench, time: Duration) -> bool {
+    let planned = bench.plan(Purpose::Commission);
+    assert_eq!(problems(&planned), [""; 0]);
+    let mut clock = bench.network.clone();
+    let (opening, machine) = (&bench.opening, &bench.machine);
+    let network = &mut bench.network;
+    let race = async {
+        let work = pin!(commissioning::carry_out(
+            opening,
+            network,
+            machine,
+            planned,
+            |_| {}
+        ));
+        let end = pin!(clock.pass(time));
+        matches!(select(work, end).await, Either::Left(_))
+    };
+    race.wait()
+}
+
+/// At whatever moment a run is killed: the next one finishes and the values are saved, or the values before come back.
+#[test]
+fn a_run_that_is_killed_at_any_moment_is_finished_or_taken_back() {
+    let mut moments = Vec::new();
+    for step in 0..200 {
+        let mut bench = Bench::new(&format!("killed-{step}"), MACHINE);
+        let after = Duration::from_millis(step * 13);
+        let done = killed_after(&mut bench, after);
+        moments.push(bench.files().iter().any(|file| file.ends_with(".unfinished")));
+        if step % 3 == 2 && !done {
+            for name in ["akd-1", "vlt-1"] {
+                let file = bench.folder.join(format!("machine.toml.{name}.before-1"));
+                // without one, or with an empty one, nothing was written
+                let Some(before) = settings::read(&file).ok() else {
+                    continue;
+                };
+                let mut drive = bench.find(name);
+                let mut request = settings::Restore::default();
+                request.choice.network = true;
+                let plan = settings::plan(&mut bench.network, &mut drive, &before, &request).wait();
+                let mut plan = plan.unwrap();
+                let again = settings::way_back(&file).unwrap();
+                let network = &mut bench.network;
+                let carried =
+                    settings::carry_out(network, &mut drive, &before, &request, &mut plan, &again, |_| {});
+                carried.wait().unwrap();
+                assert_eq!(
+                    settings::shortfall(&plan, &request),
+                    None,
+                    "{name} after {after:?}"
+                );
+            }
+            assert_eq!(bench.value("akd-1", "DRV.ACC"), Some(3000.0), "after {after:?}");
+            assert_eq!(bench.value("akd-1", "922"), Some(1.0), "after {after:?}");
+            assert_eq!(bench.value("vlt-1", "3-41"), Some(3.0), "after {after:?}");
+            continue;
+        }
+        let planned = bench.plan(Purpose::Commission);
+        assert_eq!(problems(&planned), [""; 0], "after {after:?}");
+        let finished = bench.carry_out(planned);
+        assert_eq!(problems(&finished), [""; 0], "after {after:?}");
+        assert!(finished.iter().all(|one| one.verified), "after {after:?}");
+        let left: Vec<String> = bench
+            .files()
+            .into_iter()
+            .filter(|file| file.ends_with(".unfinished"))
+            .collect();
+        assert_eq!(left, [""; 0], "after {after:?}");
+        assert_eq!(
+            changing(&bench.plan(Purpose::Commission)),
+            [""; 0],
+            "after {after:?}"
+        );
+        // what the killed run may not have saved is saved by this one
+        let mut touched = finished.iter().filter(|one| one.is_change());
+        assert!(
+            touched.all(|one| one.settings.as_ref().unwrap().plan.set.saved() == Saved::Yes),
+            "after {after:?}"
+        );
+        for (name, parameter, value) in [
+            ("akd-1", "DRV.ACC", 5000.0),
+            ("akd-1", "DRV.DEC", 4000.0),
+            ("akd-2", "DRV.ACC", 2000.0),
+            ("vlt-1", "3-41", 4.0),
+        ] {
+            assert_eq!(
+                bench.value(name, parameter),
+                Some(value),
+                "{name} {parameter}, killed after {after:?}"
+            );
+        }
+        if done {
+            break;
+        }
+    }
+    let amid = moments.iter().filter(|unfinished| **unfinished).count();
+    assert!(amid > 10, "{amid} of {} moments were within a run", moments.len());
 }
