@@ -16,6 +16,7 @@ mod harness;
 mod hostile;
 mod hour;
 mod json_documents;
+mod machine;
 mod manual;
 mod manual_drive;
 mod manual_faults;

@@ -9,7 +9,7 @@ use network::files::StateFile;
 use profidrive::commissioning::{self, CommissionError, Planned, Purpose};
 use profidrive::fleet;
 use profidrive::machine::Machine;
-use profidrive::report::CommissionReport;
+use profidrive::report::{BackupReport, CommissionReport, Drives};
 use profidrive::settings::{self, BackupFile, FileError};
 use profidrive::{Opening, Selector};
 
@@ -73,6 +73,7 @@ fn from(
     }
     let folder = path.parent().unwrap_or(Path::new(""));
     let (mut session, found) = connect::drives(&options.target(drives), Need::Records, output)?;
+    let left_out = found.left_out;
     let bar = connect::bar(output, found.members.len(), "reading");
     let saved = fleet::each(&session, found.members, async |session, drive| {
         let read = settings::backup(session, drive, |_, _| {}).await?;
@@ -113,6 +114,19 @@ fn from(
         file.replace(text.as_bytes()).map_err(FileError::from)?;
         output.say(&format!("{} drives in {}", files.len(), path.display()));
     }
+    output.json_report(&Drives {
+        drives: rows
+            .iter()
+            .map(|row| {
+                row.entry(|backup, drive| {
+                    let file = settings::file_in(folder, drive).display().to_string();
+                    let complete = settings::missing(backup).is_nothing();
+                    BackupReport::new(drive, backup, Some(file), complete, &Commands::any())
+                })
+            })
+            .collect(),
+        left_out,
+    });
     each::ended(&rows, None, output)?;
     Ok(closed?)
 }

@@ -32,7 +32,7 @@ const COMMANDS: &[(&str, Describe)] = &[
     ("backup", each::<BackupReport, BackupReport>),
     ("restore", of::<RestoreReport>),
     ("diff", of::<Diff>),
-    ("commission", of::<CommissionReport>),
+    ("commission", each::<CommissionReport, BackupReport>),
     ("replace", of::<CommissionReport>),
     ("gsdml check", of::<GsdmlCheckReport>),
     ("gsdml show", of::<GsdmlShowReport>),
