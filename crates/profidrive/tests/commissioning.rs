@@ -11,6 +11,7 @@ use profidrive::client::change::Saved;
 use profidrive::client::{Drive, ErrorKind, WriteMode};
 use profidrive::commissioning::{self, Planned, Purpose};
 use profidrive::machine::Machine;
+use profidrive::motion::{self, Control, Home, MotionError, Observer, Run};
 use profidrive::{Access, Network, Opening, Wait, settings};
 
 const PLANT: &str = r#"
@@ -486,4 +487,53 @@ fn a_run_that_is_killed_at_any_moment_is_finished_or_taken_back() {
     }
     let amid = moments.iter().filter(|unfinished| **unfinished).count();
     assert!(amid > 10, "{amid} of {} moments were within a run", moments.len());
+}
+
+/// Speeds of a motion task and of homing are in the drive: only its own limit says that they are within that of the machine.
+#[test]
+fn the_limit_of_the_machine_counts_for_every_motion() {
+    let text = "[[drive]]\nname = \"akd-1\"\nmodel = \"akd\"\nmax-speed = \"100rpm\"\n";
+    let mut bench = Bench::new("limits", text);
+    bench.opening = Opening::new(Access::Cyclic).in_plant(PLANT.parse().unwrap());
+    bench.network = bench.opening.clone().open().unwrap();
+    let mut drive = bench.find("akd-1");
+    let control = Control {
+        set_mode: true,
+        bound: bench.machine.bound_of(&drive),
+        ..Control::default()
+    };
+    let (network, observer) = (&mut bench.network, Observer::default());
+    let run = |speed| Run {
+        time: Some(Duration::from_millis(100)),
+        control,
+        ..Run::at(speed)
+    };
+    let home = Home {
+        timeout: Duration::from_secs(20),
+        control,
+    };
+    let above = motion::run(network, &mut drive, &run(101.0), &observer)
+        .wait()
+        .unwrap_err();
+    assert!(
+        matches!(above, MotionError::AboveBound { bound, .. } if bound.line == 4),
+        "{above}"
+    );
+    let unknown = motion::home(network, &mut drive, &home, &observer)
+        .wait()
+        .unwrap_err();
+    assert!(matches!(unknown, MotionError::NotBounded { .. }), "{unknown}");
+    assert_eq!(unknown.kind(), ErrorKind::Safety);
+    motion::run(network, &mut drive, &run(-100.0), &observer)
+        .wait()
+        .unwrap();
+    let limits = [
+        "VL.LIMITP=100rpm".parse().unwrap(),
+        "VL.LIMITN=-100rpm".parse().unwrap(),
+    ];
+    let written = network.write(&mut drive, &limits, WriteMode::Write).wait();
+    written.unwrap().accepted().unwrap();
+    motion::home(network, &mut drive, &home, &observer)
+        .wait()
+        .unwrap();
 }
