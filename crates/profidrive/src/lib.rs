@@ -47,7 +47,7 @@
 //! | share a network between threads or the clients of a server | [`Caller`], a clone of what a [`Network`] is |
 //! | let several axes run at once | [`client::Axis`], one for each; `examples/two_axes.rs` |
 //! | record every cyclic sample of an axis | [`client::Axis::samples`]; `examples/record_samples.rs` |
-//! | decide by the kind of an error | [`client::ErrorKind`], [`Explained`]: kind, message and advice of every error |
+//! | decide by the kind of an error | [`client::ErrorKind`], [`Explained`]: kind, message and advice |
 //! | select many drives and work on them side by side | [`Selector`], [`fleet`] |
 //! | scan, and see status, identity and faults of a drive | [`inspection`] |
 //! | watch the values and faults of a drive | [`monitor`] |
