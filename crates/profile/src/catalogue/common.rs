@@ -36,7 +36,7 @@ impl Catalogue {
     ///     (ramp.name, ramp.unit)
     /// };
     /// assert_eq!(ramp(&AKD), ("DRV.ACC", "rpm/s"));
-    /// assert_eq!(ramp(&VLT), ("Ramp 1 Ramp Up Time", "s"));
+    /// assert_eq!(ramp(&VLT), ("Ramp 1 Ramp up Time", "s"));
     /// assert_eq!(ramp(&VACON), ("Acceleration time 1", "s"));
     /// assert!(AKD.by_common_name("motor-poles").is_none());
     /// ```
