@@ -3,6 +3,7 @@
 //! | to explain | use |
 //! |---|---|
 //! | a capture, frame by frame | [`capture::Walker`] |
+//! | one frame, every field with its octets | [`capture::Walker::tree`], [`tree::Node`] |
 //! | octets without their frame: a parameter job, a telegram, a parameter channel | [`octets::decode`] |
 //! | one number: a control word, a state, a fault, an error | [`explain::explain`] |
 //! | a value that a drive gave | [`value`], [`words`] |
@@ -17,6 +18,7 @@ pub mod octets;
 pub mod report;
 pub mod states;
 mod text;
+pub mod tree;
 pub mod value;
 pub mod words;
 

@@ -50,6 +50,8 @@ fn walked(frames: &[(Duration, &[u8])]) -> Vec<Event> {
     let mut events = Vec::new();
     for (at, frame) in frames {
         events.extend(walker.frame(*at, frame));
+        let tree = walker.tree(frame);
+        assert!(tree.end == frame.len() && tree.path(frame.len()).is_empty());
     }
     events.extend(walker.end());
     events

@@ -166,6 +166,8 @@ const WITHOUT_DRIVES: &[Call] = &[
     ("decode --hex 15FA000100000000 --as pkw-fc --model vlt", &[0]),
     ("demo --fast --pcap FILE", &[0]),
     ("decode FILE", &[0]),
+    ("decode FILE --frame 12", &[0]),
+    ("decode FILE --frame 1000000", &[2]),
     ("decode ROOT/captures/README.md", &[1]),
     ("gsdml export --model akd -o FOLDER", &[0]),
     (

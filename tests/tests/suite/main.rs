@@ -10,6 +10,7 @@ mod decode;
 mod docs;
 mod examples;
 mod fleet;
+mod frames;
 mod full_disk;
 mod gsdml;
 mod harness;

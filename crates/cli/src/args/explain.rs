@@ -58,6 +58,10 @@ pub struct Decode {
     /// Ends at this time of the capture
     #[arg(long, value_name = "TIME", value_parser = duration, conflicts_with = "hex")]
     pub until: Option<Duration>,
+    /// Prints one frame, numbered from 1 as in Wireshark: what happened in it, and each field with its octets
+    #[arg(long, value_name = "NUMBER", value_parser = clap::value_parser!(u64).range(1..),
+        conflicts_with_all = ["hex", "interface", "station", "only", "since", "until"])]
+    pub frame: Option<u64>,
     /// Octets in hexadecimal: a parameter job, or what --as or --telegram says
     #[arg(long, value_name = "BYTES")]
     pub hex: Option<String>,

@@ -66,6 +66,11 @@ impl Calls {
         self.seen
     }
 
+    /// Returns the parameter request that the last response answered.
+    pub fn answered(&self) -> Option<&[u8]> {
+        self.jobs.answered()
+    }
+
     /// Looks at one datagram; other protocols are passed over.
     pub fn datagram(
         &mut self,

@@ -23,21 +23,22 @@ pub struct Content {
 }
 
 /// Returns the content of a record; `None` where its layout is not known here.
-pub fn describe(index: u16, data: &[u8]) -> Option<Content> {
+pub fn describe(index: u16, reader: Reader<'_>) -> Option<Content> {
+    let data = reader.peek_rest();
     let decoded = match index {
-        0xAFF0 => im0(data),
-        0xAFF1..=0xAFF4 => im_text(u8::try_from(index - 0xAFF0).unwrap_or(0), data),
-        _ if is_diagnosis(index) => diagnoses(data),
+        0xAFF0 => im0(reader),
+        0xAFF1..=0xAFF4 => im_text(u8::try_from(index - 0xAFF0).unwrap_or(0), reader),
+        _ if is_diagnosis(index) => diagnoses(reader),
         _ if data.is_empty() => return None,
-        0x8000 | 0xC000 | 0xE000 => identification(BlockType::EXPECTED_IDENTIFICATION, data),
-        0x8001 | 0xC001 | 0xE001 | 0xF000 => identification(BlockType::REAL_IDENTIFICATION, data),
-        0xE002 => module_diff(data),
-        0x8028 => input(data),
-        0x802A | 0x8080 | 0xF831 | 0xF841 => ports(data),
-        0xF020 | 0xF820 => ar_list(data),
-        0xF821 => apis(data),
-        0xF830 => log(data),
-        0xF840 => filter(data),
+        0x8000 | 0xC000 | 0xE000 => identification(BlockType::EXPECTED_IDENTIFICATION, reader),
+        0x8001 | 0xC001 | 0xE001 | 0xF000 => identification(BlockType::REAL_IDENTIFICATION, reader),
+        0xE002 => module_diff(reader),
+        0x8028 => input(reader),
+        0x802A | 0x8080 | 0xF831 | 0xF841 => ports(reader),
+        0xF020 | 0xF820 => ar_list(reader),
+        0xF821 => apis(reader),
+        0xF830 => log(reader),
+        0xF840 => filter(reader),
         _ => return None,
     };
     Some(decoded.unwrap_or_else(|error| Content {
@@ -67,8 +68,8 @@ fn padded(octets: &[u8]) -> String {
     text.trim_end_matches(['\0', ' ']).to_owned()
 }
 
-fn im0(data: &[u8]) -> Result<Content, DecodeError> {
-    let im = Im0::decode(Reader::new(data))?;
+fn im0(reader: Reader<'_>) -> Result<Content, DecodeError> {
+    let im = Im0::decode(reader)?;
     let [functional, fix, internal] = im.software_revision;
     let prefix = char::from(im.software_prefix).to_string();
     let software = format!("{prefix}{functional}.{fix}.{internal}");
@@ -86,8 +87,8 @@ fn im0(data: &[u8]) -> Result<Content, DecodeError> {
     Ok(normal(text, fields))
 }
 
-fn im_text(number: u8, data: &[u8]) -> Result<Content, DecodeError> {
-    let im = ImText::decode(Reader::new(data), number)?;
+fn im_text(number: u8, reader: Reader<'_>) -> Result<Content, DecodeError> {
+    let im = ImText::decode(reader, number)?;
     let (text, fields) = match number {
         1 => {
             let (function, location) = (padded(im.tag_function()), padded(im.tag_location()));
@@ -117,8 +118,7 @@ fn im_text(number: u8, data: &[u8]) -> Result<Content, DecodeError> {
     Ok(normal(text, fields))
 }
 
-fn diagnoses(data: &[u8]) -> Result<Content, DecodeError> {
-    let mut reader = Reader::new(data);
+fn diagnoses(mut reader: Reader<'_>) -> Result<Content, DecodeError> {
     let (mut texts, mut rows, mut weight) = (Vec::new(), Vec::new(), Weight::Normal);
     while !reader.is_empty() {
         let (header, items) = DiagnosisHeader::decode(&mut reader)?;
@@ -168,8 +168,8 @@ fn repeated(
     })
 }
 
-fn identification(block: BlockType, data: &[u8]) -> Result<Content, DecodeError> {
-    let found = Identification::decode(&mut Reader::new(data), block)?;
+fn identification(block: BlockType, mut reader: Reader<'_>) -> Result<Content, DecodeError> {
+    let found = Identification::decode(&mut reader, block)?;
     Ok(normal(plugged(&found), plugged_json(&found)))
 }
 
@@ -206,8 +206,8 @@ fn plugged_json(found: &Identification) -> Value {
     json!({ "modules": modules.collect::<Vec<_>>() })
 }
 
-fn module_diff(data: &[u8]) -> Result<Content, DecodeError> {
-    let body = Block::expect(&mut Reader::new(data), BlockType::MODULE_DIFF)?;
+fn module_diff(mut reader: Reader<'_>) -> Result<Content, DecodeError> {
+    let body = Block::expect(&mut reader, BlockType::MODULE_DIFF)?;
     let lines = diff::lines(&ModuleDiff::decode(body)?);
     let weight = lines.iter().map(|line| line.0).max().unwrap_or(Weight::Normal);
     let texts: Vec<&str> = lines.iter().map(|line| line.1.as_str()).collect();
@@ -220,8 +220,8 @@ fn module_diff(data: &[u8]) -> Result<Content, DecodeError> {
     Ok(Content { text, weight, fields })
 }
 
-fn input(data: &[u8]) -> Result<Content, DecodeError> {
-    let found = RecordInput::decode(Reader::new(data))?;
+fn input(reader: Reader<'_>) -> Result<Content, DecodeError> {
+    let found = RecordInput::decode(reader)?;
     let text = format!(
         "IOPS 0x{:02X}, IOCS 0x{:02X}, {}",
         found.iops,
@@ -233,8 +233,7 @@ fn input(data: &[u8]) -> Result<Content, DecodeError> {
 }
 
 /// Blocks of ports and interface, alone or each in a MultipleBlockHeader.
-fn ports(data: &[u8]) -> Result<Content, DecodeError> {
-    let mut reader = Reader::new(data);
+fn ports(mut reader: Reader<'_>) -> Result<Content, DecodeError> {
     let (mut texts, mut rows) = (Vec::new(), Vec::new());
     while !reader.is_empty() {
         let here = reader;
@@ -331,8 +330,8 @@ fn port_block(
     Ok(())
 }
 
-fn ar_list(data: &[u8]) -> Result<Content, DecodeError> {
-    let Some(found) = decode_ar_list(&mut Reader::new(data))? else {
+fn ar_list(mut reader: Reader<'_>) -> Result<Content, DecodeError> {
+    let Some(found) = decode_ar_list(&mut reader)? else {
         let text = "connections in another version of the record".to_owned();
         return Ok(normal(text, json!({ "connections": null })));
     };
@@ -352,8 +351,8 @@ fn ar_list(data: &[u8]) -> Result<Content, DecodeError> {
     Ok(normal(text, json!({ "connections": rows })))
 }
 
-fn apis(data: &[u8]) -> Result<Content, DecodeError> {
-    let found = decode_apis(Reader::new(data))?;
+fn apis(reader: Reader<'_>) -> Result<Content, DecodeError> {
+    let found = decode_apis(reader)?;
     let texts: Vec<String> = found.iter().map(|api| format!("0x{api:04X}")).collect();
     Ok(normal(
         format!("APIs {}", texts.join(", ")),
@@ -361,8 +360,8 @@ fn apis(data: &[u8]) -> Result<Content, DecodeError> {
     ))
 }
 
-fn log(data: &[u8]) -> Result<Content, DecodeError> {
-    let found = LogData::decode(Reader::new(data))?;
+fn log(reader: Reader<'_>) -> Result<Content, DecodeError> {
+    let found = LogData::decode(reader)?;
     let rows: Vec<Value> = found
         .entries
         .iter()
@@ -381,8 +380,7 @@ fn log(data: &[u8]) -> Result<Content, DecodeError> {
     Ok(normal(text, json!({ "time": found.time, "entries": rows })))
 }
 
-fn filter(data: &[u8]) -> Result<Content, DecodeError> {
-    let mut reader = Reader::new(data);
+fn filter(mut reader: Reader<'_>) -> Result<Content, DecodeError> {
     let (mut texts, mut rows) = (Vec::new(), Vec::new());
     while !reader.is_empty() {
         let block = Block::decode(&mut { reader })?.block_type;

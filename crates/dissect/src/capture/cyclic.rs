@@ -25,6 +25,8 @@ const TOPIC: &str = "cyclic";
 const MAX_STREAMS: usize = 1024;
 /// Most of them that began before the capture.
 const MAX_EARLIER: usize = 256;
+/// Most parts of the data of a connection that are stored: each has at least one octet of it.
+const MAX_OBJECTS: usize = 1440;
 /// Silence after which one of those makes room for another.
 const GONE: Duration = Duration::from_secs(10);
 /// The API of the drive profile.
@@ -89,9 +91,28 @@ pub enum Belongs {
     Earlier,
 }
 
+/// A part of cyclic data: data of a submodule and its IOPS, or an IOCS.
+#[derive(Debug, Clone, Copy)]
+pub struct Object {
+    pub slot: u16,
+    pub subslot: u16,
+    offset: usize,
+    /// Octets of data in front of the status; 0 for an IOCS.
+    pub length: usize,
+    /// It is an IOCS.
+    pub consumer: bool,
+}
+
+impl Object {
+    /// Returns its octets in the data, the status included.
+    pub const fn octets(&self) -> std::ops::Range<usize> {
+        self.offset..self.offset + self.length + 1
+    }
+}
+
 /// One direction of one connection.
 #[derive(Debug)]
-struct Stream {
+pub struct Stream {
     sender: MacAddress,
     receiver: MacAddress,
     frame_id: u16,
@@ -107,6 +128,8 @@ struct Stream {
     drives: Vec<DriveData>,
     status: Option<DataStatus>,
     ar: Uuid,
+    /// What is in the data.
+    objects: Vec<Object>,
     /// Released: what still comes has no meaning.
     closed: bool,
     /// Its silence was reported, or its end by an error PDU.
@@ -359,6 +382,17 @@ impl CyclicArs {
         self.look(sink);
     }
 
+    /// Returns the stream of a frame that was looked at.
+    pub fn stream(&self, frame: &Frame<'_>) -> Option<&Stream> {
+        let (source, destination, id) = (frame.source, frame.destination, frame.frame_id.0);
+        let mut of_frame = self
+            .streams
+            .iter()
+            .filter(|stream| stream.is_between(source, destination, id));
+        let first = of_frame.next()?;
+        Some(of_frame.find(|_| first.closed).unwrap_or(first))
+    }
+
     /// Returns the timing of the frames of each direction.
     pub fn tracks(&self) -> impl Iterator<Item = (&TrackKey, &Track)> {
         self.tracks.iter().filter(|(_, track)| track.timing.frames > 0)
@@ -399,8 +433,20 @@ impl Stream {
         } else {
             (mac, ar.initiator_mac)
         };
-        let mut drives = Vec::new();
+        let (mut drives, mut objects) = (Vec::new(), Vec::new());
         for api in &request.apis {
+            let consumed = api.status.iter().map(|object| (object, true));
+            let parts = api.data.iter().map(|object| (object, false)).chain(consumed);
+            for (object, consumer) in parts.take(MAX_OBJECTS.saturating_sub(objects.len())) {
+                let length = asked.data_length(api.api, object.slot, object.subslot, output);
+                objects.push(Object {
+                    slot: object.slot,
+                    subslot: object.subslot,
+                    offset: object.offset.into(),
+                    length: if consumer { 0 } else { length },
+                    consumer,
+                });
+            }
             for object in &api.data {
                 let length = asked.data_length(api.api, object.slot, object.subslot, output);
                 let telegram = asked.telegram(drive, object.slot);
@@ -422,6 +468,7 @@ impl Stream {
             watchdog: cycle * u32::from(request.watchdog_factor),
             device,
             drives,
+            objects,
             ar: ar.ar_uuid,
             ..Self::earlier(sender, receiver, frame_id, nth)
         })
@@ -441,6 +488,7 @@ impl Stream {
             drives: Vec::new(),
             status: None,
             ar: Uuid::NIL,
+            objects: Vec::new(),
             closed: false,
             silent: false,
             track: (sender, receiver, nth),
@@ -449,6 +497,36 @@ impl Stream {
             lost: 0,
             reported: None,
         }
+    }
+
+    /// Returns the octets of data; `None` for a connection that began before the capture.
+    pub const fn data_length(&self) -> Option<usize> {
+        self.data_length
+    }
+
+    /// Returns what is in the data.
+    pub fn objects(&self) -> &[Object] {
+        &self.objects
+    }
+
+    /// Returns the address of the device.
+    pub const fn device(&self) -> Ipv4Addr {
+        self.device
+    }
+
+    /// Returns true from controller to device.
+    pub const fn is_output(&self) -> bool {
+        self.output
+    }
+
+    /// Returns the telegrams of drives in this data, each with its octets.
+    pub fn telegrams<'d>(
+        &self,
+        data: &'d [u8],
+    ) -> impl Iterator<Item = (Option<&'static Telegram>, &'d [u8])> {
+        self.drives
+            .iter()
+            .filter_map(|drive| Some((drive.telegram(), data.get(drive.octets())?)))
     }
 
     /// Returns the device; of a connection that began before the capture the sender.
@@ -537,6 +615,13 @@ impl Stream {
         };
         sink.report(status_weight(status), TOPIC, text, Detail::Connect(detail));
     }
+}
+
+/// Returns an IOPS or IOCS in words.
+pub fn iops(octet: &[u8]) -> String {
+    octet
+        .first()
+        .map_or_else(String::new, |octet| rt::Iops(*octet).to_string())
 }
 
 const fn status_weight(status: DataStatus) -> Weight {

@@ -69,6 +69,16 @@ impl DriveData {
         }
     }
 
+    /// Returns its octets in the cyclic data, without the status.
+    pub const fn octets(&self) -> std::ops::Range<usize> {
+        self.offset..self.offset + self.length
+    }
+
+    /// Returns its telegram, where it is known.
+    pub const fn telegram(&self) -> Option<&'static Telegram> {
+        self.telegram
+    }
+
     /// Returns its present content.
     pub const fn sent(&self) -> Sent {
         Sent {

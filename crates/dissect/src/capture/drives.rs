@@ -1,5 +1,6 @@
 //! What is known about each drive of a capture, by its address.
 
+use std::borrow::Cow;
 use std::collections::HashMap;
 use std::net::Ipv4Addr;
 
@@ -39,6 +40,14 @@ impl Drives {
             return &mut self.other;
         }
         self.known.entry(ip).or_insert_with(fresh)
+    }
+
+    /// Returns what is known of the drive at an address.
+    pub fn known(&self, ip: Ipv4Addr) -> Cow<'_, JobDrive> {
+        match self.known.get(&ip) {
+            Some(drive) => Cow::Borrowed(drive),
+            None => Cow::Owned(self.model.map_or_else(JobDrive::default, JobDrive::new)),
+        }
     }
 
     /// Records from the object of a call which vendor and device use an address.

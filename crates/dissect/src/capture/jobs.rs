@@ -32,6 +32,8 @@ type Channel = (Ipv4Addr, Uuid, u16, u16, u16);
 #[derive(Debug, Default)]
 pub struct Jobs {
     open: Pending<Channel, Asked>,
+    /// The request that was answered last.
+    answered: Option<Asked>,
 }
 
 #[derive(Debug, Default)]
@@ -41,6 +43,11 @@ struct Asked {
 }
 
 impl Jobs {
+    /// Returns the request that the last response answered.
+    pub fn answered(&self) -> Option<&[u8]> {
+        self.answered.as_ref().map(|asked| asked.data.as_slice())
+    }
+
     /// A request was written to a drive.
     pub fn request(
         &mut self,
@@ -89,6 +96,7 @@ impl Jobs {
                         Detail::Trouble(Trouble::Unasked { what }),
                     );
                 }
+                self.answered = asked;
             }
             // not ready yet: the controller reads again
             None if status.is_state_conflict() && self.open.get_mut(&channel).is_some() => {}

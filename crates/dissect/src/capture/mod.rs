@@ -28,6 +28,7 @@ mod summary;
 #[cfg(test)]
 mod tests;
 mod timing;
+mod tree;
 mod udp;
 mod view;
 
@@ -42,6 +43,7 @@ use profinet::wire::lldp;
 use serde::Serialize;
 
 use crate::Weight;
+use crate::tree::Node;
 use alarms::Alarms;
 use arp::Arp;
 use calls::Calls;
@@ -54,6 +56,7 @@ use neighbours::Neighbours;
 
 pub use event::{Event, Party};
 pub use names::seconds;
+pub use records::name as record_name;
 pub use summary::{DeviceSummary, StreamSummary};
 pub use view::{Selection, Summary, View};
 
@@ -139,6 +142,28 @@ impl Walker {
         }
         self.finish(&mut events);
         events
+    }
+
+    /// Returns a frame as a tree of its fields. Names of parameters, telegrams and the layout of cyclic data are those that
+    /// the frames so far showed: to have the names in a response, look at its frame last.
+    ///
+    /// ```
+    /// use std::time::Duration;
+    ///
+    /// use profidrive_dissect::capture::Walker;
+    ///
+    /// let mut walker = Walker::new(None);
+    /// // Get of the name of station
+    /// let mut frame = [[0x02; 12].as_slice(), &[0x88, 0x92, 0xFE, 0xFD, 3, 0, 0, 0, 0, 7, 0, 0, 0, 2, 2, 2]].concat();
+    /// walker.frame(Duration::ZERO, &frame);
+    /// let path = walker.tree(&frame);
+    /// let path = path.path(26);
+    /// let names: Vec<&str> = path.iter().map(|node| node.name.as_str()).collect();
+    /// assert_eq!(names, ["frame", "DCP blocks", "DCP requested option", "2/2 name of station"]);
+    /// ```
+    #[must_use]
+    pub fn tree(&self, frame: &[u8]) -> Node {
+        tree::of(self, frame)
     }
 
     /// Ends the capture: reports what is still without an answer.

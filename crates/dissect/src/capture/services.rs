@@ -185,7 +185,7 @@ fn note_write(at: Ipv4Addr, write: &WriteRequest, data: &[u8], scene: &mut Scene
         return;
     }
     let place = records::place(write.api, write.slot, write.subslot);
-    let content = contents::describe(write.index, data);
+    let content = contents::describe(write.index, Reader::new(data));
     let text = match records::parameter(drive, write.slot, write.subslot, write.index) {
         Some(record) => format!("write {} {place} = {}", record.name, record.content(drive, data)),
         None => {
@@ -314,7 +314,7 @@ fn note_read(
     let mut weight = Weight::Normal;
     let text = match record {
         Some(record) => format!("{what} {place} = {}", record.content(drive, data)),
-        None => match contents::describe(read.index, data) {
+        None => match contents::describe(read.index, Reader::new(data)) {
             Some(content) => {
                 weight = content.weight;
                 detail.content = content.fields;

@@ -3,6 +3,7 @@
 mod description;
 mod drive;
 mod explain;
+mod parts;
 pub mod pkw;
 mod response;
 pub mod serial;
@@ -26,6 +27,7 @@ use response::decode_response;
 
 pub use drive::JobDrive;
 pub use explain::{explain_error, explain_format};
+pub use parts::{Part, parts};
 
 /// Octets in front of the addresses or blocks.
 const HEADER: usize = 4;

@@ -235,7 +235,7 @@ fn block_problem(
 
 /// Returns the blocks of a response, and the number of zeros behind them. Without a request the addresses that a drive
 /// repeats in front of the blocks name them.
-fn blocks<'a>(
+pub(super) fn blocks<'a>(
     drive: &JobDrive,
     data: &'a [u8],
     addresses: &mut Vec<Option<ParameterAddress>>,
@@ -285,7 +285,7 @@ fn addresses_in(drive: &JobDrive, data: &[u8], count: usize) -> Option<Vec<Param
     drive.dialect().repeats_addresses.then_some(found)?
 }
 
-fn answer(
+pub(super) fn answer(
     drive: &JobDrive,
     address: Option<ParameterAddress>,
     block: &ValueBlock<'_>,

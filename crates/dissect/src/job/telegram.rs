@@ -1,12 +1,14 @@
 //! Cyclic data of a drive in words: parameter channel, control and status word, speed, further words.
 
+use std::ops::Range;
+
 use profile::parameter::ParameterAddress;
 use profile::pkw::{PKW_LEN, Pkw};
 use profile::state::{Mode, Profile, Zsw1};
 use profile::telegram::{Field, Image, Telegram, signal};
 use serde_json::{Map, Value};
 
-use super::{Decoded, JobDrive, pkw};
+use super::{Decoded, JobDrive, Part, pkw};
 use crate::Weight;
 use crate::fields;
 use crate::{hex_bytes, hex16, number, value, words};
@@ -126,7 +128,17 @@ impl Half<'_> {
 
     /// Everything in the data, one line for each part.
     pub fn lines(&self, data: &[u8]) -> Vec<(Weight, String)> {
-        let mut lines = Vec::new();
+        let parts = self.parts(data);
+        parts
+            .into_iter()
+            .map(|part| (part.weight, part.line(data)))
+            .collect()
+    }
+
+    /// Everything in the data: parameter channel, control or status word, speed, the other signals, and what nothing is
+    /// known of. A word that can be of two modes is two parts.
+    pub fn parts(&self, data: &[u8]) -> Vec<Part> {
+        let mut parts = Vec::new();
         if let Some(pkw) = self.pkw(data) {
             let dialect = self.drive.ppo();
             let (weight, text) = if self.output {
@@ -134,9 +146,13 @@ impl Half<'_> {
             } else {
                 pkw::reply(self.drive, dialect, pkw, None)
             };
-            lines.push((weight, row("PKW", &text)));
+            parts.push(Part::new("PKW", 0..PKW_LEN, text).weighing(weight));
         }
         if let Some(word) = self.word(data) {
+            let number = if self.output { signal::STW1 } else { signal::ZSW1 };
+            let octets = self
+                .image()
+                .map_or(Some(0..2), |image| image.field(number).map(place));
             let condition = self
                 .drive
                 .assumed_words(self.telegram)
@@ -144,27 +160,21 @@ impl Half<'_> {
             for (mode, condition) in self.modes(&condition) {
                 let (weight, text) = self.word_text_in(mode, word, None);
                 let text = format!("{} {text}{condition}", hex16(word));
-                lines.push((weight, row(self.word_name(), &text)));
+                let octets = octets.clone().unwrap_or_default();
+                parts.push(Part::new(self.word_name(), octets, text).weighing(weight));
             }
         }
-        if let Some(raw) = self.speed(data) {
-            let octets = self.image().and_then(|image| {
-                let field = image.field(if self.output {
-                    signal::NSOLL_A
-                } else {
-                    signal::NIST_A
-                })?;
-                data.get(usize::from(field.offset)..)?.get(..2)
-            });
-            let text = format!(
-                "{}   [{}]",
-                self.speed_text(raw),
-                hex_bytes(octets.unwrap_or_default())
-            );
-            lines.push((Weight::Normal, row(self.speed_name(), &text)));
+        let number = if self.output {
+            signal::NSOLL_A
+        } else {
+            signal::NIST_A
+        };
+        let field = self.image().and_then(|image| image.field(number));
+        if let (Some(raw), Some(octets)) = (self.speed(data), field.map(place)) {
+            parts.push(Part::value(self.speed_name(), octets, self.speed_text(raw)));
         }
-        lines.extend(self.others(data));
-        lines
+        parts.extend(self.others(data));
+        parts
     }
 
     /// The modes that the control or status word can be of, each with what that rests on.
@@ -219,7 +229,7 @@ impl Half<'_> {
     }
 
     /// Signals and words beside control word and speed.
-    fn others(&self, data: &[u8]) -> Vec<(Weight, String)> {
+    fn others(&self, data: &[u8]) -> Vec<Part> {
         let Some(telegram) = self.telegram else {
             return Vec::new();
         };
@@ -232,31 +242,21 @@ impl Half<'_> {
             .iter()
             .filter(|field| !shown.contains(&field.signal.number));
         let signals = others.filter_map(|field| {
-            let octets = part(data, field)?;
-            Some((
-                Weight::Normal,
-                row(
-                    field.signal.name,
-                    &format!("{}   [{}]", self.signal_text(field, octets), hex_bytes(octets)),
-                ),
-            ))
+            let text = self.signal_text(field, part(data, field)?);
+            Some(Part::value(field.signal.name, place(field), text))
         });
         let words = telegram.parameter_words(image).filter_map(|(index, offset)| {
-            let octets = data.get(usize::from(offset)..)?.get(..2)?;
-            let name = format!("PCD {}", index + 1);
-            Some((Weight::Normal, row(&name, &format!("0x{}", joined(octets)))))
+            let octets = usize::from(offset)..usize::from(offset) + 2;
+            let text = format!("0x{}", joined(data.get(octets.clone())?));
+            Some(Part::new(&format!("PCD {}", index + 1), octets, text))
         });
         let is_known = |octet: usize| {
-            let within = |offset: u16, octets: u16| {
-                let start = usize::from(offset);
-                (start..start + usize::from(octets)).contains(&octet)
-            };
-            let fields = image.fields.iter();
-            let mut fields = fields.map(|field| within(field.offset, field.signal.octets()));
-            let mut words = telegram
+            let fields = image.fields.iter().map(place);
+            let words = telegram
                 .parameter_words(image)
-                .map(|(_, offset)| within(offset, 2));
-            telegram.pkw && octet < PKW_LEN || fields.any(|known| known) || words.any(|known| known)
+                .map(|(_, offset)| usize::from(offset));
+            let mut known = fields.chain(words.map(|start| start..start + 2));
+            telegram.pkw && octet < PKW_LEN || known.any(|part| part.contains(&octet))
         };
         signals.chain(words).chain(unmapped(data, is_known)).collect()
     }
@@ -275,27 +275,33 @@ impl Half<'_> {
 }
 
 /// Words that nothing is known of, as they travel.
-fn unmapped(data: &[u8], is_known: impl Fn(usize) -> bool) -> Vec<(Weight, String)> {
+fn unmapped(data: &[u8], is_known: impl Fn(usize) -> bool) -> Vec<Part> {
     let words = data.chunks(2).enumerate().filter(|(at, _)| !is_known(2 * at));
     words
         .map(|(at, octets)| {
+            let start = 2 * at;
             let name = format!("word {}", at + 1);
-            (Weight::Normal, row(&name, &format!("0x{}", joined(octets))))
+            Part::new(
+                &name,
+                start..start + octets.len(),
+                format!("0x{}", joined(octets)),
+            )
         })
         .collect()
 }
 
+/// Returns the octets of a signal in the data.
+fn place(field: &Field) -> Range<usize> {
+    let start = usize::from(field.offset);
+    start..start + usize::from(field.signal.octets())
+}
+
 fn part<'d>(data: &'d [u8], field: &Field) -> Option<&'d [u8]> {
-    data.get(usize::from(field.offset)..)?
-        .get(..usize::from(field.signal.octets()))
+    data.get(place(field))
 }
 
 fn joined(octets: &[u8]) -> String {
     octets.iter().map(|octet| format!("{octet:02X}")).collect()
-}
-
-fn row(name: &str, text: &str) -> String {
-    format!("  {name:<8} {text}")
 }
 
 /// Cyclic data of a telegram by its number. Without a direction both are reported.

@@ -4,6 +4,7 @@ use serde::Serialize;
 use serde_json::{Map, Value};
 
 use crate::capture::{Counts, DeviceSummary, Event};
+use crate::tree::Node;
 
 /// What decoding reports: the events of a capture, its devices and the end; or what octets contain.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -30,6 +31,15 @@ pub enum DecodeReport<'a> {
         counts: Counts,
         /// Why the capture was not read to its end.
         damage: Option<&'a str>,
+    },
+    /// One frame with all its fields.
+    Frame {
+        /// `frame`.
+        kind: &'static str,
+        /// What happened in it.
+        events: &'a [Event],
+        /// Its fields.
+        tree: &'a Node,
     },
     /// What octets contain: a parameter job, a telegram or a parameter channel, each with fields of its own.
     Octets(&'a Map<String, Value>),

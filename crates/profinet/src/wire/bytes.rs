@@ -3,6 +3,8 @@
 use alloc::vec::Vec;
 use core::fmt;
 
+use super::Trace;
+
 /// Order of the octets of a number on the wire.
 ///
 /// Big everywhere, except that the RPC header of a peer may choose little.
@@ -91,6 +93,7 @@ pub struct Reader<'a> {
     data: &'a [u8],
     base: usize,
     position: usize,
+    trace: Option<&'a Trace>,
 }
 
 impl<'a> Reader<'a> {
@@ -101,6 +104,7 @@ impl<'a> Reader<'a> {
             data,
             base: 0,
             position: 0,
+            trace: None,
         }
     }
 
@@ -111,7 +115,15 @@ impl<'a> Reader<'a> {
             data,
             base,
             position: 0,
+            trace: None,
         }
+    }
+
+    /// Reads on with a note of every field in `trace`.
+    #[must_use]
+    pub const fn traced(mut self, trace: &'a Trace) -> Self {
+        self.trace = Some(trace);
+        self
     }
 
     /// Offset of the next octet from the start of the outermost PDU.
@@ -148,6 +160,9 @@ impl<'a> Reader<'a> {
     pub fn rest(&mut self) -> &'a [u8] {
         let rest = self.peek_rest();
         self.position = self.data.len();
+        if let Some(trace) = self.trace {
+            trace.read("data", rest);
+        }
         rest
     }
 
@@ -156,20 +171,28 @@ impl<'a> Reader<'a> {
     /// # Errors
     /// When fewer are left; nothing is consumed then.
     pub fn bytes(&mut self, length: usize, what: &'static str) -> Result<&'a [u8], DecodeError> {
+        let bytes = self.take(length, what)?;
+        if let Some(trace) = self.trace {
+            trace.read(what, bytes);
+        }
+        Ok(bytes)
+    }
+
+    fn take(&mut self, length: usize, what: &'static str) -> Result<&'a [u8], DecodeError> {
         let end = self.position.checked_add(length);
         match end.and_then(|end| self.data.get(self.position..end)) {
             Some(bytes) => {
                 self.position += length;
                 Ok(bytes)
             }
-            None => Err(DecodeError {
-                what,
-                offset: self.offset(),
-                problem: Problem::Truncated {
+            None => {
+                let available = self.remaining();
+                let problem = Problem::Truncated {
                     needed: length,
-                    available: self.remaining(),
-                },
-            }),
+                    available,
+                };
+                Err(self.error(what, 0, problem))
+            }
         }
     }
 
@@ -197,7 +220,10 @@ impl<'a> Reader<'a> {
     /// When fewer are left.
     pub fn sub(&mut self, length: usize, what: &'static str) -> Result<Reader<'a>, DecodeError> {
         let base = self.offset();
-        Ok(Reader::with_base(self.bytes(length, what)?, base))
+        Ok(Reader {
+            trace: self.trace,
+            ..Reader::with_base(self.take(length, what)?, base)
+        })
     }
 
     /// Reads one octet.
@@ -205,7 +231,8 @@ impl<'a> Reader<'a> {
     /// # Errors
     /// At the end of the data.
     pub fn u8(&mut self, what: &'static str) -> Result<u8, DecodeError> {
-        Ok(self.array::<1>(what)?[0])
+        let [value] = self.array(what)?;
+        Ok(self.number(value))
     }
 
     /// Reads a 16-bit number, big-endian.
@@ -213,7 +240,8 @@ impl<'a> Reader<'a> {
     /// # Errors
     /// At the end of the data.
     pub fn u16(&mut self, what: &'static str) -> Result<u16, DecodeError> {
-        Ok(u16::from_be_bytes(self.array(what)?))
+        let value = u16::from_be_bytes(self.array(what)?);
+        Ok(self.number(value))
     }
 
     /// Reads a 32-bit number, big-endian.
@@ -221,7 +249,8 @@ impl<'a> Reader<'a> {
     /// # Errors
     /// At the end of the data.
     pub fn u32(&mut self, what: &'static str) -> Result<u32, DecodeError> {
-        Ok(u32::from_be_bytes(self.array(what)?))
+        let value = u32::from_be_bytes(self.array(what)?);
+        Ok(self.number(value))
     }
 
     /// Reads a 64-bit number, big-endian.
@@ -229,7 +258,8 @@ impl<'a> Reader<'a> {
     /// # Errors
     /// At the end of the data.
     pub fn u64(&mut self, what: &'static str) -> Result<u64, DecodeError> {
-        Ok(u64::from_be_bytes(self.array(what)?))
+        let value = u64::from_be_bytes(self.array(what)?);
+        Ok(self.number(value))
     }
 
     /// Reads a 16-bit number in the given order.
@@ -238,10 +268,10 @@ impl<'a> Reader<'a> {
     /// At the end of the data.
     pub fn u16_in(&mut self, order: ByteOrder, what: &'static str) -> Result<u16, DecodeError> {
         let array = self.array(what)?;
-        Ok(match order {
+        Ok(self.number(match order {
             ByteOrder::Big => u16::from_be_bytes(array),
             ByteOrder::Little => u16::from_le_bytes(array),
-        })
+        }))
     }
 
     /// Reads a 32-bit number in the given order.
@@ -250,20 +280,39 @@ impl<'a> Reader<'a> {
     /// At the end of the data.
     pub fn u32_in(&mut self, order: ByteOrder, what: &'static str) -> Result<u32, DecodeError> {
         let array = self.array(what)?;
-        Ok(match order {
+        Ok(self.number(match order {
             ByteOrder::Big => u32::from_be_bytes(array),
             ByteOrder::Little => u32::from_le_bytes(array),
-        })
+        }))
     }
 
     /// Returns an error about the field that starts `back` octets before the cursor.
     #[must_use]
-    pub const fn error(&self, what: &'static str, back: usize, problem: Problem) -> DecodeError {
+    pub fn error(&self, what: &'static str, back: usize, problem: Problem) -> DecodeError {
+        let field = self.data.get(self.position.saturating_sub(back)..self.data.len());
+        if let (Some(trace), Some(rest)) = (self.trace, field) {
+            trace.failed(what, rest, back, problem);
+        }
         DecodeError {
             what,
             offset: self.offset().saturating_sub(back),
             problem,
         }
+    }
+
+    /// Notes what was read since `start`, an earlier [`position`](Self::position), as one part of this name.
+    pub fn enclose(&self, what: &'static str, start: usize) {
+        if let (Some(trace), Some(octets)) = (self.trace, self.data.get(start..self.position)) {
+            trace.read(what, octets);
+        }
+    }
+
+    /// Notes the number of the field that was read last.
+    pub(super) fn number<N: Copy + Into<u128>>(&self, value: N) -> N {
+        if let Some(trace) = self.trace {
+            trace.number(self.peek_rest(), value.into());
+        }
+        value
     }
 
     /// Refuses octets left over.

@@ -14,8 +14,10 @@ pub mod rpc;
 pub mod rt;
 pub mod snmp;
 pub mod status;
+mod trace;
 mod uuid;
 
 pub use bytes::{BufferTooSmall, ByteOrder, DecodeError, Problem, Reader, SliceWriter, Writer};
 pub use status::PnioStatus;
+pub use trace::{Field, Trace};
 pub use uuid::{Uuid, UuidSource};

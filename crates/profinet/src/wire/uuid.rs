@@ -107,10 +107,12 @@ impl Uuid {
         what: &'static str,
     ) -> Result<Self, DecodeError> {
         let uuid = Self(reader.array(what)?);
-        Ok(match order {
+        let uuid = match order {
             ByteOrder::Big => uuid,
             ByteOrder::Little => uuid.swapped(),
-        })
+        };
+        reader.number(u128::from_be_bytes(uuid.0));
+        Ok(uuid)
     }
 
     /// Writes sixteen octets, the first three fields in `order`.

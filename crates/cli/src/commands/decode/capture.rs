@@ -7,8 +7,11 @@ use std::time::Duration;
 
 use client::ErrorKind;
 use dissect::Weight;
-use dissect::capture::{Counts, DeviceSummary, Event, Selection, StreamSummary, Summary, View, seconds};
+use dissect::capture::{
+    Counts, DeviceSummary, Event, Selection, StreamSummary, Summary, View, Walker, seconds,
+};
 use dissect::report::DecodeReport;
+use dissect::tree::Node;
 use indicatif::ProgressBar;
 use network::ethernet::Capture;
 use network::pcap::{ReadError, Reader};
@@ -21,6 +24,9 @@ use crate::output::{Output, bytes};
 
 /// Decodes a capture file, or what comes through standard input.
 pub fn file(path: &Path, args: &Decode, output: &Output) -> Result<(), Failure> {
+    if let Some(number) = args.frame {
+        return frame(path, number, args, output);
+    }
     if path.as_os_str() == "-" {
         let source = Reader::new(stdin()).map_err(|error| unreadable("standard input", &error))?;
         return decode(
@@ -44,6 +50,57 @@ pub fn file(path: &Path, args: &Decode, output: &Output) -> Result<(), Failure> 
     }
     let (source, size) = open()?;
     decode(source, &shown, view, &progress(size, output), output)
+}
+
+/// Prints one frame with its fields. What the frames before it show is known then.
+fn frame(path: &Path, number: u64, args: &Decode, output: &Output) -> Result<(), Failure> {
+    let shown = path.display().to_string();
+    let source = if path.as_os_str() == "-" {
+        Reader::new(stdin()).map_err(|error| unreadable("standard input", &error))?
+    } else {
+        let file = File::open(path).map_err(|error| unreadable(&shown, &error))?;
+        Reader::new(file).map_err(|error| unreadable(&shown, &error))?
+    };
+    let mut walker = Walker::new(args.model.model);
+    let mut first = None;
+    for captured in source {
+        let captured = captured.map_err(|error| unreadable(&shown, &error))?;
+        let at = captured.time.saturating_sub(*first.get_or_insert(captured.time));
+        let events = walker.frame(at, &captured.frame);
+        if walker.counts().frames < number {
+            continue;
+        }
+        let events: Vec<Event> = events.into_iter().filter(|event| event.frame == number).collect();
+        let tree = walker.tree(&captured.frame);
+        output.json_report(&DecodeReport::Frame {
+            kind: "frame",
+            events: &events,
+            tree: &tree,
+        });
+        if !output.json() {
+            print(&events, &ProgressBar::hidden(), output);
+            node(&tree, 0, output);
+        }
+        return Ok(());
+    }
+    let frames = walker.counts().frames;
+    Err(Failure::usage(format!(
+        "{shown} has {frames} frames, none has the number {number}"
+    )))
+}
+
+/// Prints a node and its children: octets, name, value.
+fn node(node: &Node, depth: usize, output: &Output) {
+    let name = format!("{:indent$}{}", "", node.name, indent = 2 * depth);
+    let places = match node.octets().len() {
+        0 | 1 => format!("{:>4}     ", node.start),
+        _ => format!("{:>4}-{:<4}", node.start, node.end - 1),
+    };
+    let line = format!("{places} {name:<44} {}", node.value);
+    output.line(&painted(node.weight, line.trim_end(), output));
+    for child in &node.children {
+        self::node(child, depth + 1, output);
+    }
 }
 
 fn view(args: &Decode) -> View {

@@ -65,6 +65,22 @@ fn connects_without_an_answer_are_bounded_and_the_oldest_go() {
     assert_eq!(announced, newest.collect::<Vec<_>>());
 }
 
+/// More parts than the data can have octets.
+#[test]
+fn the_layout_of_a_connection_is_bounded() {
+    let mut asked = asked(1);
+    for iocr in &mut asked.iocrs {
+        for api in &mut iocr.apis {
+            api.data = vec![api.data[0]; 1000];
+            api.status = vec![api.data[0]; 1000];
+        }
+    }
+    let mut ars = CyclicArs::default();
+    ars.announce(&asked, mac(1), Ipv4Addr::LOCALHOST, &JobDrive::default());
+    let objects: Vec<usize> = ars.announced.iter().map(|stream| stream.objects.len()).collect();
+    assert_eq!(objects, [MAX_OBJECTS; 2]);
+}
+
 #[test]
 fn accepted_connections_are_bounded_and_those_from_before_the_capture_go_first() {
     let mut ars = CyclicArs::default();

@@ -264,6 +264,18 @@ fn connect(capture: &mut Capture, at: u64) {
     capture.at(at + 1, &call.response(0, &connected_blocks(9, None)));
 }
 
+/// The octets of each node are within those of its parent.
+fn check_tree(node: &Node, end: usize) {
+    assert!(node.start <= node.end && node.end <= end, "{node:?}");
+    for child in &node.children {
+        assert!(
+            child.start >= node.start && child.weight <= node.weight,
+            "{node:?}"
+        );
+        check_tree(child, node.end);
+    }
+}
+
 proptest! {
     #[test]
     fn any_frame_gives_an_answer(bytes in proptest::collection::vec(any::<u8>(), 0..200), ether in 0..4_usize) {
@@ -271,22 +283,26 @@ proptest! {
         frame.extend([[0x88, 0x92], [0x08, 0x00], [0x81, 0x00], [0x08, 0x06]][ether]);
         frame.extend(&bytes);
         let mut walker = Walker::default();
-        walker.frame(Duration::ZERO, &frame);
-        walker.frame(Duration::ZERO, &bytes);
+        for frame in [&frame, &bytes] {
+            walker.frame(Duration::ZERO, frame);
+            check_tree(&walker.tree(frame), frame.len());
+        }
         walker.end();
     }
 
     #[test]
     fn any_rpc_packet_gives_an_answer(bytes in proptest::collection::vec(any::<u8>(), 0..300), operation in 0..7_u8) {
         let mut walker = Walker::default();
-        walker.frame(Duration::ZERO, &udp::tests::rpc_frame(operation, &bytes));
+        let frame = udp::tests::rpc_frame(operation, &bytes);
+        walker.frame(Duration::ZERO, &frame);
+        check_tree(&walker.tree(&frame), frame.len());
         walker.end();
     }
 
     #[test]
     fn any_record_and_any_alarm_gives_an_answer(bytes in proptest::collection::vec(any::<u8>(), 0..200), index: u16) {
         for index in [index, 0x800C, 0x8001, 0xE002, 0x802A, 0x8080, 0xF841, 0xF821, 0xF830, 0xF840, 0xF820, 0xAFF0, 0xAFF1] {
-            let _ = contents::describe(index, &bytes);
+            let _ = contents::describe(index, profinet::wire::Reader::new(&bytes));
         }
         let mut walker = Walker::default();
         walker.frame(Duration::ZERO, &frame(PLC, mac(DRIVE), FrameId::ALARM_LOW, &bytes));

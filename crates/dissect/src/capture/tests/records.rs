@@ -159,9 +159,8 @@ fn interface_and_ports_are_decoded() {
     assert_eq!(content["blocks"][1]["peers"][0]["station"], "switch");
 }
 
-#[test]
-fn a_parameter_request_without_a_read_is_reported() {
-    let job = [0x2A, 1, 1, 1, 0x10, 1, 3, 0xC4, 0, 0];
+/// Writes a parameter request of ten octets, and gives the write.
+fn request_job(capture: &mut Capture, job: [u8; 10]) -> WriteRequest {
     let write = WriteRequest {
         sequence: 1,
         ar_uuid: Uuid([9; 16]),
@@ -174,9 +173,64 @@ fn a_parameter_request_without_a_read_is_reported() {
     let mut blocks = Vec::new();
     write.encode(&mut blocks);
     blocks.extend(job);
-    let call = Call::new(operation::WRITE);
+    capture.at(0, &Call::new(operation::WRITE).request(&blocks));
+    write
+}
+
+/// Reads an answer of eight octets; returns the frame of the answer and its texts.
+fn answer_job(capture: &mut Capture, at: u64, job: [u8; 8]) -> (Vec<u8>, Vec<String>) {
+    let request = ReadRequest {
+        sequence: 2,
+        ar_uuid: Uuid([9; 16]),
+        api: 0x3A00,
+        slot: 1,
+        subslot: 1,
+        index: 0xB02E,
+        length: 240,
+        target_ar_uuid: Uuid::NIL,
+    };
+    let (mut asked, mut answer) = (Vec::new(), Vec::new());
+    request.encode(&mut asked);
+    request.response(8).encode(&mut answer);
+    answer.extend(job);
+    let call = Call {
+        sequence: 1,
+        ..Call::new(operation::READ)
+    };
+    capture.at(at, &call.request(&asked));
+    let frame = call.response(0, &answer);
+    let texts = capture.at(at + 1, &frame);
+    (frame, texts)
+}
+
+/// The name of the parameter, which only the request has, stands in the tree of the answer, at the octets of its value.
+#[test]
+fn the_tree_of_an_answer_has_the_names_of_its_request() {
     let mut capture = Capture::default();
-    capture.at(0, &call.request(&blocks));
+    request_job(&mut capture, [7, 1, 0, 1, 0x10, 1, 0x03, 0xA2, 0, 0]);
+    let (frame, _) = answer_job(&mut capture, 1, [7, 1, 0, 1, 0x42, 1, 0, 2]);
+    let tree = capture.walker.tree(&frame);
+    let path = tree.path(frame.len() - 1);
+    let names: Vec<String> = path
+        .iter()
+        .map(|node| format!("{} {}", node.name, node.value).trim().to_owned())
+        .collect();
+    assert_eq!(
+        names[1..],
+        [
+            "body",
+            "record data",
+            "value Operating mode (p0930) = 2 (positioning)   [Word 00 02]",
+            "octets 00 02"
+        ]
+    );
+}
+
+#[test]
+fn a_parameter_request_without_a_read_is_reported() {
+    let mut capture = Capture::default();
+    let write = request_job(&mut capture, [0x2A, 1, 1, 1, 0x10, 1, 3, 0xC4, 0, 0]);
+    let call = Call::new(operation::WRITE);
     let event = serde_json::to_value(&capture.last().detail).expect("JSON");
     assert_eq!(
         (&event["kind"], &event["data"]["reference"]),
@@ -192,26 +246,7 @@ fn a_parameter_request_without_a_read_is_reported() {
     );
 
     // the other way round: an answer whose request is not in the capture
-    let request = ReadRequest {
-        sequence: 2,
-        ar_uuid: Uuid([9; 16]),
-        api: 0x3A00,
-        slot: 1,
-        subslot: 1,
-        index: 0xB02E,
-        length: 240,
-        target_ar_uuid: Uuid::NIL,
-    };
-    let (mut asked, mut answer) = (Vec::new(), Vec::new());
-    request.encode(&mut asked);
-    request.response(8).encode(&mut answer);
-    answer.extend([0x2B, 1, 1, 1, 6, 1, 4, 0x93]);
-    let call = Call {
-        sequence: 1,
-        ..Call::new(operation::READ)
-    };
-    capture.at(10_001, &call.request(&asked));
-    let texts = capture.at(10_002, &call.response(0, &answer));
+    let (_, texts) = answer_job(&mut capture, 10_001, [0x2B, 1, 1, 1, 6, 1, 4, 0x93]);
     assert_eq!(
         texts[1],
         "answer to a parameter request that is not in the capture"

@@ -92,7 +92,14 @@ impl<'a> RtaPdu<'a> {
     /// # Errors
     /// When the octets end too early.
     pub fn parse(bytes: &'a [u8]) -> Result<Self, DecodeError> {
-        let mut r = Reader::new(bytes);
+        Self::decode(Reader::new(bytes))
+    }
+
+    /// The same from a reader.
+    ///
+    /// # Errors
+    /// When the octets end too early.
+    pub fn decode(mut r: Reader<'a>) -> Result<Self, DecodeError> {
         let destination = r.u16("AlarmDstEndpoint")?;
         let source = r.u16("AlarmSrcEndpoint")?;
         let kind = r.u8("RTA PDUType")?;
@@ -148,7 +155,7 @@ impl<'a> RtaPdu<'a> {
     /// # Errors
     /// When the variable part is not a complete alarm block.
     pub fn alarm(&self) -> Result<Alarm<'a>, DecodeError> {
-        Alarm::parse(self.data, HEADER)
+        Alarm::decode(Reader::with_base(self.data, HEADER))
     }
 }
 

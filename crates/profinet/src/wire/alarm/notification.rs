@@ -268,12 +268,12 @@ pub enum Alarm<'a> {
 }
 
 impl<'a> Alarm<'a> {
-    /// Reads an alarm block; `offset` is where it starts, for errors.
+    /// Reads an alarm block.
     ///
     /// # Errors
     /// When type, length or version are wrong or the block is cut.
-    pub fn parse(bytes: &'a [u8], offset: usize) -> Result<Self, DecodeError> {
-        let mut r = Reader::with_base(bytes, offset);
+    pub fn decode(mut r: Reader<'a>) -> Result<Self, DecodeError> {
+        let offset = r.offset();
         let kind = r.u16("alarm BlockType")?;
         let length = r.u16("alarm BlockLength")?;
         let mut r = r.sub(usize::from(length), "alarm block")?;

@@ -183,7 +183,7 @@ fn every_cut_is_an_error() {
             assert!(RtaPdu::parse(&bytes[..cut]).is_err());
         }
         for cut in 0..bytes.len() - HEADER {
-            assert!(Alarm::parse(&bytes[HEADER..HEADER + cut], HEADER).is_err());
+            assert!(Alarm::decode(Reader::new(&bytes[HEADER..HEADER + cut])).is_err());
         }
         let mut padded = bytes.clone();
         padded.resize(60, 0);

@@ -113,7 +113,7 @@ impl ArRequest {
             activity_timeout_factor: r.u16("CMInitiatorActivityTimeoutFactor")?,
             udp_rt_port: r.u16("InitiatorUDPRTPort")?,
             station_name_length: r.u16("StationNameLength")?,
-            station_name: r.rest().to_vec(),
+            station_name: r.bytes(r.remaining(), "CMInitiatorStationName")?.to_vec(),
         })
     }
 

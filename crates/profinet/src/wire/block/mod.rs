@@ -160,6 +160,7 @@ impl<'a> Block<'a> {
     /// # Errors
     /// When the data end before the block does, or its length does not cover the version.
     pub fn decode(r: &mut Reader<'a>) -> Result<Self, DecodeError> {
+        let start = r.position();
         let block_type = BlockType(r.u16("BlockType")?);
         let length = r.u16("BlockLength")?;
         if length < 2 {
@@ -167,6 +168,7 @@ impl<'a> Block<'a> {
         }
         let mut body = r.sub(length.into(), "block")?;
         let version = (body.u8("BlockVersionHigh")?, body.u8("BlockVersionLow")?);
+        r.enclose(block_type.name().unwrap_or("block"), start);
         Ok(Self {
             block_type,
             version,

@@ -57,7 +57,14 @@ impl<'a> Pdu<'a> {
     /// # Errors
     /// When the octets end inside the header or before the declared length.
     pub fn parse(bytes: &'a [u8]) -> Result<Self, DecodeError> {
-        let mut reader = Reader::new(bytes);
+        Self::decode(Reader::new(bytes))
+    }
+
+    /// The same from a reader.
+    ///
+    /// # Errors
+    /// When the octets end inside the header or before the declared length.
+    pub fn decode(mut reader: Reader<'a>) -> Result<Self, DecodeError> {
         let service = ServiceId::from(reader.u8("DCP ServiceID")?);
         let kind = ServiceType::from(reader.u8("DCP ServiceType")?);
         let xid = reader.u32("DCP Xid")?;
@@ -76,9 +83,7 @@ impl<'a> Pdu<'a> {
     /// Returns the blocks one by one. The iterator ends after the first error.
     #[must_use]
     pub fn blocks(&self) -> Blocks<'a> {
-        Blocks {
-            reader: Reader::with_base(self.data, HEADER),
-        }
+        Blocks::new(Reader::with_base(self.data, HEADER))
     }
 
     /// Returns the options of a Get request: pairs without length.
@@ -106,6 +111,14 @@ pub struct Blocks<'a> {
     reader: Reader<'a>,
 }
 
+impl<'a> Blocks<'a> {
+    /// Walks over what `reader` has left.
+    #[must_use]
+    pub const fn new(reader: Reader<'a>) -> Self {
+        Self { reader }
+    }
+}
+
 impl<'a> Iterator for Blocks<'a> {
     type Item = Result<Block<'a>, DecodeError>;
 
@@ -122,11 +135,13 @@ impl<'a> Iterator for Blocks<'a> {
 }
 
 fn next_block<'a>(reader: &mut Reader<'a>) -> Result<Block<'a>, DecodeError> {
+    let start = reader.position();
     let option = reader.u8("DCP Option")?;
     let suboption = reader.u8("DCP Suboption")?;
     let length = usize::from(reader.u16("DCPBlockLength")?);
     let offset = reader.offset();
-    let body = reader.bytes(length, "DCP block")?;
+    let body = reader.bytes(length, "DCP block value")?;
+    reader.enclose("DCP block", start);
     if length % 2 == 1 && !reader.is_empty() {
         reader.skip(1, "DCP block padding")?;
     }
@@ -154,7 +169,7 @@ impl<'a> Block<'a> {
     /// # Errors
     /// When the value has a wrong length.
     pub fn filter(&self) -> Result<Value<'a>, DecodeError> {
-        Value::decode(self.option, self.body, self.offset)
+        Value::decode(self.option, Reader::with_base(self.body, self.offset))
     }
 
     /// As part of a Get or Identify response or of a Hello: BlockInfo and value.
@@ -165,7 +180,7 @@ impl<'a> Block<'a> {
         let (info, rest) = self.prefix("DCP BlockInfo")?;
         Ok((
             BlockInfo(info),
-            Value::decode(self.option, rest, self.offset + 2)?,
+            Value::decode(self.option, Reader::with_base(rest, self.offset + 2))?,
         ))
     }
 
@@ -177,7 +192,7 @@ impl<'a> Block<'a> {
         let (qualifier, rest) = self.prefix("DCP BlockQualifier")?;
         Ok((
             Qualifier(qualifier),
-            Value::decode(self.option, rest, self.offset + 2)?,
+            Value::decode(self.option, Reader::with_base(rest, self.offset + 2))?,
         ))
     }
 

@@ -68,12 +68,11 @@ impl<'a> Value<'a> {
     /// All options.
     pub const ALL: Self = Self::Empty(DcpOption::ALL);
 
-    /// Reads the octets of an option; `offset` is where they start, for errors.
+    /// Reads the octets of an option: all that the reader has left.
     ///
     /// # Errors
     /// When an option of fixed length has another one, or a list of pairs is odd.
-    pub fn decode(option: DcpOption, bytes: &'a [u8], offset: usize) -> Result<Self, DecodeError> {
-        let mut r = Reader::with_base(bytes, offset);
+    pub fn decode(option: DcpOption, mut r: Reader<'a>) -> Result<Self, DecodeError> {
         let value = match option {
             DcpOption::MAC => Self::Mac(MacAddress(r.array("DCP MAC address")?)),
             DcpOption::IP => Self::Ip(suite(&mut r)?),
@@ -112,7 +111,7 @@ impl<'a> Value<'a> {
             DcpOption::SIGNAL => Self::Signal(r.u16("DCP signal")?),
             DcpOption::INITIATIVE => Self::Initiative(r.u16("DCP initiative")?),
             // some senders put two octets here
-            DcpOption::ALL if bytes.len() == 2 => {
+            DcpOption::ALL if r.remaining() == 2 => {
                 r.rest();
                 Self::ALL
             }

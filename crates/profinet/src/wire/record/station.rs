@@ -157,7 +157,6 @@ pub struct ArListEntry<'a> {
 /// When the data end before an AR does.
 pub fn decode_ar_list<'a>(r: &mut Reader<'a>) -> Result<Option<Vec<ArListEntry<'a>>>, DecodeError> {
     const OBJECTS: usize = 2 * 16;
-    const IOCR: usize = 12;
     let start = r.position();
     let block = Block::decode(r)?;
     let mut ars = Vec::new();
@@ -183,9 +182,19 @@ pub fn decode_ar_list<'a>(r: &mut Reader<'a>) -> Result<Option<Vec<ArListEntry<'
         r.skip(length.into(), "ParameterServerStationName")?;
         align(&mut r)?;
         let iocrs = r.u16("NumberOfIOCRs")?;
-        r.skip(2 + IOCR * usize::from(iocrs), "IOCRs")?;
+        r.skip(2, "padding")?;
+        for _ in 0..iocrs {
+            r.u32("IOCRProperties")?;
+            r.u16("IOCRType")?;
+            r.u16("FrameID")?;
+            r.skip(4, "APDU_Status")?;
+        }
         let apis = r.u16("NumberOfAPIs")?;
-        r.skip(2 + 4 * usize::from(apis) + 4, "APIs")?;
+        r.skip(2, "padding")?;
+        for _ in 0..apis {
+            r.u32("API")?;
+        }
+        r.skip(4, "numbers of dynamic frames and of further items")?;
     }
     Ok(Some(ars))
 }

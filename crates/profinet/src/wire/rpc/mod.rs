@@ -287,7 +287,14 @@ impl Header {
     /// # Errors
     /// When the data is shorter than the length in the header, or the RPC version is not 4.
     pub fn decode(pdu: &[u8]) -> Result<(Self, &[u8]), DecodeError> {
-        let mut r = Reader::new(pdu);
+        Self::read(Reader::new(pdu))
+    }
+
+    /// The same from a reader.
+    ///
+    /// # Errors
+    /// When the data is shorter than the length in the header, or the RPC version is not 4.
+    pub fn read(mut r: Reader<'_>) -> Result<(Self, &[u8]), DecodeError> {
         let version = r.u8("rpc_vers")?;
         if version != 4 {
             let problem = Problem::Expected {

@@ -1,0 +1,53 @@
+//! Cyclic data: the submodules by the layout of the connect, the telegram of each drive in them.
+
+use profinet::wire::ethernet::Frame;
+
+use super::Notes;
+use crate::capture::Walker;
+use crate::capture::cyclic::iops;
+use crate::job::telegram::Half;
+
+/// The cyclic data of a frame. Where its connect is not in the capture, only that it is data.
+pub fn data<'a>(walker: &Walker, frame: &Frame<'a>, notes: &mut Notes<'a>) {
+    let stream = walker.ars.stream(frame);
+    let length = stream.and_then(|stream| stream.data_length());
+    let Some((octets, behind)) = length.and_then(|length| frame.payload.split_at_checked(length)) else {
+        notes.reader(frame.payload).rest();
+        return;
+    };
+    notes.add("data", octets, "");
+    let mut trailer = notes.reader(behind);
+    // a frame that ends too early has a note
+    let _ = trailer
+        .u16("CycleCounter")
+        .and_then(|_| trailer.u8("DataStatus"))
+        .and_then(|_| trailer.u8("TransferStatus"));
+    let Some(stream) = stream else { return };
+    for object in stream.objects() {
+        let place = format!("slot {}/{}", object.slot, object.subslot);
+        let Some(part) = octets.get(object.octets()) else {
+            continue;
+        };
+        let Some((data, status)) = part.split_at_checked(object.length) else {
+            continue;
+        };
+        if object.consumer {
+            notes.add(format!("IOCS of {place}"), status, iops(status));
+            continue;
+        }
+        notes.add(place.clone(), part, "");
+        notes.add(format!("IOPS of {place}"), status, iops(status));
+        notes.add("data", data, "");
+    }
+    let drive = walker.names.drives.known(stream.device());
+    for (data_of, data) in stream.telegrams(octets) {
+        let half = Half {
+            drive: &drive,
+            telegram: data_of,
+            output: stream.is_output(),
+        };
+        for part in half.parts(data) {
+            notes.add_part(data, part);
+        }
+    }
+}
