@@ -146,13 +146,11 @@ pub async fn jog_in_real_time(
     let axis = session.take_axis(drive, settings).await?;
     let mut taken = Taken::begin(axis, End::Time, Start::RealTimeJog, false, observer);
     let mut found = MotionResult::default();
-    let result = match taken.axis.enable().await {
-        Ok(mut enabled) => match enabled.jog_at(wanted.speed).await {
-            Ok(()) => keep(&mut enabled, wanted.speed, wanted.time, &mut found, observer).await,
-            Err(error) => Err(error),
-        },
-        Err(error) => Err(error),
+    let motion = async |enabled: &mut Enabled<'_>| {
+        enabled.jog_at(wanted.speed).await?;
+        keep(enabled, wanted.speed, wanted.time, &mut found, observer).await
     };
+    let result = taken.move_by(motion).await;
     found.speed = taken.speed();
     let done = taken.finish(result, found).await;
     done.report(Vec::new(), observer, (session, drive)).await
@@ -267,13 +265,11 @@ async fn with_setting(
     };
     let mut taken = Taken::begin(axis, End::Time, start, false, observer);
     let mut found = MotionResult::default();
-    let result = match taken.axis.enable().await {
-        Ok(mut enabled) => match enabled.jog(wanted.setpoint).await {
-            Ok(()) => keep(&mut enabled, speed, wanted.time, &mut found, observer).await,
-            Err(error) => Err(error),
-        },
-        Err(error) => Err(error),
+    let motion = async |enabled: &mut Enabled<'_>| {
+        enabled.jog(wanted.setpoint).await?;
+        keep(enabled, speed, wanted.time, &mut found, observer).await
     };
+    let result = taken.move_by(motion).await;
     found.speed = taken.speed();
     Ok(taken.finish(result, found).await)
 }

@@ -180,10 +180,8 @@ pub async fn run(
 ) -> Result<Report, MotionError> {
     wanted.check()?;
     let wanted = &wanted.in_rpm(session, drive, observer).await?;
-    let change = mode::enter(session, drive, Mode::Velocity, &wanted.control, observer).await?;
-    let result = turn(session, drive, wanted, observer).await;
-    let restored = mode::leave(change, observer).await;
-    result?.report(restored, observer, (session, drive)).await
+    let mode = (Mode::Velocity, &wanted.control);
+    mode::during((session, drive), mode, wanted, observer, turn).await
 }
 
 /// Reads and checks everything that [`run`] does; nothing is sent that changes anything.
@@ -277,10 +275,8 @@ async fn turn(
     }
     let mut taken = Taken::begin(axis, end, Start::Run, wanted.control.set_mode, observer);
     let mut found = MotionResult::default();
-    let result = match taken.axis.enable().await {
-        Ok(mut enabled) => keep(&mut enabled, wanted, &mut found, observer).await,
-        Err(error) => Err(error),
-    };
+    let motion = async |enabled: &mut Enabled<'_>| keep(enabled, wanted, &mut found, observer).await;
+    let result = taken.move_by(motion).await;
     found.speed = taken.speed();
     Ok(taken.finish(result, found).await)
 }
