@@ -85,6 +85,8 @@ use client::axis::Purpose;
 
 use crate::machine::SpeedBound;
 
+pub use crate::remark::Remark;
+
 pub use acknowledge::{acknowledge, acknowledge_by_parameter};
 pub use error::{End, MotionError};
 pub use event::{Arrival, Ended, Event, Observer, Setting, Start, TelegramChange};
@@ -94,7 +96,6 @@ pub use leftover::{Leftover, UnreadableNote, leftovers};
 pub use message::{AxisState, CycleStrained, Message, RunsOn};
 pub use plan::{JogChange, JogPlan, MoveReport, RunPlan, Telegrams};
 pub use position::{Home, Move, Task, home, move_to, plan_move, task};
-pub use remark::Remark;
 pub use report::{Frames, MotionResult, PutBack, Report};
 pub use response::{Response, StepPoint, step_in};
 pub use run::{Frequency, Run, TelegramName, plan_run, run};

@@ -8,38 +8,7 @@ use profinet::cyclic::CyclicStatistics;
 use super::Setting;
 use super::event::{Arrival, Ended, Event, Start, TelegramChange};
 use super::report::PutBack;
-
-/// A sentence on what happened.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Remark {
-    /// What happened.
-    pub sentence: String,
-    /// Whether something is not as it should be.
-    pub is_warning: bool,
-    /// What to do, where there is something to do.
-    pub next: Option<Advice>,
-}
-
-impl Remark {
-    fn news(sentence: impl Into<String>) -> Self {
-        Self {
-            sentence: sentence.into(),
-            is_warning: false,
-            next: None,
-        }
-    }
-
-    fn warning(sentence: impl Into<String>) -> Self {
-        Self {
-            is_warning: true,
-            ..Self::news(sentence)
-        }
-    }
-
-    fn and(self, next: Option<Advice>) -> Self {
-        Self { next, ..self }
-    }
-}
+use crate::Remark;
 
 impl Event {
     /// Returns what a person is to know of it. Empty for a sample of the axis, and for what only a front end can word: that a

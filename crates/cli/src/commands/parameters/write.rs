@@ -1,15 +1,15 @@
 //! `profidrive write`
 
-use client::change::{Change, Persistence, Step};
+use client::change::{Change, Step};
 use client::{Drive, Wait};
-use profidrive::DriveError;
 use profidrive::fleet::{self, Member, WritePlan, WrittenMembers};
 use profidrive::parameters::{self, Write as Wanted, Written};
 use profidrive::report::Drives;
+use profidrive::{DriveError, Remark};
 use profile::value::{Assignment, Content};
 
 use super::super::each;
-use crate::advice::Commands;
+use crate::advice::{self, Commands};
 use crate::args::{Target, Write};
 use crate::confirm::{Question, confirm};
 use crate::connect::{self, Need};
@@ -46,7 +46,9 @@ pub fn write(args: &Write, target: &Target, output: &Output) -> Result<(), Failu
         if args.dry_run {
             output.say(DRY_RUN);
         } else {
-            report_saved(&written, output);
+            for remark in written.lasting() {
+                advice::print_lasting(&remark, "", output);
+            }
         }
     }
     each::last(written.problems(&drive.label()), output)
@@ -169,135 +171,21 @@ fn remark(assignments: &[Assignment], written: &Written, output: &Output) {
     }
 }
 
-/// A remark on what outlives the power of the drive, in words.
-#[derive(Debug, PartialEq, Eq)]
-enum Remark {
-    Said(String),
-    Warned(String),
-}
-
-impl Remark {
-    fn print(self, drives: &str, output: &Output) {
-        match self {
-            Self::Said(words) => output.say(&format!("{drives}{words}")),
-            Self::Warned(words) => output.warn(&format!("{drives}{words}")),
-        }
-    }
-}
-
-/// Reports which of the new values outlive the power of the drive, and which do not.
-fn report_saved(written: &Written, output: &Output) {
-    for remark in saved(written) {
-        remark.print("", output);
-    }
-}
-
-/// The same for many drives: those of which the same is to be said are named together.
+/// Prints which new values are lost at the next power cycle, and which are not. Drives of which the same is to be said are
+/// named together.
 fn report_all_saved(members: &[Member<Result<Written, DriveError>>], output: &Output) {
-    let mut remarks: Vec<(Remark, Vec<String>)> = Vec::new();
+    let mut remarks: Vec<(Remark, Vec<&str>)> = Vec::new();
     for member in members {
         let written = member.result.as_ref().ok();
-        for remark in written.map(saved).unwrap_or_default() {
+        for remark in written.map(Written::lasting).unwrap_or_default() {
             match remarks.iter_mut().find(|(known, _)| *known == remark) {
-                Some((_, drives)) => drives.push(member.name.clone()),
-                None => remarks.push((remark, vec![member.name.clone()])),
+                Some((_, drives)) => drives.push(&member.name),
+                None => remarks.push((remark, vec![&member.name])),
             }
         }
     }
     for (remark, drives) in remarks {
-        remark.print(&format!("{}: ", listed(&drives)), output);
-    }
-}
-
-fn saved(written: &Written) -> Vec<Remark> {
-    let kept = written.set.kept();
-    let names =
-        |changes: &[&Change]| -> Vec<String> { changes.iter().map(|change| change.label()).collect() };
-    let (as_written, by_itself, lost) = (names(&kept.with_set), names(&kept.by_itself), names(&kept.lost));
-    let only = by_itself.is_empty() && lost.is_empty();
-    let mut remarks = Vec::new();
-    if !as_written.is_empty() {
-        remarks.push(match kept.persistence {
-            Persistence::Refused(_) => {
-                Remark::Warned(unsaved_words("the drive refused to save", &as_written))
-            }
-            Persistence::NotAsPlanned => {
-                let why = "the save command was not sent because a value was refused";
-                Remark::Warned(unsaved_words(why, &as_written))
-            }
-            Persistence::InDoubt => Remark::Warned(format!(
-                "it is not known whether the drive saved {}: asked for, not answered",
-                listed(&as_written)
-            )),
-            saved => Remark::Said(kept_words(saved, if only { &[] } else { &as_written })),
-        });
-    }
-    if !by_itself.is_empty() {
-        let which = listed(&by_itself);
-        remarks.push(Remark::Said(format!(
-            "saved in the drive: {which} (at a serial line it saves text with every write)"
-        )));
-    }
-    if !lost.is_empty() {
-        let words = lost_words(&lost);
-        remarks.push(if written.wanted.save {
-            Remark::Warned(words)
-        } else {
-            Remark::Said(words)
-        });
-    }
-    remarks
-}
-
-/// What becomes of new values that were to be saved and were not.
-fn unsaved_words(why: &str, which: &[String]) -> String {
-    format!(
-        "not saved: {why}, {} lost at the next power cycle",
-        listed_with_verb(which)
-    )
-}
-
-/// What becomes of new values that the drive can save; `which` is empty for all of them.
-fn kept_words(persistence: Persistence, which: &[String]) -> String {
-    let named = match which {
-        [] => String::new(),
-        names => format!(": {}", listed(names)),
-    };
-    match persistence {
-        Persistence::EveryWrite => format!("saved in the drive{named} (it saves every write)"),
-        Persistence::Saved { by_command: true } => {
-            format!("saved in the drive{named}, with everything else that it can save")
-        }
-        Persistence::Saved { by_command: false } => format!("saved in the drive{named}"),
-        _ if which.is_empty() => "not saved: lost at the next power cycle (use --save)".to_owned(),
-        _ => format!(
-            "not saved: {} lost at the next power cycle (use --save)",
-            listed_with_verb(which)
-        ),
-    }
-}
-
-/// `DRV.ACC is`, `DRV.ACC and DRV.DEC are`.
-fn listed_with_verb(names: &[String]) -> String {
-    let verb = if names.len() == 1 { "is" } else { "are" };
-    format!("{} {verb}", listed(names))
-}
-
-/// What becomes of values that the drive has no place for.
-fn lost_words(lost: &[String]) -> String {
-    let which = if lost.len() == 1 { "it" } else { "them" };
-    format!(
-        "not saved: {} lost at the next power cycle, the drive cannot save {which}",
-        listed_with_verb(lost)
-    )
-}
-
-/// `922`, `922 and HOME.V`, `922, 930 and HOME.V`
-fn listed(names: &[String]) -> String {
-    match names {
-        [] => String::new(),
-        [one] => one.clone(),
-        [first @ .., last] => format!("{} and {last}", first.join(", ")),
+        advice::print_lasting(&remark, &format!("{}: ", each::listed(&drives)), output);
     }
 }
 
@@ -374,20 +262,5 @@ fn with_text(value: String, text: Option<&str>) -> String {
     match text {
         Some(text) => format!("{value} ({text})"),
         None => value,
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn unsaved_values_are_reported() {
-        let names = ["922".to_owned(), "HOME.V".to_owned()];
-        assert_eq!(
-            lost_words(&names),
-            "not saved: 922 and HOME.V are lost at the next power cycle, the drive cannot save them"
-        );
-        assert!(lost_words(&names[..1]).starts_with("not saved: 922 is lost"));
     }
 }
