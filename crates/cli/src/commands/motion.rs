@@ -37,7 +37,7 @@ pub fn ack(args: &Ack, target: &Target, output: &Output) -> Result<(), Failure> 
     };
     if connect::selector(target, output)?.single().is_some() {
         let report = axis::with_drive(target, need, output, |session, drive| {
-            let observer = axis::observer(&drive.label(), Box::new(|_, _| None), output);
+            let observer = axis::observer(&drive.label(), output);
             acknowledge(session, drive, &observer).wait()
         })?;
         output.say(acknowledged(&report));

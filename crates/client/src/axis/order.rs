@@ -4,8 +4,10 @@ mod facts;
 mod modulo;
 mod objection;
 
+use core::fmt;
+
 use profile::catalogue::{Catalogue, Scaling};
-use profile::notation::Position;
+use profile::notation::{Position, figures};
 use profile::telegram::signal;
 
 use super::command::Traverse;
@@ -73,6 +75,8 @@ impl Move {
 /// A move as it will travel, in both views.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MovePlan {
+    /// True when the target of the order is a distance.
+    pub relative: bool,
     /// As it travels.
     pub traverse: Traverse,
     /// Where the axis is, in turns.
@@ -89,6 +93,29 @@ pub struct MovePlan {
     pub duration: Option<f64>,
     /// All objections to it.
     pub objections: Vec<Objection>,
+}
+
+/// What the axis does, behind its name:
+/// `goes from 1.2 rev to 10 rev (655360 counts) at 300 rpm, ramps 3052 and 3052 rpm/s, in about 2.1 s`.
+impl fmt::Display for MovePlan {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let rounded = |value: f64| figures((value * 1000.0).round() / 1000.0 + 0.0);
+        let rev = |turns: Option<f64>| turns.map_or_else(|| "?".into(), rounded);
+        let (from, to, counts) = (rev(self.from), rev(self.target), self.traverse.target);
+        if self.relative {
+            write!(f, "goes from {from} rev by {counts} counts to {to} rev")?;
+        } else {
+            write!(f, "goes from {from} rev to {to} rev ({counts} counts)")?;
+        }
+        let (speed, up, down) = (
+            rounded(self.speed),
+            figures(self.acceleration),
+            figures(self.deceleration),
+        );
+        write!(f, " at {speed} rpm, ramps {up} and {down} rpm/s")?;
+        self.duration
+            .map_or(Ok(()), |seconds| write!(f, ", in about {seconds:.1} s"))
+    }
 }
 
 /// Plans a move: converts engineering units into telegram values, checked against the facts of the drive and the limits
@@ -190,6 +217,7 @@ pub fn plan_move(
         Traverse::absolute(wire.unwrap_or(0))
     };
     MovePlan {
+        relative: order.relative,
         traverse: traverse.with_speed(u32::try_from(velocity).unwrap_or(0), acc, dec),
         from: facts.position,
         target,

@@ -8,8 +8,9 @@ use client::{Axis, AxisStatus, Drive, Enabled, Error, Released, Rest, Session};
 
 use super::Control;
 use super::error::{End, MotionError, explained};
-use super::event::{Arrival, Ended, Event, Observer, Setting, Start, TelegramChange};
+use super::event::{Arrival, Ended, Event, Observer, Setting, TelegramChange};
 use super::report::{Frames, MotionResult, PutBack, Report};
+use super::start::Start;
 use crate::report::Quantity;
 
 /// From which time on a stop is a long one.

@@ -8,10 +8,11 @@ use profile::state::Mode;
 
 use super::axis::{Taken, check_controller_loss, report_rounded, report_switch};
 use super::error::{End, MotionError};
-use super::event::{Observer, Start};
+use super::event::Observer;
 use super::limit::{self, within};
 use super::report::{MotionResult, Report};
 use super::run::permit_speed;
+use super::start::Start;
 use super::{Control, SPEED_LIMIT, mode};
 
 /// How an axis is held.

@@ -11,11 +11,12 @@ use profile::value::{Assignment, CheckedValue, Content, Reading};
 use super::axis::{Done, Restored, Taken, check_controller_loss, report_rounded, report_switch};
 use super::check::checked_axis;
 use super::error::{End, MotionError};
-use super::event::{Event, Observer, Setting, Start};
+use super::event::{Event, Observer, Setting};
 use super::leftover::{Leftover, NoteFile, UnreadableNote};
 use super::limit::{self, within};
 use super::plan::{JogChange, JogPlan};
 use super::report::{MotionResult, Report};
+use super::start::Start;
 use super::{Control, SPEED_LIMIT};
 use crate::report;
 
@@ -143,8 +144,12 @@ pub async fn jog_in_real_time(
     report_switch(wanted.speed, &facts, observer);
     real_time_speed(session, drive, wanted, observer).await?;
     let settings = wanted.control.settings(Purpose::RealTimeJog, wanted.limit);
+    let start = Start::RealTimeJog {
+        speed: wanted.speed,
+        time: wanted.time,
+    };
     let axis = session.take_axis(drive, settings).await?;
-    let mut taken = Taken::begin(axis, End::Time, Start::RealTimeJog, false, observer);
+    let mut taken = Taken::begin(axis, End::Time, start, false, observer);
     let mut found = MotionResult::default();
     let motion = async |enabled: &mut Enabled<'_>| {
         enabled.jog_at(wanted.speed).await?;
@@ -262,6 +267,7 @@ async fn with_setting(
     report_switch(speed, &facts, observer);
     let start = Start::Jog {
         speed: Box::new(reading),
+        time: wanted.time,
     };
     let mut taken = Taken::begin(axis, End::Time, start, false, observer);
     let mut found = MotionResult::default();

@@ -10,10 +10,11 @@ use profile::value::{Reading, Selection};
 
 use super::axis::{Done, Taken, check_controller_loss};
 use super::error::{End, MotionError};
-use super::event::{Arrival, Observer, Start};
+use super::event::{Arrival, Observer};
 use super::limit::{self, within};
 use super::plan::MoveReport;
 use super::report::{MotionResult, Report};
+use super::start::Start;
 use super::{Control, SPEED_LIMIT, mode};
 use crate::report::Quantity;
 
@@ -212,7 +213,13 @@ async fn carry_out(
     check_controller_loss(session, drive, &wanted.control, observer).await?;
     let settings = wanted.control.settings(Purpose::Task, f64::INFINITY);
     let axis = session.take_axis(drive, settings).await?;
-    let mut taken = Taken::begin(axis, End::Task, Start::Task, wanted.control.set_mode, observer);
+    let mut taken = Taken::begin(
+        axis,
+        End::Task,
+        Start::Task(wanted.number),
+        wanted.control.set_mode,
+        observer,
+    );
     let mut last = None;
     let motion = async |enabled: &mut Enabled<'_>| {
         enabled.start_task(wanted.number).await?;

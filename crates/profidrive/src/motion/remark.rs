@@ -6,8 +6,9 @@ use profile::state::Mode;
 use profinet::cyclic::CyclicStatistics;
 
 use super::Setting;
-use super::event::{Arrival, Ended, Event, Start, TelegramChange};
+use super::event::{Arrival, Ended, Event, TelegramChange};
 use super::report::PutBack;
+use super::start::Start;
 use crate::Remark;
 
 impl Event {

@@ -11,10 +11,11 @@ use profile::telegram::Telegram;
 use super::axis::{Done, Taken, check_controller_loss, report_rounded, report_switch};
 use super::check::checked_axis;
 use super::error::{End, MotionError};
-use super::event::{Event, Observer, Start};
+use super::event::{Event, Observer};
 use super::limit::{self, above, too_fast, within};
 use super::plan::RunPlan;
 use super::report::{MotionResult, Report};
+use super::start::Start;
 use super::{Control, SPEED_LIMIT, UNLIMITED, mode};
 use crate::report::Quantity;
 
@@ -273,7 +274,11 @@ async fn turn(
     if let Some(nearest) = axis.rounded_speed(wanted.speed) {
         report_rounded(wanted.speed, nearest, wanted.unit.symbol(), observer);
     }
-    let mut taken = Taken::begin(axis, end, Start::Run, wanted.control.set_mode, observer);
+    let start = Start::Run {
+        speed: Quantity::speed(wanted.speed, wanted.unit),
+        time: wanted.time,
+    };
+    let mut taken = Taken::begin(axis, end, start, wanted.control.set_mode, observer);
     let mut found = MotionResult::default();
     let motion = async |enabled: &mut Enabled<'_>| keep(enabled, wanted, &mut found, observer).await;
     let result = taken.move_by(motion).await;
