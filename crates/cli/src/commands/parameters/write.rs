@@ -2,13 +2,13 @@
 
 use client::change::{Change, Step};
 use client::{Drive, Wait};
-use profidrive::fleet::{self, Member, WritePlan, WrittenMembers};
+use profidrive::Remark;
+use profidrive::fleet::{self, WritePlan};
 use profidrive::parameters::{self, Write as Wanted, Written};
-use profidrive::report::Drives;
-use profidrive::{DriveError, Remark};
+use profidrive::report::WriteReport;
 use profile::value::{Assignment, Content};
 
-use super::super::each;
+use super::super::each::{self, Row, Shown};
 use crate::advice::{self, Commands};
 use crate::args::{Target, Write};
 use crate::confirm::{Question, confirm};
@@ -34,24 +34,69 @@ pub fn write(args: &Write, target: &Target, output: &Output) -> Result<(), Failu
     let (mut session, mut drive) = connect::drive(target, Need::Records, output)?;
     let written = parameters::write(&mut session, &mut drive, &assignments, wanted).wait()?;
     session.close().wait()?;
-    warn(&written, &drive, output);
-    output.json_report(&written.report(&drive, &Commands::any()));
-    if !output.json() {
-        remark(&assignments, &written, output);
+    let verb = Writing {
+        assignments: &assignments,
+        planned: args.dry_run,
+    };
+    each::shown_alone(&verb, &written, &drive, output)
+}
+
+/// How a write is shown, or a plan of it.
+struct Writing<'a> {
+    assignments: &'a [Assignment],
+    planned: bool,
+}
+
+impl Shown for Writing<'_> {
+    type Done = Written;
+    type Report = WriteReport;
+    const COLUMNS: &'static [&'static str] = &COLUMNS;
+
+    fn report(&self, done: &Written, drive: &Drive) -> WriteReport {
+        done.report(drive, &Commands::any())
+    }
+
+    fn show(&self, done: &Written, _: &Drive, output: &Output) {
+        remark(self.assignments, done, output);
         let mut table = Table::new(&COLUMNS);
-        for change in written.changes() {
-            table.row(row(change, args.dry_run));
+        for change in done.changes() {
+            table.row(row(change, self.planned));
         }
         output.table(&table);
-        if args.dry_run {
+        if self.planned {
             output.say(DRY_RUN);
-        } else {
-            for remark in written.lasting() {
-                advice::print_lasting(&remark, "", output);
-            }
+            return;
+        }
+        for remark in done.lasting() {
+            advice::print_lasting(&remark, "", output);
         }
     }
-    each::last(written.problems(&drive.label()), output)
+
+    fn remark(&self, done: &Written, drive: &Drive, output: &Output) {
+        warn(done, drive, output);
+    }
+
+    fn remark_on_all(&self, rows: &[Row<Written>], output: &Output) {
+        for row in rows {
+            if let (Some(written), Some(drive)) = (&row.done, &row.drive) {
+                warn(written, drive, output);
+            }
+        }
+        if !self.planned && !output.json() {
+            report_all_saved(rows, output);
+        }
+    }
+
+    fn rows(&self, done: &Written, _: &Drive) -> Vec<Vec<String>> {
+        done.changes()
+            .map(|change| row(change, self.planned).into())
+            .collect()
+    }
+
+    fn problems(&self, done: &Written, drive: &Drive) -> Vec<Failure> {
+        let problems = done.problems(&drive.label());
+        problems.into_iter().map(Failure::from).collect()
+    }
 }
 
 const COLUMNS: [&str; 7] = ["name", "number", ">old", "", ">new", "unit", "result"];
@@ -70,17 +115,16 @@ fn many(
     let plan = fleet::plan_write(&session, found.members, assignments, wanted).wait();
     let (drives, changing) = (plan.members().len(), plan.changing());
     let ends_here = !plan.is_whole() || args.dry_run || changing == 0;
-    if !output.json() {
-        if ends_here || !args.yes {
-            table(plan.members(), true, output);
-        }
-        if let Some(first) = plan.plans().next() {
-            remark(assignments, first, output);
-        }
+    if !output.json()
+        && let Some(first) = plan.plans().next()
+    {
+        remark(assignments, first, output);
     }
+    let show = |planned| Writing { assignments, planned };
     if ends_here {
         let closed = session.close().wait();
-        ended(plan.into_members(), left_out, output).map_err(|failure| Failure {
+        let shown = each::shown(&show(true), plan.into_members(), left_out, output);
+        shown.map_err(|failure| Failure {
             message: format!("nothing was written; {}", failure.message),
             ..failure
         })?;
@@ -92,6 +136,16 @@ fn many(
         return Ok(closed?);
     }
     if !args.yes {
+        if !output.json() {
+            let mut table = Table::new(&[&["drive"], &COLUMNS[..]].concat());
+            for member in plan.members() {
+                let changes = member.result.as_ref().ok().into_iter().flat_map(Written::changes);
+                for change in changes {
+                    table.row([member.name.clone()].into_iter().chain(row(change, true)));
+                }
+            }
+            output.table(&table);
+        }
         let question = Question {
             text: &format!("Write to {changing} of {drives} drives?"),
             undone: "nothing was written",
@@ -104,48 +158,8 @@ fn many(
         .wait()
         .unwrap_or_else(WritePlan::into_members);
     let closed = session.close().wait();
-    if !output.json() {
-        table(&written, false, output);
-    }
-    for member in &written {
-        let (Ok(written), Some(drive)) = (&member.result, &member.drive) else {
-            continue;
-        };
-        warn(written, drive, output);
-    }
-    if !output.json() {
-        report_all_saved(&written, output);
-    }
-    ended(written, left_out, output)?;
+    each::shown(&show(false), written, left_out, output)?;
     Ok(closed?)
-}
-
-fn table(members: &[Member<Result<Written, DriveError>>], planned: bool, output: &Output) {
-    let mut table = Table::new(&[&["drive"], &COLUMNS[..]].concat());
-    for member in members {
-        let changes = member.result.as_ref().ok().into_iter().flat_map(Written::changes);
-        for change in changes {
-            table.row([member.name.clone()].into_iter().chain(row(change, planned)));
-        }
-    }
-    output.table(&table);
-}
-
-fn ended(members: WrittenMembers, left_out: Vec<String>, output: &Output) -> Result<(), Failure> {
-    let problems = |written: &Written, drive: &Drive| -> Vec<Failure> {
-        let problems = written.problems(&drive.label());
-        problems.into_iter().map(Failure::from).collect()
-    };
-    let rows = members.into_iter();
-    let rows: Vec<each::Row<Written>> = rows.map(|member| each::Row::new(member, problems)).collect();
-    output.json_report(&Drives {
-        drives: rows
-            .iter()
-            .map(|row| row.entry(|written, drive| written.report(drive, &Commands::any())))
-            .collect(),
-        left_out,
-    });
-    each::ended(&rows, None, output)
 }
 
 /// A controller whose motion the new values change.
@@ -173,14 +187,13 @@ fn remark(assignments: &[Assignment], written: &Written, output: &Output) {
 
 /// Prints which new values are lost at the next power cycle, and which are not. Drives of which the same is to be said are
 /// named together.
-fn report_all_saved(members: &[Member<Result<Written, DriveError>>], output: &Output) {
+fn report_all_saved(rows: &[Row<Written>], output: &Output) {
     let mut remarks: Vec<(Remark, Vec<&str>)> = Vec::new();
-    for member in members {
-        let written = member.result.as_ref().ok();
-        for remark in written.map(Written::lasting).unwrap_or_default() {
+    for row in rows {
+        for remark in row.done.as_ref().map(Written::lasting).unwrap_or_default() {
             match remarks.iter_mut().find(|(known, _)| *known == remark) {
-                Some((_, drives)) => drives.push(&member.name),
-                None => remarks.push((remark, vec![&member.name])),
+                Some((_, drives)) => drives.push(&row.name),
+                None => remarks.push((remark, vec![&row.name])),
             }
         }
     }
