@@ -129,6 +129,15 @@ const CHOICES: [(&str, Choice); 14] = [
     ("save", Choice::Save),
 ];
 
+impl Choice {
+    /// Stable name for programs.
+    #[must_use]
+    pub fn id(self) -> &'static str {
+        let row = CHOICES.iter().find(|(_, choice)| *choice == self);
+        row.map_or("", |(id, _)| id)
+    }
+}
+
 impl Action {
     /// Stable name for programs.
     ///
@@ -222,10 +231,7 @@ impl Action {
                 let values = if *values { "values" } else { "" };
                 vec![part.clone(), values.to_owned()]
             }
-            Self::Choose(choice) => {
-                let found = CHOICES.iter().find(|(_, one)| one == choice);
-                found.map(|(id, _)| (*id).to_owned()).into_iter().collect()
-            }
+            Self::Choose(choice) => vec![choice.id().to_owned()],
             _ => Vec::new(),
         };
         all.into_iter().filter(|one| !one.is_empty()).collect()

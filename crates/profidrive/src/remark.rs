@@ -1,9 +1,10 @@
 //! Sentences that hold for every front end.
 
 use client::Advice;
+use serde::Serialize;
 
 /// A sentence on what happened.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Remark {
     /// What happened.
     pub sentence: String,

@@ -138,7 +138,7 @@ fn wanted(args: &Step) -> Result<motion::Step, Failure> {
 
 impl From<OverlayError> for Failure {
     fn from(error: OverlayError) -> Self {
-        Self::new(error.kind(), error.to_string()).hint("`profidrive step DRIVE .. -o FILE.csv` records one")
+        Self::explained(&error).hint("`profidrive step DRIVE .. -o FILE.csv` records one")
     }
 }
 

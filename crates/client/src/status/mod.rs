@@ -107,18 +107,27 @@ pub enum Verdict {
     Held,
 }
 
-impl fmt::Display for Verdict {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
+impl Verdict {
+    /// Stable name for programs.
+    #[must_use]
+    pub const fn id(self) -> &'static str {
+        match self {
             Self::Runs => "runs",
             Self::Waits => "waits",
             Self::Held => "held",
-        })
+        }
+    }
+}
+
+impl fmt::Display for Verdict {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.id())
     }
 }
 
 /// Why a drive does not run, or that it does.
 #[derive(Debug, Clone, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Diagnosis {
     /// What it comes down to.
     pub cause: Cause,

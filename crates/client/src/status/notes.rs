@@ -20,6 +20,7 @@ const NOTED: [Cause; 6] = [
 
 /// Something that speaks against running, beside the cause that matters most.
 #[derive(Debug, Clone, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Note {
     /// Stable name for programs: that of a cause, `brake` or `warning`.
     pub id: &'static str,
