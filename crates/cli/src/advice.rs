@@ -1,11 +1,9 @@
 //! Actions of the library as commands of this program.
 
 use client::{Action, Advice, Choice};
-use profidrive::Remark;
 use profidrive::report::Wording;
 
 use crate::args::model_option;
-use crate::output::Output;
 
 /// The words of this program for advice about a drive.
 #[derive(Debug, Clone, Copy)]
@@ -103,18 +101,6 @@ pub fn text(advice: &Advice, drive: &str) -> String {
         (_, Some(command)) => format!("`{command}`"),
         (other, None) => other.to_string(),
     })
-}
-
-/// Prints how long new values last: of these drives, where there are many.
-pub fn print_lasting(remark: &Remark, drives: &str, output: &Output) {
-    let option = remark.next.as_ref().map(|next| text(next, drives));
-    let option = option.map_or_else(String::new, |option| format!(" (use {option})"));
-    let words = format!("{drives}{}{option}", remark.sentence);
-    if remark.is_warning {
-        output.warn(&words);
-    } else {
-        output.say(&words);
-    }
 }
 
 #[cfg(test)]

@@ -8,7 +8,8 @@ use profidrive::report::RestoreReport;
 use profidrive::settings::{self, RestoreError, Shortfall};
 use profile::value::Reading;
 
-use crate::advice::{self, Commands};
+use super::lasting;
+use crate::advice::Commands;
 use crate::args::{Restore, Target};
 use crate::connect::{self, Need};
 use crate::failure::Failure;
@@ -232,7 +233,7 @@ fn report(set: &ChangeSet, file: Option<&Path>, drive: &Drive, output: &Output) 
         output.say(&set.summary());
     }
     for remark in settings::lasting(set) {
-        advice::print_lasting(&remark, "", output);
+        lasting::print(&remark, "", output);
     }
     if let Some(file) = file {
         output.say(&format!(

@@ -1,5 +1,7 @@
 //! How a drive is, and in one sentence why it does not run.
 
+mod advice;
+mod facts;
 mod generated;
 mod notes;
 mod rules;
@@ -12,9 +14,9 @@ use profile::state::{Mode, Profile, State, Stw1, Zsw1};
 use crate::session::power_is_on;
 use crate::{Action, Advice, FaultEntry, LocalControl, LossReaction, WarningEntry};
 
+pub use advice::moved_advice;
 pub use generated::Cause;
 pub use notes::Note;
-pub use rules::moved_advice;
 
 /// All values that decide whether an axis runs; `None` where the drive does not report them.
 #[derive(Debug, Clone, PartialEq, Default)]

@@ -338,7 +338,7 @@ async fn prepared(
         return Ok(speed);
     }
     let temporary = session.temporarily(drive, std::slice::from_ref(&speed))?;
-    // what is not readable stays: somebody may need it
+    // a note that is not readable stays: a person may need it
     let mut unnoted = noted
         .err()
         .map(|unreadable| format!("{} is kept", unreadable.file.display()));

@@ -16,42 +16,10 @@ impl Event {
     /// motion begins, and a cycle that this computer does not keep.
     #[must_use]
     pub fn remarks(&self) -> Vec<Remark> {
+        if let Some(remark) = self.of_settings() {
+            return vec![remark];
+        }
         let one = match self {
-            Self::ModeChanged {
-                before: Some(before),
-                now,
-            } => Remark::news(format!(
-                "PNU 930: {} -> {} for this motion",
-                mode_number(*before),
-                mode_number(*now)
-            )),
-            Self::ModeChanged { before: None, now } => Remark::news(format!(
-                "PNU 930 is {} now; what it was is none of 1 and 2 and is not put back",
-                mode_number(*now)
-            )),
-            Self::ModeWouldChange(mode) => Remark::news(format!(
-                "PNU 930 would be set to {} mode for this and put back; the telegram is chosen then",
-                match mode {
-                    Mode::Position => "position",
-                    Mode::Velocity => "velocity",
-                }
-            )),
-            Self::PutBack(setting) => {
-                Remark::news(format!("{} is {} again", setting.name(), setting.value()))
-            }
-            Self::NotPutBack { setting, cause } => {
-                Remark::warning(PutBack::of(setting.as_ref(), Some(cause.clone())).to_string())
-            }
-            Self::LeftOver(left) => Remark::warning(left.note().sentence),
-            Self::NoteUnreadable(note) => {
-                let note = note.note();
-                Remark::warning(note.sentence).and(note.next)
-            }
-            Self::NotNoted { setting, cause } => Remark::warning(format!(
-                "if this program is killed, {} stays changed; it was {}: {cause}",
-                setting.name(),
-                setting.value()
-            )),
             Self::RunsOn(loss) => runs_on(loss),
             Self::AtSwitch => {
                 Remark::warning("the limit switch in this direction is hit: the drive may not turn")
@@ -127,9 +95,51 @@ impl Event {
                 Remark::warning(format!("which fault there is cannot be read: {cause}"))
             }
             Self::Ended(ended) => return ending(ended),
-            Self::Starting { .. } | Self::Strained(_) | Self::Sample(_) => return Vec::new(),
+            _ => return Vec::new(),
         };
         vec![one]
+    }
+
+    /// What is changed at the drive for a motion, and put back.
+    fn of_settings(&self) -> Option<Remark> {
+        Some(match self {
+            Self::ModeChanged {
+                before: Some(before),
+                now,
+            } => Remark::news(format!(
+                "PNU 930: {} -> {} for this motion",
+                mode_number(*before),
+                mode_number(*now)
+            )),
+            Self::ModeChanged { before: None, now } => Remark::news(format!(
+                "PNU 930 is {} now; what it was is none of 1 and 2 and is not put back",
+                mode_number(*now)
+            )),
+            Self::ModeWouldChange(mode) => Remark::news(format!(
+                "PNU 930 would be set to {} mode for this and put back; the telegram is chosen then",
+                match mode {
+                    Mode::Position => "position",
+                    Mode::Velocity => "velocity",
+                }
+            )),
+            Self::PutBack(setting) => {
+                Remark::news(format!("{} is {} again", setting.name(), setting.value()))
+            }
+            Self::NotPutBack { setting, cause } => {
+                Remark::warning(PutBack::of(setting.as_ref(), Some(cause.clone())).to_string())
+            }
+            Self::LeftOver(left) => Remark::warning(left.note().sentence),
+            Self::NoteUnreadable(note) => {
+                let note = note.note();
+                Remark::warning(note.sentence).and(note.next)
+            }
+            Self::NotNoted { setting, cause } => Remark::warning(format!(
+                "if this program is killed, {} stays changed; it was {}: {cause}",
+                setting.name(),
+                setting.value()
+            )),
+            _ => return None,
+        })
     }
 }
 

@@ -9,7 +9,8 @@ use profidrive::report::WriteReport;
 use profile::value::{Assignment, Content};
 
 use super::super::each::{self, Row, Shown};
-use crate::advice::{self, Commands};
+use super::super::lasting;
+use crate::advice::Commands;
 use crate::args::{Target, Write};
 use crate::confirm::{Question, confirm};
 use crate::connect::{self, Need};
@@ -68,7 +69,7 @@ impl Shown for Writing<'_> {
             return;
         }
         for remark in done.lasting() {
-            advice::print_lasting(&remark, "", output);
+            lasting::print(&remark, "", output);
         }
     }
 
@@ -198,7 +199,7 @@ fn report_all_saved(rows: &[Row<Written>], output: &Output) {
         }
     }
     for (remark, drives) in remarks {
-        advice::print_lasting(&remark, &format!("{}: ", each::listed(&drives)), output);
+        lasting::print(&remark, &format!("{}: ", each::listed(&drives)), output);
     }
 }
 
