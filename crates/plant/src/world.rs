@@ -19,7 +19,6 @@ use controller::ControllerSeat;
 use crate::event::{PlantEvent, Unit};
 use crate::expect::{Expectation, ExpectationResult, Live, Monitor, revolutions};
 use crate::plan::{DrivePlan, PlantPlan, WorldError};
-
 use crate::text::derived_mac;
 use crate::timeline::Timeline;
 use crate::trace::{DriveMessage, Event, EventKind, Sample};

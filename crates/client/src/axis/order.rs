@@ -143,25 +143,8 @@ pub fn plan_move(
     if order.relative && counts == 0.0 && exact != 0.0 {
         objections.push(Objection::NoDistance { counts: exact });
     }
-    // a target that does not fit says nothing about the way there
-    let known = wire.and(facts.position);
     let wanted = f64::from(wire.unwrap_or(0)) / per_turn;
-    let range = facts.modulo_range.filter(|_| facts.modulo);
-    let (target, distance) = if order.relative {
-        let end = known.map(|position| position + wanted);
-        let target = range.map_or(end, |range| end.map(|end| range.wrap(end)));
-        (target, known.map(|_| wanted))
-    } else {
-        if let Some(range) = range.filter(|range| !(range.low..range.high).contains(&wanted)) {
-            objections.push(Objection::ModuloRange {
-                target: wanted,
-                low: range.low,
-                high: range.high,
-            });
-        }
-        let distance = |from| range.map_or(wanted - from, |range| range.distance(from, wanted));
-        (wire.map(|_| wanted), known.map(distance))
-    };
+    let (target, distance) = way(order.relative, wire.map(|_| wanted), facts, &mut objections);
     speed_objections(order.speed, distance, facts, speed_limit, &mut objections);
     let field = |number, value| {
         let parameter = tables.by_pnu(number);
@@ -170,28 +153,15 @@ pub fn plan_move(
         (raw, taken)
     };
     let (velocity, speed) = field(signal::MDI_VELOCITY, order.speed);
-    let highest = tables
-        .by_pnu(signal::MDI_VELOCITY)
-        .map_or(0.0, |parameter| parameter.engineering(1 << 32, scaling));
-    if order.speed.is_finite() && order.speed > highest {
-        objections.push(Objection::SpeedRange {
-            speed: order.speed,
-            highest,
-        });
-    } else if order.speed > 0.0 && order.speed <= speed_limit && is_other_value(order.speed, speed) {
-        let beside = if speed > order.speed {
-            velocity - 1
-        } else {
-            velocity + 1
-        };
-        let other = tables
-            .by_pnu(signal::MDI_VELOCITY)
-            .map_or(speed, |parameter| parameter.engineering(beside, scaling));
-        objections.push(Objection::SpeedStep {
-            speed: order.speed,
-            nearest: [speed.min(other), speed.max(other)],
-        });
-    }
+    // without the signal no speed is carried
+    let carried = tables.by_pnu(signal::MDI_VELOCITY);
+    let value = |raw| carried.map_or(0.0, |parameter| parameter.engineering(raw, scaling));
+    objections.extend(speed_on_the_wire(
+        order.speed,
+        speed_limit,
+        (velocity, speed),
+        value,
+    ));
     let mut ramp = |number, own: Option<f64>, drives: Option<f64>| {
         let [lowest, highest] = [1, i64::from(u16::MAX)].map(|raw| {
             let parameter = tables.by_pnu(number);
@@ -227,6 +197,55 @@ pub fn plan_move(
         duration: distance.map(|distance| duration(distance, speed, acceleration, deceleration)),
         objections,
     }
+}
+
+/// Where a move ends and how far that is, as far as both are known; `wanted` is its target or distance, in turns.
+fn way(
+    relative: bool,
+    wanted: Option<f64>,
+    facts: &MotionFacts,
+    objections: &mut Vec<Objection>,
+) -> (Option<f64>, Option<f64>) {
+    // a target that does not fit says nothing about the way there
+    let known = wanted.and(facts.position);
+    let range = facts.modulo_range.filter(|_| facts.modulo);
+    let turns = wanted.unwrap_or(0.0);
+    if relative {
+        let end = known.map(|position| position + turns);
+        let target = range.map_or(end, |range| end.map(|end| range.wrap(end)));
+        return (target, known.map(|_| turns));
+    }
+    if let Some(range) = range.filter(|range| !(range.low..range.high).contains(&turns)) {
+        objections.push(Objection::ModuloRange {
+            target: turns,
+            low: range.low,
+            high: range.high,
+        });
+    }
+    let distance = |from| range.map_or(turns - from, |range| range.distance(from, turns));
+    (wanted, known.map(distance))
+}
+
+/// The objection to a speed that MDI_VELOCITY does not carry, or not as it is. `taken` is its nearest step with its speed,
+/// `value` the speed of a step.
+fn speed_on_the_wire(
+    speed: f64,
+    limit: f64,
+    (step, taken): (i64, f64),
+    value: impl Fn(i64) -> f64,
+) -> Option<Objection> {
+    let highest = value(1 << 32);
+    if speed.is_finite() && speed > highest {
+        return Some(Objection::SpeedRange { speed, highest });
+    }
+    if !(speed > 0.0 && speed <= limit && is_other_value(speed, taken)) {
+        return None;
+    }
+    let other = value(if taken > speed { step - 1 } else { step + 1 });
+    Some(Objection::SpeedStep {
+        speed,
+        nearest: [taken.min(other), taken.max(other)],
+    })
 }
 
 fn speed_objections(
