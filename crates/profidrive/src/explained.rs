@@ -19,7 +19,7 @@ use crate::reach::OtherSubnet;
 use crate::recording::{OverlayError, WriteError};
 use crate::settings::{CompareError, FileError, RestoreError};
 
-/// An error as a front end shows it. The errors of verbs have it; those of recordings and selectors do not yet.
+/// An error as a front end shows it.
 ///
 /// ```
 /// # #[cfg(feature = "simulate")] {
