@@ -88,6 +88,7 @@ fn option(choice: Choice) -> String {
         Choice::Interface => "-i IFACE, or PROFIDRIVE_INTERFACE",
         Choice::Force => "--force",
         Choice::WayBack => "--way-back PATH",
+        Choice::Save => "--save",
         _ => "another option",
     };
     fixed.to_owned()

@@ -107,10 +107,12 @@ pub enum Choice {
     Force,
     /// The file for the values before.
     WayBack,
+    /// The drive saves new values.
+    Save,
 }
 
 /// Every choice with its stable name.
-const CHOICES: [(&str, Choice); 13] = [
+const CHOICES: [(&str, Choice); 14] = [
     ("description", Choice::Description),
     ("model", Choice::Model),
     ("cycle", Choice::Cycle),
@@ -124,7 +126,17 @@ const CHOICES: [(&str, Choice); 13] = [
     ("interface", Choice::Interface),
     ("force", Choice::Force),
     ("way-back", Choice::WayBack),
+    ("save", Choice::Save),
 ];
+
+impl Choice {
+    /// Stable name for programs.
+    #[must_use]
+    pub fn id(self) -> &'static str {
+        let row = CHOICES.iter().find(|(_, choice)| *choice == self);
+        row.map_or("", |(id, _)| id)
+    }
+}
 
 impl Action {
     /// Stable name for programs.
@@ -219,10 +231,7 @@ impl Action {
                 let values = if *values { "values" } else { "" };
                 vec![part.clone(), values.to_owned()]
             }
-            Self::Choose(choice) => {
-                let found = CHOICES.iter().find(|(_, one)| one == choice);
-                found.map(|(id, _)| (*id).to_owned()).into_iter().collect()
-            }
+            Self::Choose(choice) => vec![choice.id().to_owned()],
             _ => Vec::new(),
         };
         all.into_iter().filter(|one| !one.is_empty()).collect()

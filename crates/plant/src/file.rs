@@ -20,6 +20,7 @@ use virtual_drive::station::{Station, StationConfig};
 
 use crate::event::PlantEvent;
 use crate::expect::{Expectation, Scope, read_all, read_list};
+use crate::located::{Located, PlantError, line_of, located};
 use crate::plan::{Cue, DrivePlan, PlantPlan, Trigger, set};
 use crate::program::RawController;
 use crate::text::{derived_mac, place, suite, time};
@@ -30,16 +31,6 @@ const LONGEST_FILE: usize = 1 << 20;
 const MAX_READ: u64 = 4 << 20;
 /// Most cues of one drive.
 const MOST_CUES: usize = 10_000;
-
-/// What is wrong with a plant file, and where.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("line {line}: {message}")]
-pub struct PlantError {
-    /// Line, from 1.
-    pub line: usize,
-    /// What is wrong.
-    pub message: String,
-}
 
 /// Why a plant file cannot be used.
 #[derive(Debug, thiserror::Error)]
@@ -69,17 +60,6 @@ pub enum PlantFileError {
         /// What, and where.
         error: PlantError,
     },
-}
-
-/// A message with its place in the file.
-pub(crate) struct Located(pub Range<usize>, pub String);
-
-/// Adds the location in the file to the message about a value.
-pub(crate) fn located<T, U, E: ToString>(
-    value: &Spanned<T>,
-    read: impl FnOnce(&T) -> Result<U, E>,
-) -> Result<U, Located> {
-    read(value.get_ref()).map_err(|error| Located(value.span(), error.to_string()))
 }
 
 impl PlantPlan {
@@ -277,10 +257,6 @@ fn expectations(text: &str, drives: &[DrivePlan]) -> Result<Vec<Expectation>, Pl
     entry.map_or(Ok(Vec::new()), |(_, value)| {
         read_list(value, Scope { drives }, text).map_err(|Located(span, message)| error(Some(span), message))
     })
-}
-
-pub(crate) fn line_of(text: &str, at: usize) -> usize {
-    1 + text.bytes().take(at).filter(|octet| *octet == b'\n').count()
 }
 
 fn read(raw: &RawPlant) -> Result<PlantPlan, Located> {

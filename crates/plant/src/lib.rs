@@ -14,6 +14,7 @@ mod event;
 mod expect;
 mod file;
 pub mod host;
+mod located;
 #[cfg(feature = "metrics")]
 pub mod metrics;
 mod plan;
@@ -29,7 +30,8 @@ pub use expect::{
 };
 #[cfg(feature = "junit")]
 pub use expect::{Suite, junit};
-pub use file::{PlantError, PlantFileError};
+pub use file::PlantFileError;
+pub use located::PlantError;
 pub use plan::{Action, ControllerPlan, Cue, DrivePlan, PlantPlan, Step, Trigger, WorldError};
 pub use text::derived_mac;
 pub use timeline::{Played, Timeline};

@@ -81,6 +81,7 @@ pub mod parameters;
 mod reach;
 #[cfg(feature = "recording")]
 pub mod recording;
+mod remark;
 pub mod report;
 pub mod scan;
 mod selector;
@@ -107,6 +108,7 @@ pub use plant;
 pub use profile;
 pub use profinet::{Instant, IpSuite, MacAddress};
 pub use reach::{OtherSubnet, Reach, far, reach};
+pub use remark::Remark;
 pub use selector::{Selector, SelectorError};
 #[cfg(feature = "simulate")]
 pub use simulate::{Joined, open_plan, open_plant};

@@ -385,7 +385,7 @@ mod tests {
             ("vendor=koll", [true, false, false, true]),
             ("vendor=0x002A", [false, false, true, false]),
             ("vendor=128", [false, true, false, false]),
-            ("vendor=nobody", [false, false, false, false]),
+            ("vendor=unknown", [false, false, false, false]),
         ] {
             let found = [&akd, &vlt, &plc, &nameless].map(|station| group(text).means(station));
             assert_eq!(found, means, "{text}");

@@ -204,7 +204,7 @@ name = "vlt-1"
 model = "vlt"
 ip = "192.168.0.41/24"
 [[drive]]
-name = "nobody"
+name = "absent-1"
 model = "akd"
 [[drive]]
 name = "vacon-1"
@@ -222,7 +222,7 @@ backup = "missing.backup"
     for (found, words) in found.iter().zip([
         "akd-1 (line 3): the file says",
         "the address 192.168.0.41 is taken already",
-        "nobody (line 10) does not answer",
+        "absent-1 (line 10) does not answer",
         "vacon-1 (line 13): the station with this name has the MAC address",
         "akd-2 (line 17) does not answer, neither by its name nor as 02:00:00:00:00:07",
     ]) {

@@ -104,7 +104,7 @@ fn a_silent_drive_is_reported_once_and_then_lost() {
     );
     let advice = error.advice();
     assert!(advice.actions().any(|action| *action == Action::Scan), "{advice}");
-    // there is nobody to release a connection to
+    // no drive is left to release a connection to
     let begin = watched.0.now();
     watched.0.close().wait().unwrap();
     assert_eq!(watched.0.now(), begin);

@@ -297,7 +297,7 @@ fn a_jog_speed_is_put_back_after_a_failure_too() {
     assert!(!again.released && again.result.reached);
 }
 
-/// Tells the drive to refuse all parameters from the start of a motion on.
+/// Makes the drive refuse all parameters from the start of a motion on.
 fn refusing(plant: &Plant) -> Observer {
     let (station, world) = (plant.station, Arc::clone(&plant.world));
     Observer::new(move |event| {

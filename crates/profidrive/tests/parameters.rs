@@ -122,7 +122,7 @@ fn what_is_written_is_read_back_and_outlives_power_or_not() {
     let kept = written.set.kept();
     assert_eq!(kept.with_set.len(), 1);
     assert!(
-        matches!(kept.persistence, Persistence::NotRequested(Some(command)) if command.name == "DRV.NVSAVE"),
+        matches!(kept.persistence, Persistence::NotRequested),
         "{:?}",
         kept.persistence
     );

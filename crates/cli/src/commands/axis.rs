@@ -5,7 +5,7 @@ use std::time::Duration;
 use client::axis::Room;
 use client::{Drive, Wait};
 use profidrive::machine::SpeedBound;
-use profidrive::motion::{Control, End, Event, Message, MotionError, Observer, Remark, Start};
+use profidrive::motion::{Control, End, Event, Message, MotionError, Observer, Remark};
 use profile::notation::Quantity;
 use profinet::cyclic::Timing;
 
@@ -83,13 +83,14 @@ pub fn moving<T>(
     target: &Target,
     need: Need,
     output: &Output,
-    work: impl FnOnce(&mut Live, &mut Drive, Option<SpeedBound>) -> Result<T, MotionError>,
+    work: impl FnOnce((&mut Live, &mut Drive), Option<SpeedBound>, &Observer) -> Result<T, MotionError>,
 ) -> Result<T, Failure> {
     let machine = connect::machine(&target.options, output)?;
     let mut of_machine = false;
     let done = with_drive(target, need, output, |session, drive| {
         let bound = machine.as_ref().and_then(|machine| machine.bound_of(drive));
-        let done = work(session, drive, bound);
+        let observer = observer(&drive.label(), output);
+        let done = work((session, drive), bound, &observer);
         of_machine = matches!(
             done,
             Err(MotionError::AboveBound { .. } | MotionError::NotBounded { .. })
@@ -118,11 +119,8 @@ impl From<MotionError> for Failure {
     }
 }
 
-/// What begins, in words: `turns at 60 rpm for 1 s`. Without any it is not a motion.
-pub type StartText = Box<dyn Fn(&Start, u16) -> Option<String> + Send>;
-
 /// Shows a motion on the way: the axis as it moves, everything else as messages, and both as documents for programs.
-pub fn observer(drive: &str, start: StartText, output: &Output) -> Observer {
+pub fn observer(drive: &str, output: &Output) -> Observer {
     let mut view = LiveView::new(output.clone());
     let (drive, output) = (drive.to_owned(), output.clone());
     Observer::new(move |event| {
@@ -154,11 +152,8 @@ pub fn observer(drive: &str, start: StartText, output: &Output) -> Observer {
             }
         }
         match event {
-            Event::Starting {
-                telegram,
-                start: what,
-            } => {
-                if let Some(text) = start(what, *telegram) {
+            Event::Starting { telegram, start } => {
+                if let Some(text) = start.sentence(*telegram) {
                     output.say(&format!("this moves the axis: {drive} {text}; Ctrl-C stops it"));
                 }
             }
@@ -166,11 +161,6 @@ pub fn observer(drive: &str, start: StartText, output: &Output) -> Observer {
             _ => {}
         }
     })
-}
-
-/// Turns to three digits; a zero has no sign.
-pub fn rounded(turns: f64) -> f64 {
-    (turns * 1000.0).round() / 1000.0 + 0.0
 }
 
 /// The options of a cycle with more room, or the advice of one that is as long as it gets.

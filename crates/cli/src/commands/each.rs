@@ -15,21 +15,15 @@ use crate::render::table::Table;
 /// Gets how much of how much is done.
 pub type Progress<'p> = dyn FnMut(usize, usize) + Send + 'p;
 
-/// What a command does with a drive, and how that is shown.
-pub trait Each {
-    /// What comes of the work on a drive.
-    type Done;
-    /// The same for programs.
-    type Report: Serialize;
-    /// What the command needs of the network.
-    const NEED: Need;
+/// What a command does with a drive.
+pub trait Each: Shown {
     /// What is being done, beside the progress.
     const DOING: &'static str;
-    /// The columns of many drives, behind their names.
-    const COLUMNS: &'static [&'static str];
-    /// What is the matter with drives that have problems, which the table shows: `kept from running`. `None` where each
-    /// problem has a message of its own.
-    const MATTER: Option<&'static str> = None;
+
+    /// What the command needs of the network.
+    fn need(&self) -> Need {
+        Need::Records
+    }
 
     /// Works on a drive and prints nothing. `progress` gets how much of how much is done.
     async fn work(
@@ -38,6 +32,19 @@ pub trait Each {
         drive: &mut Drive,
         progress: &mut Progress<'_>,
     ) -> Result<Self::Done, Failure>;
+}
+
+/// How the work on a drive is shown.
+pub trait Shown {
+    /// What comes of the work on a drive.
+    type Done;
+    /// The same for programs.
+    type Report: Serialize;
+    /// The columns of many drives, behind their names.
+    const COLUMNS: &'static [&'static str];
+    /// What is the matter with drives that have problems, which the table shows: `kept from running`. `None` where each
+    /// problem has a message of its own.
+    const MATTER: Option<&'static str> = None;
 
     /// Returns what programs get.
     fn report(&self, done: &Self::Done, drive: &Drive) -> Self::Report;
@@ -45,11 +52,19 @@ pub trait Each {
     /// Prints what came of the only drive.
     fn show(&self, done: &Self::Done, drive: &Drive, output: &Output);
 
-    /// Says what is to be known beside what was printed, for programs and people alike.
+    /// Says what is to be known of the only drive beside what was printed, for programs and people alike.
     fn remark(&self, _done: &Self::Done, _drive: &Drive, _output: &Output) {}
+
+    /// The same for many drives.
+    fn remark_on_all(&self, _rows: &[Row<Self::Done>], _output: &Output) {}
 
     /// Returns the rows of one of many drives, without its name.
     fn rows(&self, done: &Self::Done, drive: &Drive) -> Vec<Vec<String>>;
+
+    /// Returns the row of a drive without a result, without its name.
+    fn missing_row(&self) -> Option<Vec<String>> {
+        None
+    }
 
     /// Returns what is not as it should be; the last one ends the command.
     fn problems(&self, _done: &Self::Done, _drive: &Drive) -> Vec<Failure> {
@@ -72,7 +87,7 @@ pub fn run(verb: &impl Each, target: &Target, output: &Output) -> Result<(), Fai
 }
 
 fn one<V: Each>(verb: &V, target: &Target, output: &Output) -> Result<(), Failure> {
-    let (mut session, mut drive) = connect::drive(target, V::NEED, output)?;
+    let (mut session, mut drive) = connect::drive(target, verb.need(), output)?;
     let bar = connect::bar(output, 0, V::DOING);
     let mut progress = |done: usize, all: usize| {
         bar.set_length(all as u64);
@@ -82,15 +97,25 @@ fn one<V: Each>(verb: &V, target: &Target, output: &Output) -> Result<(), Failur
     bar.finish_and_clear();
     let done = done?;
     session.close().wait()?;
-    verb.remark(&done, &drive, output);
-    output.json_report(&verb.report(&done, &drive));
-    if !output.json() {
-        verb.show(&done, &drive, output);
-    }
-    last(verb.problems(&done, &drive), output)
+    shown_alone(verb, &done, &drive, output)
 }
 
-/// Prints all but the last failure at once; the last one ends the command.
+/// Shows what came of the work on the only drive.
+pub fn shown_alone<V: Shown>(
+    verb: &V,
+    done: &V::Done,
+    drive: &Drive,
+    output: &Output,
+) -> Result<(), Failure> {
+    verb.remark(done, drive, output);
+    output.json_report(&verb.report(done, drive));
+    if !output.json() {
+        verb.show(done, drive, output);
+    }
+    last(verb.problems(done, drive), output)
+}
+
+/// Prints all but the last problem at once; the last one ends the command.
 pub fn last<E: Into<Failure>>(problems: Vec<E>, output: &Output) -> Result<(), Failure> {
     let mut problems: Vec<Failure> = problems.into_iter().map(E::into).collect();
     let last = problems.pop();
@@ -155,8 +180,9 @@ impl<D> Row<D> {
     }
 }
 
-fn many<V: Each>(verb: &V, target: &Target, output: &Output) -> Result<(), Failure> {
-    let (mut session, found) = connect::drives(target, V::NEED, output)?;
+/// Carries out a command for drives of which there may be several.
+pub fn many<V: Each>(verb: &V, target: &Target, output: &Output) -> Result<(), Failure> {
+    let (mut session, found) = connect::drives(target, verb.need(), output)?;
     let bar = connect::bar(output, found.members.len(), V::DOING);
     let members = fleet::each(&session, found.members, async |session, drive| {
         let done = verb.work(session, drive, &mut |_, _| {}).await;
@@ -167,39 +193,47 @@ fn many<V: Each>(verb: &V, target: &Target, output: &Output) -> Result<(), Failu
     bar.finish_and_clear();
     // what could be read is shown, whatever became of the rest
     let closed = session.close().wait();
-    let mut rows: Vec<Row<V::Done>> = members.into_iter().map(|member| row(verb, member)).collect();
+    shown(verb, members, found.left_out, output)?;
+    Ok(closed?)
+}
+
+/// Shows what came of the work on many drives, and returns how the command ends.
+pub fn shown<V: Shown, E: Into<Failure>>(
+    verb: &V,
+    members: Vec<Member<Result<V::Done, E>>>,
+    left_out: Vec<String>,
+    output: &Output,
+) -> Result<(), Failure> {
+    let row = |member| Row::new(member, |done, drive| verb.problems(done, drive));
+    let mut rows: Vec<Row<V::Done>> = members.into_iter().map(row).collect();
     rows.sort_by_key(|row| std::cmp::Reverse(row.done.as_ref().map_or(u8::MAX, |done| verb.urgency(done))));
+    if !output.json() {
+        table(verb, &rows, output);
+    }
+    if !left_out.is_empty() {
+        let left_out = left_out.join(", ");
+        output.say(&format!("left out, as they are no drives: {left_out}"));
+    }
     output.json_report(&Drives {
         drives: rows
             .iter()
             .map(|row| row.entry(|done, drive| verb.report(done, drive)))
             .collect(),
-        left_out: found.left_out.clone(),
+        left_out,
     });
-    if !output.json() {
-        table(verb, &rows, output);
-    }
-    if !found.left_out.is_empty() {
-        output.say(&format!(
-            "left out, as they are no drives: {}",
-            found.left_out.join(", ")
-        ));
-    }
-    ended(&rows, V::MATTER, output)?;
-    Ok(closed?)
+    verb.remark_on_all(&rows, output);
+    ended(&rows, V::MATTER, output)
 }
 
-fn row<V: Each>(verb: &V, member: Member<Result<V::Done, Failure>>) -> Row<V::Done> {
-    Row::new(member, |done, drive| verb.problems(done, drive))
-}
-
-fn table<V: Each>(verb: &V, rows: &[Row<V::Done>], output: &Output) {
+/// Prints a table of drives.
+pub fn table<V: Shown>(verb: &V, rows: &[Row<V::Done>], output: &Output) {
     let mut table = Table::new(&[&["drive"], V::COLUMNS].concat());
     for row in rows {
-        let Some((done, drive)) = row.done.as_ref().zip(row.drive.as_ref()) else {
-            continue;
+        let of_drive = match row.done.as_ref().zip(row.drive.as_ref()) {
+            Some((done, drive)) => verb.rows(done, drive),
+            None => verb.missing_row().into_iter().collect(),
         };
-        for cells in verb.rows(done, drive) {
+        for cells in of_drive {
             table.row(std::iter::once(row.name.clone()).chain(cells));
         }
     }

@@ -2,15 +2,14 @@
 
 use client::Wait;
 use client::axis::Jog as Setpoint;
-use profidrive::motion::{self, JogPlan, RealTimeJog, Start};
+use profidrive::motion::{self, JogPlan, RealTimeJog};
 
 use super::axis;
-use super::run::telegram_text;
 use crate::args::{Jog, Target};
 use crate::connect::Need;
 use crate::failure::Failure;
 use crate::output::Output;
-use crate::render::{number, value};
+use crate::render::value;
 
 pub fn run(args: &Jog, target: &Target, output: &Output) -> Result<(), Failure> {
     let limit = axis::rpm(&args.limit, "--limit")?.abs();
@@ -40,50 +39,54 @@ pub fn run(args: &Jog, target: &Target, output: &Output) -> Result<(), Failure> 
     };
     wanted.check()?;
     if args.dry_run {
-        let plan = axis::moving(target, Need::Records, output, |session, drive, bound| {
-            wanted.control.bound = bound;
-            let observer = axis::observer(&drive.label(), Box::new(|_, _| None), output);
-            motion::plan_jog(session, drive, &wanted, &observer).wait()
-        })?;
+        let plan = axis::moving(
+            target,
+            Need::Records,
+            output,
+            |(session, drive), bound, observer| {
+                wanted.control.bound = bound;
+                motion::plan_jog(session, drive, &wanted, observer).wait()
+            },
+        )?;
         show(&plan, output);
         return Ok(());
     }
-    let seconds = args.time.as_secs_f64();
-    axis::moving(target, Need::Cyclic, output, |session, drive, bound| {
-        wanted.control.bound = bound;
-        let start = Box::new(move |start: &_, _| match start {
-            Start::Jog { speed } => Some(format!("jogs at {} for {seconds} s", value::full(speed))),
-            _ => None,
-        });
-        let observer = axis::observer(&drive.label(), start, output);
-        motion::jog(session, drive, &wanted, &observer).wait()
-    })
+    axis::moving(
+        target,
+        Need::Cyclic,
+        output,
+        |(session, drive), bound, observer| {
+            wanted.control.bound = bound;
+            motion::jog(session, drive, &wanted, observer).wait()
+        },
+    )
     .map(|_| ())
 }
 
 fn real_time(args: &Jog, mut wanted: RealTimeJog, target: &Target, output: &Output) -> Result<(), Failure> {
     wanted.check()?;
     if args.dry_run {
-        let plan = axis::moving(target, Need::Records, output, |session, drive, bound| {
-            wanted.control.bound = bound;
-            let observer = axis::observer(&drive.label(), Box::new(|_, _| None), output);
-            motion::plan_jog_in_real_time(session, drive, &wanted, &observer).wait()
-        })?;
+        let plan = axis::moving(
+            target,
+            Need::Records,
+            output,
+            |(session, drive), bound, observer| {
+                wanted.control.bound = bound;
+                motion::plan_jog_in_real_time(session, drive, &wanted, observer).wait()
+            },
+        )?;
         show(&plan, output);
         return Ok(());
     }
-    axis::moving(target, Need::Cyclic, output, |session, drive, bound| {
-        wanted.control.bound = bound;
-        let start = Box::new(move |_: &_, telegram| {
-            Some(format!(
-                "jogs at {} rpm for {} s (real-time jogging, telegram {telegram})",
-                number(wanted.speed),
-                wanted.time.as_secs_f64()
-            ))
-        });
-        let observer = axis::observer(&drive.label(), start, output);
-        motion::jog_in_real_time(session, drive, &wanted, &observer).wait()
-    })
+    axis::moving(
+        target,
+        Need::Cyclic,
+        output,
+        |(session, drive), bound, observer| {
+            wanted.control.bound = bound;
+            motion::jog_in_real_time(session, drive, &wanted, observer).wait()
+        },
+    )
     .map(|_| ())
 }
 
@@ -95,12 +98,6 @@ fn show(plan: &JogPlan, output: &Output) {
             change.parameter
         ));
     }
-    output.say(&format!(
-        "dry run: {} would jog at {} rpm for {} s{}; nothing was sent",
-        plan.drive,
-        number(plan.speed.value),
-        plan.time,
-        telegram_text(&plan.telegrams)
-    ));
+    output.say(&format!("dry run: {} would {plan}; nothing was sent", plan.drive));
     output.json_report(plan);
 }

@@ -16,6 +16,7 @@ mod home;
 mod info;
 mod inject;
 mod jog;
+mod lasting;
 mod manual;
 mod motion;
 mod r#move;

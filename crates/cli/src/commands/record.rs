@@ -313,7 +313,7 @@ impl From<RecordingError> for Failure {
 
 impl From<WriteError> for Failure {
     fn from(error: WriteError) -> Self {
-        Self::new(error.kind(), error.to_string()).hint(error.advice())
+        Self::explained(&error)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use client::Wait;
 use client::axis::SpeedUnit;
-use profidrive::motion::{self, Frequency, RunPlan, Telegrams};
+use profidrive::motion::{self, Frequency, RunPlan};
 use profile::notation::Quantity;
 
 use super::axis;
@@ -13,28 +13,28 @@ use crate::output::Output;
 
 pub fn run(args: &Run, target: &Target, output: &Output) -> Result<(), Failure> {
     let mut wanted = wanted(args)?;
-    let (number, unit) = wanted
-        .frequency
-        .map_or((wanted.speed, wanted.unit.symbol()), |frequency| {
-            (frequency.hertz, "Hz")
-        });
-    let speed = format!("{number} {unit} {}", duration_text(args));
     if args.dry_run {
-        let plan = axis::moving(target, Need::Records, output, |session, drive, bound| {
-            wanted.control.bound = bound;
-            let observer = axis::observer(&drive.label(), Box::new(|_, _| None), output);
-            motion::plan_run(session, drive, &wanted, &observer).wait()
-        })?;
-        show(&plan, &speed, output);
+        let plan = axis::moving(
+            target,
+            Need::Records,
+            output,
+            |(session, drive), bound, observer| {
+                wanted.control.bound = bound;
+                motion::plan_run(session, drive, &wanted, observer).wait()
+            },
+        )?;
+        show(&plan, output);
         return Ok(());
     }
-    axis::moving(target, Need::Cyclic, output, |session, drive, bound| {
-        wanted.control.bound = bound;
-        let text = format!("turns at {speed}");
-        let start = Box::new(move |_: &_, _| Some(text.clone()));
-        let observer = axis::observer(&drive.label(), start, output);
-        motion::run(session, drive, &wanted, &observer).wait()
-    })
+    axis::moving(
+        target,
+        Need::Cyclic,
+        output,
+        |(session, drive), bound, observer| {
+            wanted.control.bound = bound;
+            motion::run(session, drive, &wanted, observer).wait()
+        },
+    )
     .map(|_| ())
 }
 
@@ -81,29 +81,7 @@ fn wanted(args: &Run) -> Result<motion::Run, Failure> {
     Ok(wanted)
 }
 
-fn duration_text(args: &Run) -> String {
-    args.time.map_or_else(
-        || "until Ctrl-C".into(),
-        |time| format!("for {} s", time.as_secs_f64()),
-    )
-}
-
-fn show(plan: &RunPlan, speed: &str, output: &Output) {
-    output.say(&format!(
-        "dry run: {} would turn at {speed}{}; nothing was sent",
-        plan.drive,
-        telegram_text(&plan.telegrams)
-    ));
+fn show(plan: &RunPlan, output: &Output) {
+    output.say(&format!("dry run: {} would {plan}; nothing was sent", plan.drive));
     output.json_report(plan);
-}
-
-/// `, telegram 9 -> 1 (PNU 922)`
-pub fn telegram_text(telegrams: &Telegrams) -> String {
-    let Some(telegram) = telegrams.telegram else {
-        return String::new();
-    };
-    match telegrams.telegram_before.filter(|&before| before != telegram) {
-        Some(before) => format!(", telegram {before} -> {telegram} (PNU 922)"),
-        None => format!(", telegram {telegram}"),
-    }
 }

@@ -60,7 +60,7 @@ pub fn run(args: &Scan, interface: &Interface, output: &Output) -> Result<(), Fa
     })
 }
 
-/// Tells who comes and goes until the person ends it.
+/// Prints which stations come and go until the person ends it.
 fn watch(args: &Scan, network: &mut Network, output: &Output) -> Result<(), Failure> {
     let mut watch = scan::Watch::default();
     loop {
@@ -174,7 +174,7 @@ impl Page for ScanReport {
                 ip.map_or_else(absent, |(ip, prefix)| format!("{ip}/{prefix}")),
                 vendor(station),
                 station.station_type.clone(),
-                // a column of many times "device" tells nothing
+                // a column with nothing but "device" has no information
                 station
                     .role
                     .filter(|role| *role != "device")

@@ -32,9 +32,7 @@ pub fn run(args: &Step, target: &Target, output: &Output) -> Result<(), Failure>
     let unit = wanted.run.unit.symbol();
     let mut file = None;
     let stepped = axis::with_drive(target, Need::Cyclic, output, |session, drive| {
-        let text = format!("steps from {} to {} {unit}", wanted.from, wanted.run.speed);
-        let start = Box::new(move |_: &_, _| Some(text.clone()));
-        let observer = axis::observer(&drive.label(), start, output);
+        let observer = axis::observer(&drive.label(), output);
         let stepped = motion::step(session, drive, &wanted, &observer).wait()?;
         if let Some((path, form)) = args.output.as_deref().zip(form.flatten()) {
             let time = (session.wall_clock(), session.now());
@@ -140,7 +138,7 @@ fn wanted(args: &Step) -> Result<motion::Step, Failure> {
 
 impl From<OverlayError> for Failure {
     fn from(error: OverlayError) -> Self {
-        Self::new(error.kind(), error.to_string()).hint("`profidrive step DRIVE .. -o FILE.csv` records one")
+        Self::explained(&error).hint("`profidrive step DRIVE .. -o FILE.csv` records one")
     }
 }
 

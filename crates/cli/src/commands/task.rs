@@ -16,15 +16,14 @@ pub fn run(args: &Task, target: &Target, output: &Output) -> Result<(), Failure>
         timeout: args.timeout,
         control: axis::in_mode(&args.control)?,
     };
-    axis::moving(target, Need::Cyclic, output, |session, drive, bound| {
-        wanted.control.bound = bound;
-        let start = Box::new(move |_: &_, telegram| {
-            Some(format!(
-                "carries out its motion task {number}, telegram {telegram}"
-            ))
-        });
-        let observer = axis::observer(&drive.label(), start, output);
-        motion::task(session, drive, &wanted, &observer).wait()
-    })
+    axis::moving(
+        target,
+        Need::Cyclic,
+        output,
+        |(session, drive), bound, observer| {
+            wanted.control.bound = bound;
+            motion::task(session, drive, &wanted, observer).wait()
+        },
+    )
     .map(|_| ())
 }

@@ -16,6 +16,7 @@ mod junit;
 mod monitor;
 mod parse;
 mod result;
+mod value;
 
 pub(crate) use condition::revolutions;
 pub use condition::{Live, Observed, Quantity};

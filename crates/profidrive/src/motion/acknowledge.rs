@@ -12,8 +12,9 @@ use profile::value::Assignment;
 use super::Control;
 use super::axis::Taken;
 use super::error::{End, MotionError};
-use super::event::{Ended, Event, Observer, Start};
+use super::event::{Ended, Event, Observer};
 use super::report::{MotionResult, Report};
+use super::start::Start;
 use crate::report::Fault;
 
 /// Acknowledges the faults of a drive by an edge of STW1 bit 7. Enables nothing. Where there is none, control of the axis is

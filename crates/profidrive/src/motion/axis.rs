@@ -4,12 +4,13 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use client::axis::{Goal, MotionFacts, SpeedUnit};
-use client::{Axis, AxisStatus, Drive, Error, Released, Rest, Session};
+use client::{Axis, AxisStatus, Drive, Enabled, Error, Released, Rest, Session};
 
 use super::Control;
 use super::error::{End, MotionError, explained};
-use super::event::{Arrival, Ended, Event, Observer, Setting, Start, TelegramChange};
+use super::event::{Arrival, Ended, Event, Observer, Setting, TelegramChange};
 use super::report::{Frames, MotionResult, PutBack, Report};
+use super::start::Start;
 use crate::report::Quantity;
 
 /// From which time on a stop is a long one.
@@ -184,6 +185,14 @@ impl Taken {
 
     pub(super) const fn observer(&self) -> &Observer {
         &self.observer
+    }
+
+    /// Enables the axis and moves it.
+    pub(super) async fn move_by(
+        &mut self,
+        motion: impl AsyncFnOnce(&mut Enabled<'_>) -> Result<(), Error>,
+    ) -> Result<(), Error> {
+        motion(&mut self.axis.enable().await?).await
     }
 
     /// The last speed of the motor that was seen.

@@ -4,7 +4,7 @@ use std::fmt;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
-use client::axis::{Evidence, MovePlan, Strained};
+use client::axis::{Evidence, Strained};
 use client::{AxisStatus, FaultEntry, LossReaction, WarningEntry};
 use profile::notation::Quantity;
 use profile::state::Mode;
@@ -14,6 +14,7 @@ use serde::Serialize;
 
 use super::leftover::{Leftover, UnreadableNote};
 use super::report::Report;
+use super::start::Start;
 use crate::report::Parameter;
 
 /// Something that happened on the way.
@@ -217,34 +218,6 @@ impl Setting {
             Self::Noted { value, .. } => value.to_string(),
         }
     }
-}
-
-/// What begins.
-#[derive(Debug, Clone)]
-#[non_exhaustive]
-pub enum Start {
-    /// Nothing yet: the axis is held, and moves by the calls of its owner.
-    Hold,
-    /// A speed.
-    Run,
-    /// The jog function of the drive.
-    Jog {
-        /// Its speed, as the drive has it.
-        speed: Box<Reading>,
-    },
-    /// Real-time jogging.
-    RealTimeJog,
-    /// A move.
-    Move(Box<MovePlan>),
-    /// A motion task of the drive.
-    Task,
-    /// The homing procedure of the drive.
-    Home {
-        /// What decides over the procedure, as far as the drive reports it: name and value.
-        procedure: Vec<(&'static str, Reading)>,
-    },
-    /// Nothing moves: faults are acknowledged.
-    Acknowledge,
 }
 
 /// What an axis arrived at.

@@ -11,10 +11,11 @@ use profile::telegram::Telegram;
 use super::axis::{Done, Taken, check_controller_loss, report_rounded, report_switch};
 use super::check::checked_axis;
 use super::error::{End, MotionError};
-use super::event::{Event, Observer, Start};
+use super::event::{Event, Observer};
 use super::limit::{self, above, too_fast, within};
 use super::plan::RunPlan;
 use super::report::{MotionResult, Report};
+use super::start::Start;
 use super::{Control, SPEED_LIMIT, UNLIMITED, mode};
 use crate::report::Quantity;
 
@@ -180,10 +181,8 @@ pub async fn run(
 ) -> Result<Report, MotionError> {
     wanted.check()?;
     let wanted = &wanted.in_rpm(session, drive, observer).await?;
-    let change = mode::enter(session, drive, Mode::Velocity, &wanted.control, observer).await?;
-    let result = turn(session, drive, wanted, observer).await;
-    let restored = mode::leave(change, observer).await;
-    result?.report(restored, observer, (session, drive)).await
+    let mode = (Mode::Velocity, &wanted.control);
+    mode::during((session, drive), mode, wanted, observer, turn).await
 }
 
 /// Reads and checks everything that [`run`] does; nothing is sent that changes anything.
@@ -275,12 +274,14 @@ async fn turn(
     if let Some(nearest) = axis.rounded_speed(wanted.speed) {
         report_rounded(wanted.speed, nearest, wanted.unit.symbol(), observer);
     }
-    let mut taken = Taken::begin(axis, end, Start::Run, wanted.control.set_mode, observer);
-    let mut found = MotionResult::default();
-    let result = match taken.axis.enable().await {
-        Ok(mut enabled) => keep(&mut enabled, wanted, &mut found, observer).await,
-        Err(error) => Err(error),
+    let start = Start::Run {
+        speed: Quantity::speed(wanted.speed, wanted.unit),
+        time: wanted.time,
     };
+    let mut taken = Taken::begin(axis, end, start, wanted.control.set_mode, observer);
+    let mut found = MotionResult::default();
+    let motion = async |enabled: &mut Enabled<'_>| keep(enabled, wanted, &mut found, observer).await;
+    let result = taken.move_by(motion).await;
     found.speed = taken.speed();
     Ok(taken.finish(result, found).await)
 }

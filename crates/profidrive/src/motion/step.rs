@@ -9,11 +9,13 @@ use profile::telegram::signal;
 
 use super::axis::Taken;
 use super::error::{End, MotionError};
-use super::event::{Observer, Start};
+use super::event::Observer;
 use super::report::{MotionResult, Report};
 use super::response::{StepPoint, step_in};
 use super::run::{Run, permitted};
+use super::start::Start;
 use super::{Response, mode};
+use crate::report::Quantity;
 
 /// How long the first speed is kept before the step.
 const BEFORE: Duration = Duration::from_millis(300);
@@ -125,7 +127,11 @@ async fn turn(
     stepped.signals = axis.signals();
     stepped.cycle = axis.cycle();
     let set_mode = wanted.run.control.set_mode;
-    let mut taken = Taken::begin(axis, End::Time, Start::Run, set_mode, observer);
+    let start = Start::Step {
+        from: Quantity::speed(wanted.from, wanted.run.unit),
+        to: Quantity::speed(wanted.run.speed, wanted.run.unit),
+    };
+    let mut taken = Taken::begin(axis, End::Time, start, set_mode, observer);
     let mut found = MotionResult::default();
     let result = match taken.axis.enable().await {
         Ok(mut enabled) => both(&mut enabled, wanted, &mut found).await,

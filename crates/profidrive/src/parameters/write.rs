@@ -5,8 +5,8 @@ use client::{Drive, Error, Session};
 use profile::value::Assignment;
 
 use super::ParameterError;
-use crate::Outcome;
 use crate::report::{Controller, Wording, WriteReport};
+use crate::{Outcome, Remark, settings};
 
 /// How values are written.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -74,6 +74,12 @@ impl Written {
             (false, true) => Outcome::Difference,
             (false, false) => Outcome::Complete,
         }
+    }
+
+    /// Returns which of the new values are lost at the next power cycle, and which are not.
+    #[must_use]
+    pub fn lasting(&self) -> Vec<Remark> {
+        settings::lasting(&self.set)
     }
 
     /// Returns it as a report.

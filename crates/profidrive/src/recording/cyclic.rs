@@ -52,7 +52,7 @@ pub(super) async fn observe(
                 Ok(axis) => break axis,
                 Err(Error::Interrupted) => return Ok(()),
                 Err(error) if is_passing(&error) => due = producer.session.now() + AGAIN,
-                // it belongs to somebody else now
+                // another controller has it now
                 Err(error) => return Err(error),
             }
         };

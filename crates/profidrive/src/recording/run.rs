@@ -259,7 +259,7 @@ impl Recording {
                     return Poll::Ready(Some(Step::Ended(drive, error)));
                 }
                 Poll::Ready(None) => {
-                    // nobody sends any more
+                    // no producer is left
                     let rest = Pin::new(&mut self.rows).poll_next_unpin(context);
                     return rest.map(|item| item.map(Step::Item));
                 }

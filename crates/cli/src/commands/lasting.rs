@@ -1,0 +1,18 @@
+//! How long new values last, printed for all commands that write.
+
+use profidrive::Remark;
+
+use crate::advice;
+use crate::output::Output;
+
+/// Prints how long new values last: of these drives, where there are many.
+pub fn print(remark: &Remark, drives: &str, output: &Output) {
+    let option = remark.next.as_ref().map(|next| advice::text(next, drives));
+    let option = option.map_or_else(String::new, |option| format!(" (use {option})"));
+    let words = format!("{drives}{}{option}", remark.sentence);
+    if remark.is_warning {
+        output.warn(&words);
+    } else {
+        output.say(&words);
+    }
+}
