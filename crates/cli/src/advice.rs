@@ -88,6 +88,7 @@ fn option(choice: Choice) -> String {
         Choice::Interface => "-i IFACE, or PROFIDRIVE_INTERFACE",
         Choice::Force => "--force",
         Choice::WayBack => "--way-back PATH",
+        Choice::Machine => "--machine FILE, PROFIDRIVE_MACHINE, or machine.toml in the current folder",
         _ => "another option",
     };
     fixed.to_owned()

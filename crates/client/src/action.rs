@@ -107,10 +107,12 @@ pub enum Choice {
     Force,
     /// The file for the values before.
     WayBack,
+    /// The machine file.
+    Machine,
 }
 
 /// Every choice with its stable name.
-const CHOICES: [(&str, Choice); 13] = [
+const CHOICES: [(&str, Choice); 14] = [
     ("description", Choice::Description),
     ("model", Choice::Model),
     ("cycle", Choice::Cycle),
@@ -124,6 +126,7 @@ const CHOICES: [(&str, Choice); 13] = [
     ("interface", Choice::Interface),
     ("force", Choice::Force),
     ("way-back", Choice::WayBack),
+    ("machine", Choice::Machine),
 ];
 
 impl Action {

@@ -34,3 +34,33 @@ impl Caller {
         }
     }
 }
+
+/// Returns a time as people write it: `250 ms`, `2.5 s`, `1 min 30 s`, `2 h 5 min`.
+///
+/// ```
+/// use std::time::Duration;
+/// use profidrive::lasting;
+/// assert_eq!(lasting(Duration::from_micros(15_999)), "16 ms");
+/// assert_eq!(lasting(Duration::from_millis(2_499)), "2.5 s");
+/// assert_eq!(lasting(Duration::from_millis(89_900)), "1 min 30 s");
+/// assert_eq!(lasting(Duration::from_secs(7_500)), "2 h 5 min");
+/// ```
+#[must_use]
+pub fn lasting(time: Duration) -> String {
+    let two = |number: u64, unit: &str, rest: u64, smaller: &str| match rest {
+        0 => format!("{number} {unit}"),
+        rest => format!("{number} {unit} {rest} {smaller}"),
+    };
+    let seconds = time.as_secs_f64();
+    if seconds < 0.9995 {
+        return format!("{:.0} ms", seconds * 1000.0);
+    }
+    if seconds < 59.95 {
+        return format!("{} s", (seconds * 10.0).round() / 10.0);
+    }
+    let whole = (time + Duration::from_millis(500)).as_secs();
+    match whole {
+        0..3600 => two(whole / 60, "min", whole % 60, "s"),
+        _ => two(whole / 3600, "h", whole % 3600 / 60, "min"),
+    }
+}

@@ -15,7 +15,7 @@ use crate::parameters::ParameterError;
 use crate::reach::OtherSubnet;
 use crate::settings::{CompareError, FileError, RestoreError};
 
-/// An error as a front end shows it. The errors of verbs have it; those of recordings and selectors do not yet.
+/// An error as a front end shows it. The errors of verbs, recordings and selectors have it.
 ///
 /// ```
 /// # #[cfg(feature = "simulate")] {

@@ -5,7 +5,7 @@ use std::time::Duration;
 use client::axis::Room;
 use client::{Drive, Wait};
 use profidrive::machine::SpeedBound;
-use profidrive::motion::{Control, End, Event, Message, MotionError, Observer, Remark, Start};
+use profidrive::motion::{self, Control, End, Event, Message, MotionError, Observer, Remark, Start};
 use profile::notation::Quantity;
 use profinet::cyclic::Timing;
 
@@ -21,6 +21,43 @@ pub const UNLIMITED: Duration = Duration::from_secs(100 * 365 * 24 * 3600);
 
 pub fn rpm(quantity: &Quantity, what: &str) -> Result<f64, Failure> {
     in_unit(quantity, "rpm", what)
+}
+
+/// A speed as it was given; a bare number is in rpm.
+pub fn speed_text(quantity: &Quantity) -> String {
+    let unit = quantity.unit.as_deref().unwrap_or("rpm");
+    format!("{} {unit}", quantity.number.as_f64())
+}
+
+/// A speed of the command line.
+#[derive(Debug, Clone, Copy)]
+pub enum Speed {
+    /// In rpm.
+    Rpm(f64),
+    /// Output frequency of a frequency converter.
+    Hertz(f64),
+}
+
+impl Speed {
+    pub fn of(quantity: &Quantity, what: &str) -> Result<Self, Failure> {
+        match quantity.in_hertz() {
+            Some(hertz) => Ok(Self::Hertz(hertz)),
+            None => rpm(quantity, what).map(Self::Rpm),
+        }
+    }
+
+    /// Returns the speed in rpm; a frequency is converted by the motor data of the drive.
+    pub fn in_rpm(
+        self,
+        session: &mut Live,
+        drive: &mut Drive,
+        observer: &Observer,
+    ) -> Result<f64, MotionError> {
+        match self {
+            Self::Rpm(rpm) => Ok(rpm),
+            Self::Hertz(hertz) => motion::speed_at(session, drive, hertz, observer).wait(),
+        }
+    }
 }
 
 pub fn in_unit(quantity: &Quantity, unit: &str, what: &str) -> Result<f64, Failure> {

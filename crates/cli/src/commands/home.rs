@@ -4,6 +4,7 @@ use client::Wait;
 use profidrive::motion::{self, Start};
 
 use super::axis;
+use super::recorded::Recorder;
 use crate::args::{Home, Target};
 use crate::connect::Need;
 use crate::failure::Failure;
@@ -15,14 +16,15 @@ pub fn run(args: &Home, target: &Target, output: &Output) -> Result<(), Failure>
         timeout: args.timeout,
         control: axis::in_mode(&args.control)?,
     };
-    axis::moving(target, Need::Cyclic, output, |session, drive, bound| {
+    let mut recorder = Recorder::of(args.recorded.record.as_deref())?;
+    let done = axis::moving(target, Need::Cyclic, output, |session, drive, bound| {
         wanted.control.bound = bound;
         let start =
             Box::new(|start: &_, telegram| Some(format!("homes{}, telegram {telegram}", procedure(start))));
-        let observer = axis::observer(&drive.label(), start, output);
+        let observer = recorder.tap(axis::observer(&drive.label(), start, output), session);
         motion::home(session, drive, &wanted, &observer).wait()
-    })
-    .map(|_| ())
+    });
+    recorder.end(done, output).map(|_| ())
 }
 
 /// ` by HOME.MODE 1 (To a limit switch), HOME.DIR 1, HOME.V 60 rpm`, as far as the drive reports it.

@@ -21,6 +21,7 @@ mod motion;
 mod r#move;
 mod parameters;
 mod record;
+mod recorded;
 mod restore;
 mod run;
 mod scan;

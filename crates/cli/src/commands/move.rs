@@ -6,6 +6,7 @@ use profidrive::motion::{self, MoveReport, Start};
 use profile::notation::Quantity;
 
 use super::axis::{self, rounded};
+use super::recorded::Recorder;
 use crate::args::{Move, Target};
 use crate::connect::Need;
 use crate::failure::Failure;
@@ -21,20 +22,21 @@ pub fn run(args: &Move, target: &Target, output: &Output) -> Result<(), Failure>
         control: axis::in_mode(&args.control)?,
     };
     wanted.check()?;
+    let mut recorder = Recorder::of(args.recorded.record.as_deref())?;
     let relative = wanted.order.relative;
     if args.dry_run {
         return try_out(wanted, target, output);
     }
-    axis::moving(target, Need::Cyclic, output, |session, drive, bound| {
+    let done = axis::moving(target, Need::Cyclic, output, |session, drive, bound| {
         wanted.control.bound = bound;
         let start = Box::new(move |start: &_, telegram| match start {
             Start::Move(plan) => Some(format!("{}, telegram {telegram}", plan_text(plan, relative))),
             _ => None,
         });
-        let observer = axis::observer(&drive.label(), start, output);
+        let observer = recorder.tap(axis::observer(&drive.label(), start, output), session);
         motion::move_to(session, drive, &wanted, &observer).wait()
-    })
-    .map(|_| ())
+    });
+    recorder.end(done, output).map(|_| ())
 }
 
 /// Everything that `move` reads and checks; nothing is sent that changes anything.
@@ -68,6 +70,12 @@ fn order(args: &Move) -> Result<Order, Failure> {
         .to
         .position()
         .map_err(|error| Failure::usage(format!("--to: {error}")))?;
+    if args.velocity.in_hertz().is_some() {
+        return Err(Failure::usage(
+            "--velocity: speeds in Hz are output frequencies of frequency converters, which do not position",
+        )
+        .hint("give the speed in rpm"));
+    }
     let speed = axis::rpm(&args.velocity, "--velocity")?;
     let ramp = |quantity: &Option<Quantity>, what| {
         quantity

@@ -5,9 +5,10 @@ use std::path::Path;
 use std::time::Duration;
 
 use client::Wait;
+use profidrive::lasting;
 use profidrive::recording::{
-    CsvLines, Every, Form, Mark, News, PlotError, Recording, RecordingError, RecordingFile, Request, Row,
-    Scope, Sink, Source, Table, WriteError, html, prepare, svg,
+    Absence, CsvLines, Every, Form, Mark, News, PlotError, Recording, RecordingError, RecordingFile, Request,
+    Row, Scope, Sink, Source, Table, WriteError, html, prepare, svg,
 };
 use profidrive::report::{RecordReport, RecordTrigger};
 
@@ -22,7 +23,11 @@ use crate::render::table::Table as TextTable;
 pub fn run(args: &Record, target: &Target, output: &Output) -> Result<(), Failure> {
     let request = request(args)?;
     let form = form(&args.output)?;
-    args.plot.as_deref().map(drawing).transpose()?;
+    // found before drives are connected
+    if let Some(form) = form {
+        RecordingFile::check(&args.output, form, args.rotate)?;
+    }
+    args.plot.as_deref().map(check_plot).transpose()?;
     if form.is_none() && output.json() {
         return Err(Failure::usage(
             "`-o -` prints CSV, --json a document: write the rows to a file",
@@ -36,7 +41,7 @@ pub fn run(args: &Record, target: &Target, output: &Output) -> Result<(), Failur
     let names: Vec<&str> = found.members.iter().map(|member| member.name.as_str()).collect();
     if need == Need::Cyclic {
         output.say(&format!(
-            "opens the cyclic connection of {}; it commands nothing, and refuses a controller as long as it lasts",
+            "opens the cyclic connection of {}; it commands nothing, and no controller can connect as long as it lasts",
             each::listed(&names)
         ));
     }
@@ -67,15 +72,13 @@ pub fn run(args: &Record, target: &Target, output: &Output) -> Result<(), Failur
         None => Ok(()),
     };
     output.json_report(&report);
-    if !output.json() && form.is_some() {
-        show(&report, output);
-    }
-    if report.trigger.is_none() && request.trigger.is_some() {
-        output.warn("the trigger did not come: nothing is recorded");
+    if !output.json() {
+        show(&report, form.is_some(), output);
     }
     each::last(result?, output)?;
     drawn?;
-    Ok(closed?)
+    closed?;
+    Ok(recording.check_triggered()?)
 }
 
 fn request(args: &Record) -> Result<Request, Failure> {
@@ -112,13 +115,30 @@ fn mark(trigger: &RecordTrigger) -> Mark {
 /// How a plot is drawn.
 type Drawing = fn(&str, &Scope, &[Mark]) -> Result<String, PlotError>;
 
+/// Checks that a plot can be drawn to a file: its kind is known, and it does not exist.
+pub fn check_plot(file: &Path) -> Result<(), Failure> {
+    drawing(file)?;
+    if file.exists() {
+        return Err(exists(file));
+    }
+    Ok(())
+}
+
+fn exists(file: &Path) -> Failure {
+    Failure::new(
+        client::ErrorKind::Local,
+        format!("`{}` exists already", file.display()),
+    )
+    .hint("choose another name: plots are not replaced")
+}
+
 /// Returns how a file with this name is drawn.
-pub fn drawing(file: &Path) -> Result<Drawing, Failure> {
+fn drawing(file: &Path) -> Result<Drawing, Failure> {
     match file.extension().and_then(std::ffi::OsStr::to_str) {
         Some("svg") => Ok(svg),
         Some("html") => Ok(html),
         _ => Err(Failure::usage(format!(
-            "--plot {}: a plot is drawn as .svg or .html",
+            "--plot {}: unknown file extension; use .svg or .html",
             file.display()
         ))),
     }
@@ -126,15 +146,16 @@ pub fn drawing(file: &Path) -> Result<Drawing, Failure> {
 
 /// Draws curves to a new file.
 pub fn draw(file: &Path, title: &str, scope: &Scope, marks: &[Mark]) -> Result<(), Failure> {
-    let local = |error: &dyn std::fmt::Display| {
-        Failure::new(
+    let local = |error: std::io::Error| match error.kind() {
+        std::io::ErrorKind::AlreadyExists => exists(file),
+        _ => Failure::new(
             client::ErrorKind::Local,
             format!("cannot write {}: {error}", file.display()),
-        )
+        ),
     };
-    let plot = drawing(file)?(title, scope, marks).map_err(|error| local(&error))?;
-    let mut new = std::fs::File::create_new(file).map_err(|error| local(&error))?;
-    new.write_all(plot.as_bytes()).map_err(|error| local(&error))
+    let plot = drawing(file)?(title, scope, marks)?;
+    let mut new = std::fs::File::create_new(file).map_err(local)?;
+    new.write_all(plot.as_bytes()).map_err(local)
 }
 
 /// The form of the file; `None` for CSV that is printed.
@@ -145,10 +166,11 @@ pub fn form(file: &Path) -> Result<Option<Form>, Failure> {
     Form::of(file).map(Some).ok_or_else(|| {
         let ends: Vec<String> = Form::ends().map(|end| format!(".{end}")).collect();
         let message = format!(
-            "-o {}: the form of a recording follows from its end",
-            file.display()
+            "{}: unknown file extension; use {}",
+            file.display(),
+            ends.join(", ")
         );
-        Failure::usage(message).hint(format!("there are {}; `-o -` prints CSV", ends.join(", ")))
+        Failure::usage(message)
     })
 }
 
@@ -179,7 +201,7 @@ fn beginning(recording: &Recording, args: &Record, request: &Request) -> String 
     let wait = request
         .trigger
         .as_ref()
-        .map_or_else(String::new, |trigger| format!(" once there is: {trigger}"));
+        .map_or_else(String::new, |trigger| format!("; waits for: {trigger}"));
     let to = if args.output == Path::new("-") {
         String::new()
     } else {
@@ -202,10 +224,6 @@ async fn record(
 ) -> Result<Vec<Failure>, Failure> {
     let mut problems = Vec::new();
     let mut broken: Option<WriteError> = None;
-    let named = |recording: &Recording, drive: usize| {
-        let names = &recording.table().drives;
-        names.get(drive).cloned().unwrap_or_default()
-    };
     while let Some(news) = recording.next().await? {
         match news {
             News::Row(row) if broken.is_none() => {
@@ -218,25 +236,15 @@ async fn record(
                     broken = Some(error);
                 }
             }
-            News::Silent { drive, .. } => {
-                output.warn(&format!(
-                    "{} does not answer; it is tried again",
-                    named(recording, drive)
-                ));
+            News::Ended { drive, error } => {
+                let failure = Failure::from(error);
+                if recording.table().drives.len() > 1 {
+                    let name = named(recording, drive);
+                    output.warn(&format!("{name} is no longer recorded: {}", failure.message));
+                }
+                problems.push(failure);
             }
-            News::Answers { drive, outage } => output.say(&format!(
-                "{} answers again after {:.1} s",
-                named(recording, drive),
-                outage.as_secs_f64()
-            )),
-            News::Triggered(triggered) => output.say(&format!(
-                "{} of {} at {:.3} s",
-                triggered.trigger,
-                named(recording, triggered.drive),
-                triggered.time.as_secs_f64()
-            )),
-            News::Ended { error, .. } => problems.push(error.into()),
-            _ => {}
+            other => say(&other, recording, output),
         }
     }
     if let Some(error) = broken {
@@ -244,6 +252,48 @@ async fn record(
     }
     sink.finish()?;
     Ok(problems)
+}
+
+fn named(recording: &Recording, drive: usize) -> &str {
+    recording.table().drives.get(drive).map_or("", String::as_str)
+}
+
+/// Says what happens while drives are recorded.
+fn say(news: &News, recording: &Recording, output: &Output) {
+    match news {
+        News::Away { drive, absence, .. } => {
+            let why = match absence {
+                Absence::Controlled => "has another controller",
+                Absence::InUse => {
+                    "is operated: its cyclic connection is closed, so that it cannot stop the motor"
+                }
+                _ => "does not answer",
+            };
+            output.warn(&format!("{} {why}; retrying", named(recording, *drive)));
+        }
+        News::Back {
+            drive,
+            outage,
+            faults,
+        } => {
+            let name = named(recording, *drive);
+            output.say(&format!("{name} is recorded again after {}", lasting(*outage)));
+            for fault in faults {
+                output.warn(&format!("{name}: {fault}"));
+            }
+        }
+        News::PowerOn { drive, reaction } => output.warn(&format!(
+            "{}: its power stage is on; the cyclic connection stays open, because when it ends, {reaction}",
+            named(recording, *drive)
+        )),
+        News::Triggered(triggered) => output.say(&format!(
+            "{} of {} after {}",
+            triggered.trigger,
+            named(recording, triggered.drive),
+            lasting(triggered.time)
+        )),
+        _ => {}
+    }
 }
 
 /// Where rows go.
@@ -302,22 +352,15 @@ fn internal(error: std::io::Error) -> Failure {
 
 impl From<RecordingError> for Failure {
     fn from(error: RecordingError) -> Self {
-        let (kind, advice) = (error.kind(), error.advice());
         match error {
-            RecordingError::Client(error) => error.into(),
             RecordingError::Drive(error) => error.into(),
-            other => Self::new(kind, other.to_string()).hint(advice),
+            other => Self::explained(&other),
         }
     }
 }
 
-impl From<WriteError> for Failure {
-    fn from(error: WriteError) -> Self {
-        Self::new(error.kind(), error.to_string()).hint(error.advice())
-    }
-}
-
-fn show(report: &RecordReport, output: &Output) {
+/// Shows what was recorded; beside rows that are printed, to the person only.
+fn show(report: &RecordReport, to_file: bool, output: &Output) {
     let mut table = TextTable::new(&["drive", "rows", "gaps", "missed", "outages"]);
     for drive in &report.drives {
         table.row([
@@ -328,12 +371,14 @@ fn show(report: &RecordReport, output: &Output) {
             drive.outages.to_string(),
         ]);
     }
-    output.table(&table);
+    let time = lasting(Duration::try_from_secs_f64(report.time).unwrap_or_default());
+    if to_file {
+        output.table(&table);
+    } else {
+        table.lines().iter().for_each(|line| output.say(line));
+        output.say(&format!("{time} recorded"));
+    }
     if !report.files.is_empty() {
-        output.say(&format!(
-            "{:.1} s recorded to {}",
-            report.time,
-            report.files.join(", ")
-        ));
+        output.say(&format!("{time} recorded to {}", report.files.join(", ")));
     }
 }

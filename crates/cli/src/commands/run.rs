@@ -2,10 +2,12 @@
 
 use client::Wait;
 use client::axis::SpeedUnit;
+use profidrive::lasting;
 use profidrive::motion::{self, Frequency, RunPlan, Telegrams};
 use profile::notation::Quantity;
 
 use super::axis;
+use super::recorded::Recorder;
 use crate::args::{Run, Target};
 use crate::connect::Need;
 use crate::failure::Failure;
@@ -13,6 +15,7 @@ use crate::output::Output;
 
 pub fn run(args: &Run, target: &Target, output: &Output) -> Result<(), Failure> {
     let mut wanted = wanted(args)?;
+    let mut recorder = Recorder::of(args.recorded.record.as_deref())?;
     let (number, unit) = wanted
         .frequency
         .map_or((wanted.speed, wanted.unit.symbol()), |frequency| {
@@ -28,14 +31,14 @@ pub fn run(args: &Run, target: &Target, output: &Output) -> Result<(), Failure> 
         show(&plan, &speed, output);
         return Ok(());
     }
-    axis::moving(target, Need::Cyclic, output, |session, drive, bound| {
+    let done = axis::moving(target, Need::Cyclic, output, |session, drive, bound| {
         wanted.control.bound = bound;
         let text = format!("turns at {speed}");
         let start = Box::new(move |_: &_, _| Some(text.clone()));
-        let observer = axis::observer(&drive.label(), start, output);
+        let observer = recorder.tap(axis::observer(&drive.label(), start, output), session);
         motion::run(session, drive, &wanted, &observer).wait()
-    })
-    .map(|_| ())
+    });
+    recorder.end(done, output).map(|_| ())
 }
 
 /// The requested speed, in one unit.
@@ -82,10 +85,8 @@ fn wanted(args: &Run) -> Result<motion::Run, Failure> {
 }
 
 fn duration_text(args: &Run) -> String {
-    args.time.map_or_else(
-        || "until Ctrl-C".into(),
-        |time| format!("for {} s", time.as_secs_f64()),
-    )
+    args.time
+        .map_or_else(|| "until Ctrl-C".into(), |time| format!("for {}", lasting(time)))
 }
 
 fn show(plan: &RunPlan, speed: &str, output: &Output) {

@@ -1,6 +1,7 @@
 //! Why a motion did not go as it was to.
 
 use super::report::Report;
+use super::tap::TapError;
 use crate::machine::SpeedBound;
 use client::axis::Trouble;
 use client::status::{Cause, Diagnosis, Note, Verdict, diagnose, switched_off_beside};
@@ -63,6 +64,14 @@ pub enum MotionError {
         end: End,
         /// What it was like until then.
         report: Box<Report>,
+    },
+    /// The cyclic samples of the motion were to be recorded, and cannot be; nothing was enabled.
+    #[error("{drive}: not moved, as its samples cannot be recorded: {error}")]
+    NotRecorded {
+        /// The drive.
+        drive: String,
+        /// Why.
+        error: TapError,
     },
     /// The motion went well, but a setting that was changed for it does not have its value from before.
     #[error("{drive}: {}", kept(.report))]
@@ -182,6 +191,7 @@ impl MotionError {
             Self::Failed { error, .. } => error.kind(),
             Self::Stopped { .. } => ErrorKind::Interrupted,
             Self::NotPutBack { .. } => ErrorKind::Partial,
+            Self::NotRecorded { .. } => ErrorKind::Local,
             Self::AboveLimit { .. }
             | Self::AboveBound { .. }
             | Self::NotBounded { .. }
@@ -252,7 +262,7 @@ impl MotionError {
             Self::NotAtRest { .. } => Some(
                 "stop it at its controller or with its safety circuit; this is not an emergency stop".into(),
             ),
-            Self::Stopped { .. } | Self::Invalid { .. } => None,
+            Self::Stopped { .. } | Self::Invalid { .. } | Self::NotRecorded { .. } => None,
         }
     }
 

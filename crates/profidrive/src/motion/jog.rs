@@ -144,7 +144,7 @@ pub async fn jog_in_real_time(
     real_time_speed(session, drive, wanted, observer).await?;
     let settings = wanted.control.settings(Purpose::RealTimeJog, wanted.limit);
     let axis = session.take_axis(drive, settings).await?;
-    let mut taken = Taken::begin(axis, End::Time, Start::RealTimeJog, false, observer);
+    let mut taken = Taken::begin(axis, End::Time, Start::RealTimeJog, false, observer).await?;
     let mut found = MotionResult::default();
     let result = match taken.axis.enable().await {
         Ok(mut enabled) => match enabled.jog_at(wanted.speed).await {
@@ -265,7 +265,7 @@ async fn with_setting(
     let start = Start::Jog {
         speed: Box::new(reading),
     };
-    let mut taken = Taken::begin(axis, End::Time, start, false, observer);
+    let mut taken = Taken::begin(axis, End::Time, start, false, observer).await?;
     let mut found = MotionResult::default();
     let result = match taken.axis.enable().await {
         Ok(mut enabled) => match enabled.jog(wanted.setpoint).await {

@@ -77,6 +77,7 @@ mod response;
 mod run;
 mod step;
 mod stop;
+mod tap;
 
 use std::time::Duration;
 
@@ -97,9 +98,10 @@ pub use position::{Home, Move, Task, home, move_to, plan_move, task};
 pub use remark::Remark;
 pub use report::{Frames, MotionResult, PutBack, Report};
 pub use response::{Response, StepPoint, step_in};
-pub use run::{Frequency, Run, TelegramName, plan_run, run};
+pub use run::{Frequency, Run, TelegramName, plan_run, run, speed_at};
 pub use step::{LONGEST_STEP, Step, Stepped, step};
 pub use stop::{StopReport, stop};
+pub use tap::{SampleTap, TapError};
 
 /// What all motions have in common.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

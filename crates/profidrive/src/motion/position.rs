@@ -145,7 +145,7 @@ async fn travel(
     let settings = wanted.control.settings(Purpose::Move, wanted.limit);
     let axis = session.take_axis(drive, settings).await?;
     let start = Start::Move(Box::new(plan.clone()));
-    let mut taken = Taken::begin(axis, End::Target, start, wanted.control.set_mode, observer);
+    let mut taken = Taken::begin(axis, End::Target, start, wanted.control.set_mode, observer).await?;
     let mut last = None;
     let result = match taken.axis.enable().await {
         Ok(mut enabled) => reach(&mut enabled, wanted, &mut last).await,
@@ -218,7 +218,7 @@ async fn carry_out(
     check_controller_loss(session, drive, &wanted.control, observer).await?;
     let settings = wanted.control.settings(Purpose::Task, f64::INFINITY);
     let axis = session.take_axis(drive, settings).await?;
-    let mut taken = Taken::begin(axis, End::Task, Start::Task, wanted.control.set_mode, observer);
+    let mut taken = Taken::begin(axis, End::Task, Start::Task, wanted.control.set_mode, observer).await?;
     let mut last = None;
     let result = match taken.axis.enable().await {
         Ok(mut enabled) => match enabled.start_task(wanted.number).await {
@@ -270,7 +270,7 @@ async fn set_home(
     let settings = wanted.control.settings(Purpose::Home, f64::INFINITY);
     let axis = session.take_axis(drive, settings).await?;
     let start = Start::Home { procedure };
-    let mut taken = Taken::begin(axis, End::Home, start, wanted.control.set_mode, observer);
+    let mut taken = Taken::begin(axis, End::Home, start, wanted.control.set_mode, observer).await?;
     let mut position = None;
     let result = match taken.axis.enable().await {
         Ok(mut enabled) => {

@@ -114,7 +114,7 @@ impl Run {
     }
 
     /// Returns the run with its speed in place of a frequency.
-    async fn in_rpm(
+    pub(super) async fn in_rpm(
         &self,
         session: &mut Session,
         drive: &mut Drive,
@@ -123,17 +123,11 @@ impl Run {
         let Some(Frequency { hertz, limit }) = self.frequency else {
             return Ok(*self);
         };
-        let pole_pairs = session.pole_pairs(drive).await?;
-        let speed = synchronous_speed(hertz, pole_pairs);
-        observer.report(&Event::Converted {
-            hertz,
-            rpm: speed,
-            pole_pairs,
-        });
+        let (speed, pole_pairs) = converted(session, drive, hertz, observer).await?;
         let wanted = Self {
             speed,
             unit: SpeedUnit::Rpm,
-            limit: limit.map_or(self.limit, |limit| synchronous_speed(limit, pole_pairs)),
+            limit: limit.map_or(self.limit, |limit| synchronous_speed(limit, pole_pairs).abs()),
             frequency: None,
             ..*self
         };
@@ -165,6 +159,37 @@ impl Run {
             ..self.control.settings(Purpose::Speed, self.limit)
         })
     }
+}
+
+/// Returns the speed of a frequency converter at an output frequency, rpm: that of the motor without slip. The pole pairs are read
+/// from the drive, and the conversion is reported.
+///
+/// # Errors
+/// [`Error::NoFrequency`] where the drive is not a frequency converter or its motor data are not valid.
+pub async fn speed_at(
+    session: &mut Session,
+    drive: &mut Drive,
+    hertz: f64,
+    observer: &Observer,
+) -> Result<f64, MotionError> {
+    Ok(converted(session, drive, hertz, observer).await?.0)
+}
+
+/// The same with the pole pairs of the motor.
+pub(super) async fn converted(
+    session: &mut Session,
+    drive: &mut Drive,
+    hertz: f64,
+    observer: &Observer,
+) -> Result<(f64, f64), MotionError> {
+    let pole_pairs = session.pole_pairs(drive).await?;
+    let rpm = synchronous_speed(hertz, pole_pairs);
+    observer.report(&Event::Converted {
+        hertz,
+        rpm,
+        pole_pairs,
+    });
+    Ok((rpm, pole_pairs))
 }
 
 /// Turns the axis at a speed.
@@ -225,6 +250,17 @@ pub(super) async fn permitted(
     wanted: &Run,
     observer: &Observer,
 ) -> Result<(), MotionError> {
+    permitted_speed(session, drive, wanted, observer).await?;
+    Ok(check_controller_loss(session, drive, &wanted.control, observer).await?)
+}
+
+/// The objections of the drive to the speed of a run.
+pub(super) async fn permitted_speed(
+    session: &mut Session,
+    drive: &mut Drive,
+    wanted: &Run,
+    observer: &Observer,
+) -> Result<(), MotionError> {
     let speed = wanted.speed;
     if wanted.unit == SpeedUnit::Rpm {
         // of all others the scale is known with the telegram only
@@ -238,7 +274,7 @@ pub(super) async fn permitted(
         let facts = session.motion_facts(drive).await?;
         limit::share(speed, wanted.reference_speed, &facts, &wanted.control, drive)?;
     }
-    Ok(check_controller_loss(session, drive, &wanted.control, observer).await?)
+    Ok(())
 }
 
 /// The objections of the drive to a speed in rpm: its own limits. A limit switch in that direction is reported. The value for
@@ -275,7 +311,7 @@ async fn turn(
     if let Some(nearest) = axis.rounded_speed(wanted.speed) {
         report_rounded(wanted.speed, nearest, wanted.unit.symbol(), observer);
     }
-    let mut taken = Taken::begin(axis, end, Start::Run, wanted.control.set_mode, observer);
+    let mut taken = Taken::begin(axis, end, Start::Run, wanted.control.set_mode, observer).await?;
     let mut found = MotionResult::default();
     let result = match taken.axis.enable().await {
         Ok(mut enabled) => keep(&mut enabled, wanted, &mut found, observer).await,

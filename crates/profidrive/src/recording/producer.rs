@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-use client::{Error, Session};
+use client::{Drive, Error, ErrorKind, FaultEntry, LossReaction, Session};
 use futures::SinkExt;
 use futures::channel::mpsc;
 use profinet::Instant;
@@ -16,7 +16,7 @@ use crate::clock::WallClock;
 /// How often it is looked whether the recording ends.
 const GLANCE: Duration = Duration::from_millis(50);
 /// Gap rows of one place: what is missing beyond them is counted only.
-const MOST_GAPS: u64 = 1000;
+pub(super) const MOST_GAPS: u64 = 1000;
 
 /// What comes from the drives.
 #[derive(Debug)]
@@ -27,16 +27,72 @@ pub(super) enum Item {
         drive: usize,
         count: u64,
     },
-    /// A drive does not answer.
-    Silent {
+    /// Nothing comes of a drive; `again` where it was away already, for another reason.
+    Away {
         drive: usize,
         since: Duration,
+        absence: Absence,
+        again: bool,
     },
-    /// It answers again.
-    Answers {
+    /// It is recorded again.
+    Back {
         drive: usize,
         outage: Duration,
+        faults: Vec<FaultEntry>,
     },
+    /// Its power stage is on, and its connection stays open.
+    PowerOn {
+        drive: usize,
+        reaction: Box<LossReaction>,
+    },
+}
+
+/// Why nothing is recorded of a drive for a while. It is tried again.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Absence {
+    /// It does not answer, or does not know its connection any more.
+    Silent,
+    /// Another controller has it.
+    Controlled,
+    /// It is in local operation, or its power stage is on: the cyclic connection is closed so that its end cannot stop the motor.
+    InUse,
+}
+
+impl Absence {
+    /// Returns why an error of a call is no end: the drive may be recorded later.
+    pub(super) fn of(error: &Error) -> Option<Self> {
+        match error {
+            Error::Medium(_) | Error::Closed | Error::DriverFailed => None,
+            Error::OwnedByController { .. } | Error::ParametersOwned { .. } => Some(Self::Controlled),
+            Error::Ownerless { .. } | Error::LocalOperation { .. } => Some(Self::InUse),
+            other => matches!(other.kind(), ErrorKind::Unreachable | ErrorKind::Lost).then_some(Self::Silent),
+        }
+    }
+}
+
+/// The first wait for a drive that another controller has, and the longest.
+const CONTROLLED: [Duration; 2] = [Duration::from_secs(2), Duration::from_secs(60)];
+
+/// An absence under way.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Away {
+    pub since: Instant,
+    pub absence: Absence,
+    wait: Duration,
+}
+
+impl Away {
+    /// Returns how long to wait before the next attempt, `usual` or longer: each attempt makes work for a controller's drive.
+    pub(super) fn wait(&mut self, usual: Duration) -> Duration {
+        if self.absence != Absence::Controlled {
+            self.wait = CONTROLLED[0];
+            return usual;
+        }
+        let wait = self.wait;
+        self.wait = (wait * 2).min(CONTROLLED[1]);
+        wait.max(usual)
+    }
 }
 
 /// Where the value of a column comes from: the position among the values of the drive.
@@ -57,6 +113,8 @@ pub(super) struct Producer {
     columns: Vec<(Option<Place>, Kind)>,
     /// News that found no room among the rows.
     unsent: Vec<Item>,
+    /// Faults of the drive that are known to the caller.
+    known: Vec<u16>,
 }
 
 /// What all producers have in common.
@@ -69,6 +127,7 @@ pub(super) struct Common {
 }
 
 impl Producer {
+    /// Finds the columns of the table among those of the drive, `own`.
     pub(super) fn new(session: Session, drive: usize, common: Common, table: &Table, own: &[Column]) -> Self {
         let Common {
             start,
@@ -76,26 +135,26 @@ impl Producer {
             stop,
             rows,
         } = common;
-        let mut producer = Self {
+        let place = |column: &Column| {
+            let at = own.iter().position(|other| other.name == column.name);
+            (at.map(|at| Place { at }), column.kind)
+        };
+        Self {
             session,
             drive,
             start,
             clock,
             stop,
             rows,
-            columns: table.columns.iter().map(|column| (None, column.kind)).collect(),
+            columns: table.columns.iter().map(place).collect(),
             unsent: Vec::new(),
-        };
-        producer.wire(table, own);
-        producer
+            known: Vec::new(),
+        }
     }
 
-    /// Finds the columns of the table among those of the drive.
-    pub(super) fn wire(&mut self, table: &Table, own: &[Column]) {
-        for (place, column) in self.columns.iter_mut().zip(&table.columns) {
-            let at = own.iter().position(|other| other.name == column.name);
-            place.0 = at.map(|at| Place { at });
-        }
+    /// Takes the faults that are present as known.
+    pub(super) fn with_known_faults(self, known: Vec<u16>) -> Self {
+        Self { known, ..self }
     }
 
     /// Whether the recording has to end.
@@ -177,14 +236,46 @@ impl Producer {
         }
     }
 
-    pub(super) fn silent(&mut self, since: Instant) {
-        let (drive, since) = (self.drive, since.saturating_since(self.start));
-        self.unsent.push(Item::Silent { drive, since });
+    /// Reports that nothing comes of the drive, once for each reason; `away` is what was reported before.
+    pub(super) fn away(&mut self, away: &mut Option<Away>, at: Instant, absence: Absence) {
+        let before = *away;
+        let since = before.map_or(at, |before| before.since);
+        if before.is_some_and(|before| before.absence == absence) {
+            return;
+        }
+        *away = Some(Away {
+            since,
+            absence,
+            wait: CONTROLLED[0],
+        });
+        self.unsent.push(Item::Away {
+            drive: self.drive,
+            since: since.saturating_since(self.start),
+            absence,
+            again: before.is_some(),
+        });
     }
 
-    pub(super) fn answers(&mut self, now: Instant, since: Instant) {
-        let (drive, outage) = (self.drive, now.saturating_since(since));
-        self.unsent.push(Item::Answers { drive, outage });
+    /// Reports that values come again, with the faults that are new since.
+    pub(super) async fn back(&mut self, drive: &mut Drive, since: Instant) {
+        let outage = self.session.now().saturating_since(since);
+        let present = present_faults(&mut self.session, drive).await;
+        let numbers = present.iter().map(|fault| fault.number).collect();
+        let known = std::mem::replace(&mut self.known, numbers);
+        let new = present.into_iter().filter(|fault| !known.contains(&fault.number));
+        self.unsent.push(Item::Back {
+            drive: self.drive,
+            outage,
+            faults: new.collect(),
+        });
+    }
+
+    /// Reports that the power stage is on and the connection stays open.
+    pub(super) fn power_on(&mut self, reaction: &LossReaction) {
+        self.unsent.push(Item::PowerOn {
+            drive: self.drive,
+            reaction: Box::new(reaction.clone()),
+        });
     }
 
     async fn send(&mut self, item: Item) {
@@ -199,4 +290,11 @@ impl Producer {
             let _ = self.rows.send(item).await;
         }
     }
+}
+
+/// Returns the faults that are present; none where the drive has no fault buffer or does not answer.
+pub(super) async fn present_faults(session: &mut Session, drive: &mut Drive) -> Vec<FaultEntry> {
+    let mut faults = session.faults(drive).await.unwrap_or_default();
+    faults.retain(|fault| fault.situation == 0);
+    faults
 }

@@ -8,6 +8,7 @@ use profile::notation::ParameterReference;
 use profile::value::{Content, Reading, Selection};
 
 use super::error::RecordingError;
+use super::producer::present_faults;
 use super::table::{Column, Kind, Table, Value};
 use super::{Every, Request};
 use crate::fleet::{self, Member, Selected};
@@ -23,6 +24,8 @@ pub struct Source {
     pub(super) drive: Drive,
     pub(super) columns: Vec<Column>,
     pub(super) origin: Origin,
+    /// Numbers of the faults that were present.
+    pub(super) faults: Vec<u16>,
 }
 
 /// Where the values of a drive come from.
@@ -73,11 +76,13 @@ pub async fn prepare(
                 observed(session, drive, settings, &request.signals).await?
             }
         };
+        let faults = present_faults(session, drive).await;
         Ok(Source {
             name: drive.label(),
             drive: drive.clone(),
             columns,
             origin,
+            faults: faults.iter().map(|fault| fault.number).collect(),
         })
     })
     .await
@@ -93,6 +98,9 @@ pub(super) fn check(request: &Request) -> Result<(), RecordingError> {
         if request.signals.iter().take(at).any(same) {
             return Err(RecordingError::Twice { name: name.clone() });
         }
+    }
+    if request.time.is_some_and(|time| time.is_zero()) {
+        return Err(RecordingError::NoTime);
     }
     match request.every {
         Every::Interval(interval) if interval < SHORTEST_INTERVAL => Err(TooFast.into()),
@@ -239,6 +247,31 @@ pub(super) fn chosen(axis: &Axis, names: &[String]) -> Result<Vec<AxisSignal>, R
         }
     }
     Ok(signals)
+}
+
+/// Returns the signals of an axis whose columns are these, in the same order: the drive may have another telegram than before.
+///
+/// # Errors
+/// [`RecordingError::Changed`] where one is missing or its values have another unit or kind.
+pub(super) fn same_signals(axis: &Axis, columns: &[Column]) -> Result<Vec<AxisSignal>, RecordingError> {
+    let there = axis.signals();
+    let find = |column: &Column| {
+        let same = |signal: &&AxisSignal| {
+            let now = column_of(signal);
+            now.name == column.name && now.unit == column.unit && now.kind == column.kind
+        };
+        there
+            .iter()
+            .find(same)
+            .copied()
+            .ok_or_else(|| RecordingError::Changed {
+                drive: axis.drive().label(),
+                telegram: axis.telegram(),
+                name: column.name.clone(),
+                unit: column.unit.clone(),
+            })
+    };
+    columns.iter().map(find).collect()
 }
 
 /// Returns the column of a signal.
