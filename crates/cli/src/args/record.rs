@@ -28,10 +28,13 @@ pub struct Record {
     #[arg(long, value_name = "TIME", value_parser = duration, requires = "trigger")]
     pub pre: Option<Duration>,
     /// File to write: .csv, .arrows (Arrow stream), .arrow (Arrow file), .parquet; `-` prints CSV. No file is replaced
-    #[arg(short, long, value_name = "FILE")]
-    pub output: PathBuf,
+    #[arg(short, long, value_name = "FILE", required_unless_present = "live")]
+    pub output: Option<PathBuf>,
+    /// Draw the signals on the terminal while they are recorded; q ends, + and - change the window. Works without -o too
+    #[arg(long)]
+    pub live: bool,
     /// Begin the next file after this time (1h) or size (100MB): NAME-0001.csv, NAME-0002.csv, ..
-    #[arg(long, value_name = "TIME|SIZE", value_parser = rotation)]
+    #[arg(long, value_name = "TIME|SIZE", value_parser = rotation, requires = "output")]
     pub rotate: Option<Rotation>,
     /// Also draw the signals: .svg, or .html (interactive)
     #[arg(long, value_name = "FILE")]

@@ -21,6 +21,7 @@ mod motion;
 mod r#move;
 mod parameters;
 mod record;
+mod record_rows;
 mod recorded;
 mod restore;
 mod run;

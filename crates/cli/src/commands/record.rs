@@ -7,32 +7,25 @@ use std::time::Duration;
 use client::Wait;
 use profidrive::lasting;
 use profidrive::recording::{
-    Absence, CsvLines, Every, Form, Mark, News, PlotError, Recording, RecordingError, RecordingFile, Request,
-    Row, Scope, Sink, Source, Table, WriteError, html, prepare, svg,
+    Every, Form, Mark, PlotError, Recording, RecordingError, RecordingFile, Request, Scope, Source, html,
+    prepare, svg,
 };
 use profidrive::report::{RecordReport, RecordTrigger};
 
 use super::axis;
 use super::each::{self, Row as OfDrive};
+use super::record_rows::{Place, Taken};
 use crate::args::{self, Record, Target};
 use crate::connect::{self, Need};
 use crate::failure::Failure;
+use crate::live_plot::LivePlot;
 use crate::output::Output;
 use crate::render::table::Table as TextTable;
 
 pub fn run(args: &Record, target: &Target, output: &Output) -> Result<(), Failure> {
     let request = request(args)?;
-    let form = form(&args.output)?;
-    // found before drives are connected
-    if let Some(form) = form {
-        RecordingFile::check(&args.output, form, args.rotate)?;
-    }
-    args.plot.as_deref().map(check_plot).transpose()?;
-    if form.is_none() && output.json() {
-        return Err(Failure::usage(
-            "`-o -` prints CSV, --json a document: write the rows to a file",
-        ));
-    }
+    let form = args.output.as_deref().map(form).transpose()?;
+    check(args, form, output)?;
     let need = match request.every {
         Every::Interval(_) => Need::Records,
         Every::Cycle { .. } => Need::Cyclic,
@@ -48,20 +41,30 @@ pub fn run(args: &Record, target: &Target, output: &Output) -> Result<(), Failur
     let sources = ready(prepare(&session, found.members, &request).wait(), output)?;
     let cyclic: Vec<Option<(Duration, u16)>> = sources.iter().map(Source::cyclic).collect();
     let mut recording = Recording::begin(&session, session.wall_clock(), sources, &request)?;
-    let mut sink = match form {
-        Some(form) => Place::File(Box::new(RecordingFile::create(
-            recording.table(),
-            &args.output,
-            form,
-            args.rotate,
-        )?)),
-        None => Place::printed(recording.table(), output)?,
+    let place = match args.output.as_deref().zip(form) {
+        Some((file, Some(form))) => {
+            let file = RecordingFile::create(recording.table(), file, form, args.rotate)?;
+            Place::File(Box::new(file))
+        }
+        Some((_, None)) => Place::printed(recording.table(), output)?,
+        None => Place::Nowhere,
     };
     output.say(&beginning(&recording, args, &request));
-    let mut scope = args.plot.as_ref().map(|_| Scope::new(recording.table()));
-    let result = record(&mut recording, &mut sink, &mut scope, output).wait();
+    let live = args
+        .live
+        .then(|| LivePlot::begin(recording.table(), recording.stop_handle()))
+        .transpose()?;
+    let mut taken = Taken {
+        place,
+        scope: args.plot.as_ref().map(|_| Scope::new(recording.table())),
+        live,
+        remarks: Vec::new(),
+        output,
+    };
+    let result = taken.record(&mut recording).wait();
+    let (place, scope) = taken.end();
     let closed = session.close().wait();
-    let mut report = RecordReport::of(&recording, &cyclic, sink.files());
+    let mut report = RecordReport::of(&recording, &cyclic, place.files());
     let drawn = match args.plot.as_ref().zip(scope) {
         Some((file, scope)) => {
             let marks: Vec<Mark> = report.trigger.iter().map(mark).collect();
@@ -73,12 +76,36 @@ pub fn run(args: &Record, target: &Target, output: &Output) -> Result<(), Failur
     };
     output.json_report(&report);
     if !output.json() {
-        show(&report, form.is_some(), output);
+        show(&report, !matches!(place, Place::Printed(..)), output);
     }
     each::last(result?, output)?;
     drawn?;
     closed?;
     Ok(recording.check_triggered()?)
+}
+
+/// What is wrong with files and output is found before drives are connected.
+fn check(args: &Record, form: Option<Option<Form>>, output: &Output) -> Result<(), Failure> {
+    if let Some((file, form)) = args.output.as_deref().zip(form.flatten()) {
+        RecordingFile::check(file, form, args.rotate)?;
+    }
+    args.plot.as_deref().map(check_plot).transpose()?;
+    let prints = form == Some(None);
+    if prints && output.json() {
+        return Err(Failure::usage(
+            "`-o -` prints CSV, --json a document: write the rows to a file",
+        ));
+    }
+    if prints && args.live {
+        return Err(Failure::usage(
+            "`-o -` prints CSV, --live draws on the terminal: write the rows to a file",
+        ));
+    }
+    if args.live {
+        LivePlot::check(output)
+    } else {
+        Ok(())
+    }
 }
 
 fn request(args: &Record) -> Result<Request, Failure> {
@@ -202,152 +229,14 @@ fn beginning(recording: &Recording, args: &Record, request: &Request) -> String 
         .trigger
         .as_ref()
         .map_or_else(String::new, |trigger| format!("; waits for: {trigger}"));
-    let to = if args.output == Path::new("-") {
-        String::new()
-    } else {
-        format!(" to {}", args.output.display())
-    };
+    let file = args.output.as_deref().filter(|file| *file != Path::new("-"));
+    let to = file.map_or_else(String::new, |file| format!(" to {}", file.display()));
     let end = if request.time.is_none() {
         "; Ctrl-C ends"
     } else {
         ""
     };
     format!("records {signals} of {}{to}{wait}{end}", each::listed(&names))
-}
-
-/// Records until the end. Returns what went wrong with single drives.
-async fn record(
-    recording: &mut Recording,
-    sink: &mut Place<'_>,
-    scope: &mut Option<Scope>,
-    output: &Output,
-) -> Result<Vec<Failure>, Failure> {
-    let mut problems = Vec::new();
-    let mut broken: Option<WriteError> = None;
-    while let Some(news) = recording.next().await? {
-        match news {
-            News::Row(row) if broken.is_none() => {
-                if let Some(scope) = scope {
-                    scope.push(&row);
-                }
-                if let Err(error) = sink.write(&row) {
-                    // the connections are closed in order all the same
-                    recording.stop();
-                    broken = Some(error);
-                }
-            }
-            News::Ended { drive, error } => {
-                let failure = Failure::from(error);
-                if recording.table().drives.len() > 1 {
-                    let name = named(recording, drive);
-                    output.warn(&format!("{name} is no longer recorded: {}", failure.message));
-                }
-                problems.push(failure);
-            }
-            other => say(&other, recording, output),
-        }
-    }
-    if let Some(error) = broken {
-        return Err(error.into());
-    }
-    sink.finish()?;
-    Ok(problems)
-}
-
-fn named(recording: &Recording, drive: usize) -> &str {
-    recording.table().drives.get(drive).map_or("", String::as_str)
-}
-
-/// Says what happens while drives are recorded.
-fn say(news: &News, recording: &Recording, output: &Output) {
-    match news {
-        News::Away { drive, absence, .. } => {
-            let why = match absence {
-                Absence::Controlled => "has another controller",
-                Absence::InUse => {
-                    "is operated: its cyclic connection is closed, so that it cannot stop the motor"
-                }
-                _ => "does not answer",
-            };
-            output.warn(&format!("{} {why}; retrying", named(recording, *drive)));
-        }
-        News::Back {
-            drive,
-            outage,
-            faults,
-        } => {
-            let name = named(recording, *drive);
-            output.say(&format!("{name} is recorded again after {}", lasting(*outage)));
-            for fault in faults {
-                output.warn(&format!("{name}: {fault}"));
-            }
-        }
-        News::PowerOn { drive, reaction } => output.warn(&format!(
-            "{}: its power stage is on; the cyclic connection stays open, because when it ends, {reaction}",
-            named(recording, *drive)
-        )),
-        News::Triggered(triggered) => output.say(&format!(
-            "{} of {} after {}",
-            triggered.trigger,
-            named(recording, triggered.drive),
-            lasting(triggered.time)
-        )),
-        _ => {}
-    }
-}
-
-/// Where rows go.
-enum Place<'o> {
-    File(Box<RecordingFile>),
-    Printed(Box<CsvLines>, &'o Output),
-}
-
-impl<'o> Place<'o> {
-    fn printed(table: &Table, output: &'o Output) -> Result<Self, Failure> {
-        let lines = CsvLines::new(table).map_err(internal)?;
-        let mut place = Self::Printed(Box::new(lines), output);
-        place.print()?;
-        Ok(place)
-    }
-
-    fn files(&self) -> &[std::path::PathBuf] {
-        match self {
-            Self::File(file) => file.files(),
-            Self::Printed(..) => &[],
-        }
-    }
-
-    fn write(&mut self, row: &Row) -> Result<(), WriteError> {
-        match self {
-            Self::File(file) => file.write(row),
-            Self::Printed(lines, _) => {
-                // memory has room
-                let _ = lines.push(row);
-                let _ = self.print();
-                Ok(())
-            }
-        }
-    }
-
-    fn print(&mut self) -> Result<(), Failure> {
-        if let Self::Printed(lines, output) = self {
-            let text = lines.take().map_err(internal)?;
-            let text = String::from_utf8_lossy(&text);
-            text.lines().for_each(|line| output.line(line));
-        }
-        Ok(())
-    }
-
-    fn finish(&mut self) -> Result<(), WriteError> {
-        match self {
-            Self::File(file) => file.finish(),
-            Self::Printed(..) => Ok(()),
-        }
-    }
-}
-
-fn internal(error: std::io::Error) -> Failure {
-    Failure::new(client::ErrorKind::Internal, error.to_string())
 }
 
 impl From<RecordingError> for Failure {

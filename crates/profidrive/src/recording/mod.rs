@@ -61,7 +61,7 @@ pub use file::{Form, RecordingFile, Rotation};
 pub use overlay::{EarlierStep, OverlayError, overlay};
 pub use plot::{Mark, PlotError, html, svg};
 pub use producer::Absence;
-pub use run::{DriveCounts, News, Recording, Triggered};
+pub use run::{DriveCounts, News, Recording, RecordingStop, Triggered};
 pub use samples::{MotionRecorded, MotionRecorder};
 pub use scope::{Curve, Point, Scope};
 pub use source::{Source, prepare};

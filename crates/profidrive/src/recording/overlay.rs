@@ -194,8 +194,12 @@ impl EarlierStep {
         if same && self.unit == unit {
             return Ok(());
         }
-        let words =
-            |from: f64, to: f64, unit: &str| format!("from {} to {} {unit}", figures(from), figures(to));
+        // setpoints are rounded: no more figures than a person gave
+        let short = |speed: f64| match speed.abs() {
+            100.0.. => figures(speed.round()),
+            _ => figures((speed * 10.0).round() / 10.0),
+        };
+        let words = |from, to, unit: &str| format!("from {} to {} {unit}", short(from), short(to));
         Err(OverlayError::OtherStep {
             file: self.file.clone(),
             theirs: words(from, to, &self.unit),

@@ -63,6 +63,17 @@ impl std::fmt::Debug for Recording {
     }
 }
 
+/// Ends a recording, from any thread.
+#[derive(Debug, Clone)]
+pub struct RecordingStop(Arc<AtomicBool>);
+
+impl RecordingStop {
+    /// Ends it, as [`Recording::stop`] does.
+    pub fn stop(&self) {
+        self.0.store(true, Ordering::Release);
+    }
+}
+
 /// What happens while something is recorded.
 #[derive(Debug)]
 #[non_exhaustive]
@@ -220,6 +231,12 @@ impl Recording {
     #[must_use]
     pub fn elapsed(&self) -> Duration {
         self.session.now().saturating_since(self.start)
+    }
+
+    /// Returns what ends it from any thread.
+    #[must_use]
+    pub fn stop_handle(&self) -> RecordingStop {
+        RecordingStop(Arc::clone(&self.stop))
     }
 
     /// Ends it. What came before is still returned by [`next`](Self::next), which then closes the connections.
