@@ -1,4 +1,4 @@
-//! The time of day of what happens on a network.
+//! The time of day of events on a network, and durations as text.
 
 use std::time::{Duration, SystemTime};
 
@@ -11,10 +11,10 @@ pub struct WallClock {
 }
 
 impl WallClock {
-    /// For times that have no time of day.
+    /// For times without a time of day.
     pub const NONE: Self = Self { is_real: false };
 
-    /// Returns the time of day of what happened so long ago; `None` in virtual time.
+    /// Returns the time of day of an event that long ago; `None` in virtual time.
     #[must_use]
     pub fn before(self, ago: Duration) -> Option<SystemTime> {
         self.is_real.then(|| SystemTime::now().checked_sub(ago)).flatten()
@@ -22,7 +22,7 @@ impl WallClock {
 }
 
 impl Caller {
-    /// Returns the clock that gives the time of day of what happens on this network.
+    /// Returns the clock with the time of day of events on this network.
     #[must_use]
     pub const fn wall_clock(&self) -> WallClock {
         WallClock {

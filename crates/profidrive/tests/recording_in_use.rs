@@ -259,3 +259,35 @@ fn a_recording_of_no_time_is_refused() {
         (ErrorKind::Usage, "a recording of 0 s has no rows")
     );
 }
+
+#[test]
+fn a_cyclic_signal_has_a_common_name_too() {
+    let (network, members) = open("name = \"vlt-1\"\nmodel = \"vlt\"");
+    let recording = begin(&network, members, &cyclic(&["Speed", "ZSW1"], 1)).unwrap();
+    let names: Vec<&str> = recording
+        .table()
+        .columns
+        .iter()
+        .map(|one| one.name.as_str())
+        .collect();
+    assert_eq!(names, ["Speed", "ZSW1"]);
+}
+
+/// Whoever takes no rows for a long time gets a bounded number of them and the number of the rest.
+#[test]
+fn samples_that_are_not_taken_are_bounded() {
+    let (network, members) = open("name = \"akd-1\"");
+    let request = Request::new(["ZSW1"], Every::CYCLE);
+    let mut recording = begin(&network, members, &request).unwrap();
+    until(&mut recording, MS * 1000);
+    (*network).clone().pass(MS * 200_000).wait().unwrap();
+    until(&mut recording, MS * 201_000);
+    recording.stop();
+    let (rows, _) = rest(&mut recording);
+    let counts = recording.counts()[0];
+    assert!(counts.rows <= 4096 + 200 && counts.gaps == 1000, "{counts:?}");
+    assert!(
+        counts.rows + counts.missed >= 201_000 / 16 && !rows.is_empty(),
+        "{counts:?}"
+    );
+}

@@ -11,9 +11,9 @@ use super::producer::{Absence, Away, Place, Producer};
 use super::source::{Observed, same_signals};
 use super::table::{Column, Kind, Value};
 
-/// Samples of one drive that wait to be taken: some four seconds of the shortest cycle.
+/// Samples of one drive that are buffered: about four seconds of the shortest cycle.
 pub(super) const WAITING: usize = 4096;
-/// How often waiting samples are taken. They are stamped when they arrive.
+/// Interval at which buffered samples are read. Their time stamps are those of their arrival.
 const TAKEN: Duration = Duration::from_millis(20);
 /// Time between two attempts to connect to a drive that was lost or is in use.
 const AGAIN: Duration = Duration::from_secs(1);
@@ -35,7 +35,7 @@ pub(super) async fn observe(
     loop {
         let end = record(producer, &mut axis, &mut samples, &signals).await;
         let since = producer.session.now();
-        // its end says nothing new about a connection that is lost
+        // of a connection that is lost, the result of the release has no information
         let released = axis.release().await;
         let absence = match end? {
             End::Recording => return Ok(released?),
@@ -95,7 +95,7 @@ async fn record(
     let mut last = None;
     let mut noticed = false;
     loop {
-        // looked at first: what came before the loss is recorded
+        // read before the samples, so that all samples before the loss are recorded
         let lost = axis.status().is_none_or(|status| status.lost);
         let seen = send(producer, samples, signals, axis.cycle(), &mut last).await;
         if lost {
@@ -119,9 +119,9 @@ async fn record(
     }
 }
 
-/// What the connection has to do with what the drive is at.
+/// What the use of the drive means for the connection.
 enum Use {
-    /// At rest, and nobody operates it.
+    /// At rest, and not operated.
     None,
     /// In use: the end of the connection does not disturb it now.
     Leave,
@@ -141,15 +141,15 @@ fn use_of(seen: Seen, axis: &Axis) -> Use {
     } else if seen.control_requested() {
         Use::None
     } else {
-        // local operation: somebody may start it at any time
+        // in local operation it can be started at any time
         Use::Leave
     }
 }
 
-/// When a sample came, its number, and how many had been lost until then.
+/// Arrival and number of a sample, and the cycles that were lost until then.
 pub(super) type Last = Option<(Instant, u64, u64)>;
 
-/// Sends the samples that wait. Returns what the drive reported in the last one.
+/// Sends the buffered samples. Returns what the drive reported in the last one.
 async fn send(
     producer: &mut Producer,
     samples: &mut Samples,
@@ -173,7 +173,7 @@ async fn send(
     seen
 }
 
-/// Returns the cycles between two samples that have none: lost on the network, or dropped because they were not taken in time.
+/// Returns the cycles between two samples that have none: lost on the network, or dropped because the buffer was full.
 pub(super) fn missing(last: &Last, sample: &Sample) -> u64 {
     last.map_or(0, |(_, number, missed)| {
         let lost = sample.missed.saturating_sub(missed);

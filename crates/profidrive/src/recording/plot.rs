@@ -15,7 +15,7 @@ pub struct Mark {
     pub text: String,
 }
 
-/// Colours that can be told apart on white, also by people who see few colours.
+/// Colours that can be distinguished on white, also with colour blindness (Okabe and Ito).
 const COLOURS: [RGBColor; 8] = [
     RGBColor(0x00, 0x72, 0xB2),
     RGBColor(0xD5, 0x5E, 0x00),

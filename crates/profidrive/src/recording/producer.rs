@@ -1,4 +1,4 @@
-//! What records one drive, whether its values are read or come by themselves.
+//! The work on one drive: its rows and events, whether its values are read or received in each cycle.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -13,12 +13,12 @@ use super::table::{Column, Kind, Row, Table, Value};
 use super::trigger::Reported;
 use crate::clock::WallClock;
 
-/// How often it is looked whether the recording ends.
-const GLANCE: Duration = Duration::from_millis(50);
-/// Gap rows of one place: what is missing beyond them is counted only.
+/// Interval at which the end of the recording is checked.
+const CHECKED: Duration = Duration::from_millis(50);
+/// Gap rows of one interruption; further missing cycles are only counted.
 pub(super) const MOST_GAPS: u64 = 1000;
 
-/// What comes from the drives.
+/// Rows and events of the drives.
 #[derive(Debug)]
 pub(super) enum Item {
     Row(Reported),
@@ -27,7 +27,7 @@ pub(super) enum Item {
         drive: usize,
         count: u64,
     },
-    /// Nothing comes of a drive; `again` where it was away already, for another reason.
+    /// Nothing is recorded of a drive; `again` where it was away already, for another reason.
     Away {
         drive: usize,
         since: Duration,
@@ -111,7 +111,7 @@ pub(super) struct Producer {
     rows: mpsc::Sender<Item>,
     /// For each column of the table its place at this drive, and its kind.
     columns: Vec<(Option<Place>, Kind)>,
-    /// News that found no room among the rows.
+    /// Events to be sent with the next row.
     unsent: Vec<Item>,
     /// Faults of the drive that are known to the caller.
     known: Vec<u16>,
@@ -175,7 +175,7 @@ impl Producer {
                     other => other.map(|()| true),
                 };
             }
-            match self.session.pass((due - now).min(GLANCE)).await {
+            match self.session.pass((due - now).min(CHECKED)).await {
                 Err(Error::Interrupted) => return Ok(false),
                 other => other?,
             }
@@ -236,7 +236,7 @@ impl Producer {
         }
     }
 
-    /// Reports that nothing comes of the drive, once for each reason; `away` is what was reported before.
+    /// Reports that nothing is recorded of the drive, once for each reason; `away` is what was reported before.
     pub(super) fn away(&mut self, away: &mut Option<Away>, at: Instant, absence: Absence) {
         let before = *away;
         let since = before.map_or(at, |before| before.since);
@@ -280,11 +280,11 @@ impl Producer {
 
     async fn send(&mut self, item: Item) {
         self.flush().await;
-        // a recording that was dropped takes no more
+        // fails when the recording was dropped
         let _ = self.rows.send(item).await;
     }
 
-    /// Sends the news that is left.
+    /// Sends the events that are left.
     pub(super) async fn flush(&mut self) {
         for item in std::mem::take(&mut self.unsent) {
             let _ = self.rows.send(item).await;

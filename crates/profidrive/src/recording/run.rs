@@ -23,10 +23,10 @@ use super::trigger::{Armed, MOST_BEFORE, Reported, Trigger};
 use super::{Every, Request};
 use crate::clock::WallClock;
 
-/// Rows that wait to be taken; drives are not read while there is no room.
+/// Rows that are buffered; drives are not read while the buffer is full.
 const ROOM: usize = 4096;
 
-/// How often the end is looked for.
+/// Interval at which the end is checked.
 const BEAT: Duration = Duration::from_millis(50);
 
 /// A recording under way. It ends by its time, by [`stop`](Self::stop) or when the caller of the session requests a stop.
@@ -39,7 +39,7 @@ pub struct Recording {
     stop: Arc<AtomicBool>,
     rows: mpsc::Receiver<Item>,
     producers: FuturesUnordered<BoxFuture<'static, (usize, Result<(), RecordingError>)>>,
-    /// Rows whose turn has come.
+    /// Rows to be returned next.
     ready: std::collections::VecDeque<Row>,
     armed: Option<(Armed, Trigger)>,
     triggered: Option<Triggered>,
@@ -49,7 +49,7 @@ pub struct Recording {
     /// How long to record from the start or the trigger, and when that is over.
     time: Option<Duration>,
     end: Option<Duration>,
-    /// Lets the time go on while the drives wait; `None` once the network failed.
+    /// Keeps virtual time running while the drives wait; `None` once the network failed.
     beat: Option<BoxFuture<'static, Result<(), Error>>>,
     counts: Vec<DriveCounts>,
 }
@@ -80,7 +80,7 @@ impl RecordingStop {
 pub enum News {
     /// Values arrived, or are missing.
     Row(Row),
-    /// Nothing comes of a drive since a time from the start. It is tried again.
+    /// Nothing is recorded of a drive since a time from the start. It is tried again.
     Away {
         /// Its index.
         drive: usize,
@@ -106,7 +106,7 @@ pub enum News {
         /// What the drive does when the connection ends.
         reaction: Box<LossReaction>,
     },
-    /// What was waited for happened: the rows that follow begin before it.
+    /// The event of the request happened: the rows that follow begin before it.
     Triggered(Triggered),
     /// A drive is no longer recorded, the others are.
     Ended {
@@ -309,7 +309,7 @@ impl Recording {
         }
     }
 
-    /// Lets every drive go on, then takes what came.
+    /// Polls every drive, then returns the next item.
     fn poll(&mut self, context: &mut Context<'_>) -> Poll<Option<Step>> {
         while let Some(beat) = &mut self.beat {
             let Poll::Ready(passed) = beat.as_mut().poll(context) else {
@@ -330,11 +330,11 @@ impl Recording {
                     return Poll::Ready(Some(Step::Ended(drive, error)));
                 }
                 Poll::Ready(None) => {
-                    // nobody sends any more
+                    // all drives have ended: only buffered items are left
                     let rest = Pin::new(&mut self.rows).poll_next_unpin(context);
                     return rest.map(|item| item.map(Step::Item));
                 }
-                // what they sent just now is taken before anybody waits
+                // items that were sent during this poll are returned before the task sleeps
                 Poll::Pending => {
                     let rest = self.rows.poll_next_unpin(context);
                     let Poll::Ready(Some(item)) = rest else {
@@ -402,14 +402,14 @@ impl Recording {
         Some(News::Triggered(triggered))
     }
 
-    /// Begins to count the time that is to be recorded.
+    /// Starts the time that is to be recorded.
     fn limit(&mut self, from: Duration) {
         let Some(time) = self.time else { return };
         let end = from.saturating_add(time);
         self.end = Some(end);
     }
 
-    /// Waits for the end, or a while. Of a network whose time goes on only while calls wait, the wait of one drive alone is not
+    /// Waits for the end, at most [`BEAT`]. In virtual time, which advances only while calls wait, the wait of one drive alone is not
     /// enough: the futures of drives that were not woken are not polled.
     fn next_beat(&self) -> BoxFuture<'static, Result<(), Error>> {
         let left = self.end.map(|end| end.saturating_sub(self.elapsed()));
@@ -444,7 +444,7 @@ enum Step {
     Ended(usize, RecordingError),
 }
 
-/// What carries the frames failed, for all drives.
+/// The network failed, for all drives.
 const fn is_of_network(error: &Error) -> bool {
     matches!(error, Error::Medium(_) | Error::Closed | Error::DriverFailed)
 }

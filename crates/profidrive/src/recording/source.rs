@@ -202,8 +202,8 @@ async fn observed(
 ) -> Result<(Vec<Column>, Origin), RecordingError> {
     let axis = session.take_axis(drive, settings).await?;
     match chosen(&axis, names) {
-        Ok(signals) => {
-            let columns = signals.iter().map(column_of).collect();
+        Ok(found) => {
+            let (columns, signals) = found.into_iter().unzip();
             let observed = Observed {
                 axis,
                 signals,
@@ -218,18 +218,33 @@ async fn observed(
     }
 }
 
-/// Returns the signals of an axis that names mean.
-pub(super) fn chosen(axis: &Axis, names: &[String]) -> Result<Vec<AxisSignal>, RecordingError> {
+/// Whether a name means a signal: its own, or its common one.
+fn means(name: &str, signal: &AxisSignal) -> bool {
+    let signal = signal.field.signal;
+    let own = [signal.name, signal.common].into_iter();
+    own.filter(|own| !own.is_empty())
+        .any(|own| own.eq_ignore_ascii_case(name))
+}
+
+/// Returns the signals of an axis that names mean, with their columns. A column has the name that was given.
+fn chosen(axis: &Axis, names: &[String]) -> Result<Vec<(Column, AxisSignal)>, RecordingError> {
     let there = axis.signals();
-    let mut signals: Vec<AxisSignal> = Vec::new();
+    let mut chosen: Vec<(Column, AxisSignal)> = Vec::new();
     for name in names {
-        let named = |signal: &&AxisSignal| signal.field.signal.name.eq_ignore_ascii_case(name);
-        let found: Vec<AxisSignal> = if name.eq_ignore_ascii_case(ALL) {
-            there.clone()
-        } else {
-            there.iter().filter(named).copied().collect()
-        };
-        if found.is_empty() {
+        let is_all = name.eq_ignore_ascii_case(ALL);
+        let found = there.iter().filter(|signal| is_all || means(name, signal));
+        let mut is_there = false;
+        for signal in found {
+            is_there = true;
+            let mut column = column_of(signal);
+            if !is_all && !signal.field.signal.name.eq_ignore_ascii_case(name) {
+                column.name.clone_from(name);
+            }
+            if chosen.iter().all(|(_, other)| other != signal) {
+                chosen.push((column, *signal));
+            }
+        }
+        if !is_there {
             return Err(RecordingError::NoSuchSignal {
                 drive: axis.drive().label(),
                 telegram: axis.telegram(),
@@ -240,13 +255,8 @@ pub(super) fn chosen(axis: &Axis, names: &[String]) -> Result<Vec<AxisSignal>, R
                     .collect(),
             });
         }
-        for signal in found {
-            if !signals.contains(&signal) {
-                signals.push(signal);
-            }
-        }
     }
-    Ok(signals)
+    Ok(chosen)
 }
 
 /// Returns the signals of an axis whose columns are these, in the same order: the drive may have another telegram than before.
@@ -258,7 +268,7 @@ pub(super) fn same_signals(axis: &Axis, columns: &[Column]) -> Result<Vec<AxisSi
     let find = |column: &Column| {
         let same = |signal: &&AxisSignal| {
             let now = column_of(signal);
-            now.name == column.name && now.unit == column.unit && now.kind == column.kind
+            means(&column.name, signal) && now.unit == column.unit && now.kind == column.kind
         };
         there
             .iter()
