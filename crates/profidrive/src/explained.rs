@@ -13,6 +13,7 @@ use crate::motion::{End, MotionError};
 use crate::open::OpenError;
 use crate::parameters::ParameterError;
 use crate::reach::OtherSubnet;
+use crate::selector::SelectorError;
 use crate::settings::{CompareError, FileError, RestoreError};
 
 /// An error as a front end shows it. The errors of verbs, recordings and selectors have it.
@@ -51,6 +52,22 @@ pub trait Explained: std::error::Error {
 
 fn words(text: Option<impl Into<String>>) -> Advice {
     text.map_or_else(Advice::default, |text| Advice::from(text.into()))
+}
+
+impl Explained for SelectorError {
+    fn kind(&self) -> ErrorKind {
+        ErrorKind::Usage
+    }
+
+    fn advice(&self) -> Advice {
+        match self {
+            Self::NoMachine { .. } => Action::Choose(Choice::Machine).into(),
+            Self::UnknownGroup(_) => Advice::default(),
+            _ => "a drive is a station name (akd-1), an IP address, a MAC address, or fc:PORT/ADDRESS or uss:PORT/ADDRESS at a serial \
+                  line; several are a list (akd-1,akd-2), a pattern (akd-*), model=vlt, vendor=danfoss or all"
+                .into(),
+        }
+    }
 }
 
 impl Explained for SystemError {

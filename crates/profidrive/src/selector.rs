@@ -3,14 +3,13 @@
 use std::fmt;
 use std::str::FromStr;
 
-use client::{Action, Advice, Choice, DriveAddress, DriveAddressError, ErrorKind};
+use client::{DriveAddress, DriveAddressError};
 use profile::catalogue::vendor_name;
 use profile::model::Model;
 use profile::notation::wildcard_fits;
 use profinet::controller::Station;
 use profinet::wire::dcp::role;
 
-use crate::explained::Explained;
 use crate::machine::{Machine, MachineDrive, UnknownGroup};
 
 /// Which drives are meant, as a person writes it: terms separated by commas.
@@ -113,22 +112,6 @@ pub enum SelectorError {
         /// The drive.
         line: String,
     },
-}
-
-impl Explained for SelectorError {
-    fn kind(&self) -> ErrorKind {
-        ErrorKind::Usage
-    }
-
-    fn advice(&self) -> Advice {
-        match self {
-            Self::NoMachine { .. } => Action::Choose(Choice::Machine).into(),
-            Self::UnknownGroup(_) => Advice::default(),
-            _ => "a drive is a station name (akd-1), an IP address, a MAC address, or fc:PORT/ADDRESS or uss:PORT/ADDRESS at a serial \
-                  line; several are a list (akd-1,akd-2), a pattern (akd-*), model=vlt, vendor=danfoss or all"
-                .into(),
-        }
-    }
 }
 
 /// Terms of a selector at most.

@@ -185,7 +185,7 @@ pub(super) const RULES: &[Rule] = &[
         |s| s.lacks(Stw1::CONTROL_BY_PLC),
         |s| {
             format!(
-                "{} does not take control {}: its program is stopped, or does not request control",
+                "{} does not take control {}: its program is stopped, only records, or does not request control",
                 s.owner(),
                 s.bit_is_0(10)
             )

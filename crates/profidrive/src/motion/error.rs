@@ -1,11 +1,13 @@
 //! Why a motion did not go as it was to.
 
 use super::report::Report;
-use super::tap::TapError;
 use crate::machine::SpeedBound;
 use client::axis::Trouble;
 use client::status::{Cause, Diagnosis, Note, Verdict, diagnose, switched_off_beside};
 use client::{Action, Advice, Choice, Drive, Error, ErrorKind, FaultEntry, Session};
+
+/// Why a tap of a motion cannot receive samples.
+pub type TapError = Box<dyn std::error::Error + Send + Sync>;
 
 /// How a motion ends by itself.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -87,7 +87,7 @@ use client::axis::Purpose;
 use crate::machine::SpeedBound;
 
 pub use acknowledge::{acknowledge, acknowledge_by_parameter};
-pub use error::{End, MotionError};
+pub use error::{End, MotionError, TapError};
 pub use event::{Arrival, Ended, Event, Observer, Setting, Start, TelegramChange};
 pub use held::{HeldAxis, Hold, hold};
 pub use jog::{Jog, RealTimeJog, jog, jog_in_real_time, plan_jog, plan_jog_in_real_time};
@@ -101,7 +101,7 @@ pub use response::{Response, StepPoint, step_in};
 pub use run::{Frequency, Run, TelegramName, plan_run, run, speed_at};
 pub use step::{LONGEST_STEP, Step, Stepped, step};
 pub use stop::{StopReport, stop};
-pub use tap::{SampleTap, TapError};
+pub use tap::SampleTap;
 
 /// What all motions have in common.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

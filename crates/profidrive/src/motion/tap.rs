@@ -6,7 +6,7 @@ use client::axis::Sample;
 use client::{Axis, Samples};
 use profinet::Instant;
 
-use super::error::MotionError;
+use super::error::{MotionError, TapError};
 
 /// Receives every cyclic sample of a motion, with the stop at its end. See [`Observer::tapped_by`](super::Observer::tapped_by).
 pub trait SampleTap: Send {
@@ -19,9 +19,6 @@ pub trait SampleTap: Send {
     /// Receives a sample. `now` is the present time on its clock.
     fn take(&mut self, sample: &Sample, now: Instant);
 }
-
-/// Why samples cannot be received.
-pub type TapError = Box<dyn std::error::Error + Send + Sync>;
 
 /// A tap of its caller.
 pub(super) type SharedTap = Arc<Mutex<dyn SampleTap>>;

@@ -13,6 +13,9 @@ use crate::drive::DriveError;
 use crate::explained::Explained;
 use crate::monitor::TooFast;
 
+/// End of the name of a file that grows until it is made into one of another form.
+pub(super) const PART: &str = "part";
+
 /// Why something cannot be recorded.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -226,5 +229,5 @@ impl WriteError {
 
 /// Whether a file is one that grows until its recording ends.
 fn is_part(file: &Path) -> bool {
-    file.extension().is_some_and(|end| end == super::file::PART)
+    file.extension().is_some_and(|end| end == PART)
 }

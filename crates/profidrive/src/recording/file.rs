@@ -17,15 +17,13 @@ use parquet::arrow::ArrowWriter;
 
 use super::batch::Batch;
 use super::csv::CsvLines;
-use super::error::WriteError;
+use super::error::{PART, WriteError};
 use super::table::{Row, Sink, Table};
 
 /// Rows are written at least this often.
 const WRITTEN: Duration = Duration::from_secs(1);
 /// Rows that wait to be written at most.
 const MOST_WAITING: usize = 8192;
-/// End of the name of a file that grows until it is made into one of another form.
-pub(super) const PART: &str = "part";
 /// Rows that stand together in a complete file of columns.
 const GROUP: usize = 65_536;
 

@@ -298,3 +298,22 @@ pub(super) async fn present_faults(session: &mut Session, drive: &mut Drive) -> 
     faults.retain(|fault| fault.situation == 0);
     faults
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_drive_of_another_controller_is_tried_less_and_less_often() {
+        let usual = Duration::from_secs(1);
+        let mut away = Away {
+            since: Instant::ZERO,
+            absence: Absence::Controlled,
+            wait: CONTROLLED[0],
+        };
+        let waits: Vec<u64> = (0..7).map(|_| away.wait(usual).as_secs()).collect();
+        assert_eq!(waits, [2, 4, 8, 16, 32, 60, 60]);
+        away.absence = Absence::Silent;
+        assert_eq!(away.wait(usual), usual);
+    }
+}

@@ -150,7 +150,7 @@ fn ended(members: WrittenMembers, left_out: Vec<String>, output: &Output) -> Res
 fn warn(written: &Written, drive: &Drive, output: &Output) {
     if let Some(name) = written.affected_controller() {
         output.warn(&format!(
-            "controller \"{}\" runs {}: what was written counts for its motion at once",
+            "controller \"{}\" is connected to {}: what was written counts for its motion at once",
             clean(name),
             drive.label(),
         ));
