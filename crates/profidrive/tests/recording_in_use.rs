@@ -1,4 +1,6 @@
 //! Recordings of drives that are operated, lost, restarted or changed meanwhile, in virtual time.
+// helpers of tests fail by panicking, like the tests themselves
+#![allow(clippy::unwrap_used, clippy::panic)]
 #![cfg(all(feature = "simulate", feature = "recording"))]
 
 use std::time::Duration;
@@ -21,12 +23,16 @@ fn open(drive: &str) -> (Network, Vec<Selected>) {
     (network, fleet.expect("searched").members)
 }
 
-fn begin(network: &Network, members: Vec<Selected>, request: &Request) -> Result<Recording, RecordingError> {
-    let sources = prepare(network, members, request).wait().into_iter();
-    let sources = sources
-        .map(|member| member.result)
-        .collect::<Result<Vec<_>, _>>()?;
-    Recording::begin(network, profidrive::WallClock::NONE, sources, request)
+fn begin(
+    network: &Network,
+    members: Vec<Selected>,
+    request: &Request,
+) -> Result<Recording, Box<RecordingError>> {
+    let mut sources = Vec::new();
+    for member in prepare(network, members, request).wait() {
+        sources.push(member.result.map_err(Box::new)?);
+    }
+    Recording::begin(network, profidrive::WallClock::NONE, sources, request).map_err(Box::new)
 }
 
 fn cyclic(signals: &[&str], seconds: u32) -> Request {

@@ -1,4 +1,6 @@
 //! Samples of motions, recorded and compared, in virtual time.
+// helpers of tests fail by panicking, like the tests themselves
+#![allow(clippy::unwrap_used, clippy::panic)]
 #![cfg(all(feature = "simulate", feature = "recording"))]
 
 use std::path::{Path, PathBuf};

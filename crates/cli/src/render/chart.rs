@@ -162,7 +162,7 @@ impl Scroll {
     fn draw_chart(&self, frame: &mut Frame<'_>, area: Rect, unit: &str, curves: &[(usize, &Curve)]) {
         let from = (self.now - self.window).max(0.0);
         let to = self.now.max(from + WINDOW.0);
-        let pieces: Vec<(usize, Vec<Vec<(f64, f64)>>)> = curves
+        let pieces: Vec<(usize, Pieces)> = curves
             .iter()
             .map(|(at, curve)| (*at, curve.pieces(from)))
             .collect();
@@ -213,9 +213,12 @@ impl Scroll {
     }
 }
 
+/// Points between gaps.
+type Pieces = Vec<Vec<(f64, f64)>>;
+
 impl Curve {
     /// The points from a time on, between gaps.
-    fn pieces(&self, from: f64) -> Vec<Vec<(f64, f64)>> {
+    fn pieces(&self, from: f64) -> Pieces {
         let mut pieces = vec![Vec::new()];
         let first = self.points.partition_point(|(time, _)| *time < from);
         for &(time, value) in self.points.range(first..) {
