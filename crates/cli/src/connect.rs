@@ -6,9 +6,7 @@ use client::{Drive, ErrorKind, Wait};
 use network::system::{Error as NetworkError, ForcedExit, Stop};
 use profidrive::fleet::Fleet;
 use profidrive::machine::{Machine, MachineError};
-use profidrive::{
-    DescriptionError, DriveError, FindEvent, Network, OpenError, Opening, Selector, SelectorError,
-};
+use profidrive::{DescriptionError, DriveError, FindEvent, Network, OpenError, Opening, Selector};
 
 use crate::args::{DriveOptions, Interface, Kind, Target};
 use crate::commands::gsdml;
@@ -37,19 +35,7 @@ pub fn selector(target: &Target, output: &Output) -> Result<Selector, Failure> {
         true => machine(&target.options, output)?,
         false => None,
     };
-    Selector::of(&target.drive, machine.as_ref()).map_err(|error| {
-        let failure = Failure::usage(error.to_string());
-        if matches!(error, SelectorError::NoMachine { .. }) {
-            return failure.hint("--machine FILE, PROFIDRIVE_MACHINE, or machine.toml in the current folder");
-        }
-        if matches!(error, SelectorError::UnknownGroup(_)) {
-            return failure;
-        }
-        failure.hint(
-            "DRIVE is a station name (akd-1), an IP address, a MAC address, or fc:PORT/ADDRESS or uss:PORT/ADDRESS at a serial \
-             line; for several drives a list (akd-1,akd-2), a pattern (akd-*), model=vlt, vendor=danfoss or all",
-        )
-    })
+    Selector::of(&target.drive, machine.as_ref()).map_err(|error| Failure::explained(&error))
 }
 
 /// Returns where the machine file is: as configured, else `machine.toml` in the current folder where there is one.

@@ -118,6 +118,9 @@ explained!(
     profidrive::addressing::AddressingError,
     profidrive::monitor::MonitorError,
     profidrive::parameters::ParameterError,
+    profidrive::recording::OverlayError,
+    profidrive::recording::PlotError,
+    profidrive::recording::WriteError,
     profidrive::settings::CompareError,
 );
 

@@ -8,6 +8,7 @@ mod commands;
 mod confirm;
 mod connect;
 mod failure;
+mod live_plot;
 mod output;
 mod render;
 

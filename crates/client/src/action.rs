@@ -109,10 +109,12 @@ pub enum Choice {
     WayBack,
     /// The drive saves new values.
     Save,
+    /// The machine file.
+    Machine,
 }
 
 /// Every choice with its stable name.
-const CHOICES: [(&str, Choice); 14] = [
+const CHOICES: [(&str, Choice); 15] = [
     ("description", Choice::Description),
     ("model", Choice::Model),
     ("cycle", Choice::Cycle),
@@ -127,6 +129,7 @@ const CHOICES: [(&str, Choice); 14] = [
     ("force", Choice::Force),
     ("way-back", Choice::WayBack),
     ("save", Choice::Save),
+    ("machine", Choice::Machine),
 ];
 
 impl Choice {

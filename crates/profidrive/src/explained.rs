@@ -15,11 +15,10 @@ use crate::motion::{End, MotionError};
 use crate::open::OpenError;
 use crate::parameters::ParameterError;
 use crate::reach::OtherSubnet;
-#[cfg(feature = "recording")]
-use crate::recording::{OverlayError, WriteError};
+use crate::selector::SelectorError;
 use crate::settings::{CompareError, FileError, RestoreError};
 
-/// An error as a front end shows it.
+/// An error as a front end shows it. The errors of verbs, recordings and selectors have it.
 ///
 /// ```
 /// # #[cfg(feature = "simulate")] {
@@ -82,6 +81,22 @@ impl<E: Explained + ?Sized> Explained for Arc<E> {
 
 fn words(text: Option<impl Into<String>>) -> Advice {
     text.map_or_else(Advice::default, |text| Advice::from(text.into()))
+}
+
+impl Explained for SelectorError {
+    fn kind(&self) -> ErrorKind {
+        ErrorKind::Usage
+    }
+
+    fn advice(&self) -> Advice {
+        match self {
+            Self::NoMachine { .. } => Action::Choose(Choice::Machine).into(),
+            Self::UnknownGroup(_) => Advice::default(),
+            _ => "a drive is a station name (akd-1), an IP address, a MAC address, or fc:PORT/ADDRESS or uss:PORT/ADDRESS at a serial \
+                  line; several are a list (akd-1,akd-2), a pattern (akd-*), model=vlt, vendor=danfoss or all"
+                .into(),
+        }
+    }
 }
 
 impl Explained for SystemError {
@@ -416,24 +431,6 @@ impl Explained for RestoreError {
             Self::WayBack { .. } => "choose another file: {choose way-back}".into(),
             Self::Nothing => Advice::default(),
         }
-    }
-}
-
-#[cfg(feature = "recording")]
-impl Explained for WriteError {
-    fn kind(&self) -> ErrorKind {
-        Self::kind(self)
-    }
-
-    fn advice(&self) -> Advice {
-        Self::advice(self)
-    }
-}
-
-#[cfg(feature = "recording")]
-impl Explained for OverlayError {
-    fn kind(&self) -> ErrorKind {
-        Self::kind(self)
     }
 }
 

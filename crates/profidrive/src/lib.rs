@@ -93,7 +93,7 @@ pub use carrier::{CarrierError, serial_settings};
 /// The services of a drive, and the types of this library that come from there.
 pub use client;
 pub use client::Wait;
-pub use clock::WallClock;
+pub use clock::{WallClock, lasting};
 #[cfg(feature = "gsdml")]
 pub use description::{DescriptionError, describe};
 pub use drive::{DriveError, FindEvent, FindObserver};

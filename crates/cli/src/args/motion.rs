@@ -1,5 +1,6 @@
 //! Arguments of the commands that move an axis.
 
+use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::Args;
@@ -16,6 +17,14 @@ pub struct Cyclic {
     /// Update times without data after which both sides stop, together at most 1.92 s; at least 100 ms when left out
     #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u16).range(1..=255))]
     pub watchdog: Option<u16>,
+}
+
+/// Options of commands that move an axis.
+#[derive(Debug, Args)]
+pub struct Recorded {
+    /// Record every cyclic sample of the motion to this file: .csv, .arrows, .arrow or .parquet. No file is replaced
+    #[arg(long, value_name = "FILE")]
+    pub record: Option<PathBuf>,
 }
 
 /// Options of commands that enable an axis.
@@ -71,6 +80,8 @@ pub struct Run {
     #[arg(long)]
     pub dry_run: bool,
     #[command(flatten)]
+    pub recorded: Recorded,
+    #[command(flatten)]
     pub control: InMode,
 }
 
@@ -79,7 +90,7 @@ pub struct Jog {
     /// Which jog setpoint of the drive: 1 (STW1 bit 8) or 2 (bit 9)
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..=2))]
     pub jog: u8,
-    /// Set the jog speed for this command; the drive's own value when left out
+    /// Set the jog speed for this command: 60rpm, or 5Hz of a frequency converter; the drive's own value when left out
     #[arg(long, value_name = "SPEED", allow_hyphen_values = true)]
     pub velocity: Option<Quantity>,
     /// Jog at --velocity itself by real-time jogging (STW1 bits 12 and 13, position mode, telegram 9, 352 or 353): no
@@ -96,6 +107,8 @@ pub struct Jog {
     #[arg(long)]
     pub dry_run: bool,
     #[command(flatten)]
+    pub recorded: Recorded,
+    #[command(flatten)]
     pub control: Enabling,
 }
 
@@ -104,6 +117,8 @@ pub struct Home {
     /// Stop if homing takes longer
     #[arg(long, value_name = "TIME", default_value = "60s", value_parser = duration)]
     pub timeout: Duration,
+    #[command(flatten)]
+    pub recorded: Recorded,
     #[command(flatten)]
     pub control: InMode,
 }
@@ -135,6 +150,8 @@ pub struct Move {
     #[arg(long)]
     pub dry_run: bool,
     #[command(flatten)]
+    pub recorded: Recorded,
+    #[command(flatten)]
     pub control: InMode,
 }
 
@@ -146,6 +163,8 @@ pub struct Task {
     /// Stop if the task, or the last one of its chain, is not at its target in this time
     #[arg(long, value_name = "TIME", default_value = "60s", value_parser = duration)]
     pub timeout: Duration,
+    #[command(flatten)]
+    pub recorded: Recorded,
     #[command(flatten)]
     pub control: InMode,
 }

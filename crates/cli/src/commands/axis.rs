@@ -5,7 +5,7 @@ use std::time::Duration;
 use client::axis::Room;
 use client::{Drive, Wait};
 use profidrive::machine::SpeedBound;
-use profidrive::motion::{Control, End, Event, Message, MotionError, Observer, Remark};
+use profidrive::motion::{self, Control, End, Event, Message, MotionError, Observer, Remark};
 use profile::notation::Quantity;
 use profinet::cyclic::Timing;
 
@@ -21,6 +21,37 @@ pub const UNLIMITED: Duration = Duration::from_secs(100 * 365 * 24 * 3600);
 
 pub fn rpm(quantity: &Quantity, what: &str) -> Result<f64, Failure> {
     in_unit(quantity, "rpm", what)
+}
+
+/// A speed of the command line.
+#[derive(Debug, Clone, Copy)]
+pub enum Speed {
+    /// In rpm.
+    Rpm(f64),
+    /// Output frequency of a frequency converter.
+    Hertz(f64),
+}
+
+impl Speed {
+    pub fn of(quantity: &Quantity, what: &str) -> Result<Self, Failure> {
+        match quantity.in_hertz() {
+            Some(hertz) => Ok(Self::Hertz(hertz)),
+            None => rpm(quantity, what).map(Self::Rpm),
+        }
+    }
+
+    /// Returns the speed in rpm; a frequency is converted by the motor data of the drive.
+    pub fn in_rpm(
+        self,
+        session: &mut Live,
+        drive: &mut Drive,
+        observer: &Observer,
+    ) -> Result<f64, MotionError> {
+        match self {
+            Self::Rpm(rpm) => Ok(rpm),
+            Self::Hertz(hertz) => motion::speed_at(session, drive, hertz, observer).wait(),
+        }
+    }
 }
 
 pub fn in_unit(quantity: &Quantity, unit: &str, what: &str) -> Result<f64, Failure> {
@@ -83,14 +114,14 @@ pub fn moving<T>(
     target: &Target,
     need: Need,
     output: &Output,
-    work: impl FnOnce((&mut Live, &mut Drive), Option<SpeedBound>, &Observer) -> Result<T, MotionError>,
+    work: impl FnOnce((&mut Live, &mut Drive), Option<SpeedBound>, Observer) -> Result<T, MotionError>,
 ) -> Result<T, Failure> {
     let machine = connect::machine(&target.options, output)?;
     let mut of_machine = false;
     let done = with_drive(target, need, output, |session, drive| {
         let bound = machine.as_ref().and_then(|machine| machine.bound_of(drive));
         let observer = observer(&drive.label(), output);
-        let done = work((session, drive), bound, &observer);
+        let done = work((session, drive), bound, observer);
         of_machine = matches!(
             done,
             Err(MotionError::AboveBound { .. } | MotionError::NotBounded { .. })

@@ -4,6 +4,7 @@ use client::Wait;
 use profidrive::motion;
 
 use super::axis;
+use super::recorded::Recorder;
 use crate::args::{Home, Target};
 use crate::connect::Need;
 use crate::failure::Failure;
@@ -14,14 +15,16 @@ pub fn run(args: &Home, target: &Target, output: &Output) -> Result<(), Failure>
         timeout: args.timeout,
         control: axis::in_mode(&args.control)?,
     };
-    axis::moving(
+    let mut recorder = Recorder::of(args.recorded.record.as_deref())?;
+    let done = axis::moving(
         target,
         Need::Cyclic,
         output,
         |(session, drive), bound, observer| {
             wanted.control.bound = bound;
-            motion::home(session, drive, &wanted, observer).wait()
+            let observer = recorder.tap(observer, session);
+            motion::home(session, drive, &wanted, &observer).wait()
         },
-    )
-    .map(|_| ())
+    );
+    recorder.end(done, output).map(|_| ())
 }

@@ -22,6 +22,8 @@ mod motion;
 mod r#move;
 mod parameters;
 mod record;
+mod record_rows;
+mod recorded;
 mod restore;
 mod run;
 mod scan;

@@ -3,11 +3,11 @@
 use std::time::Duration;
 
 use client::{Drive, Session, Wait};
-use profidrive::WallClock;
 use profidrive::fleet;
 use profidrive::monitor::{Monitor, Observation};
 use profidrive::motion::{self, Control, MotionError, Observer, Report as MotionReport};
 use profidrive::report::{MonitorReading, MonitorSilence};
+use profidrive::{WallClock, lasting};
 use profile::notation::ParameterReference;
 use profile::value::{ParameterProblem, Selection};
 
@@ -197,10 +197,13 @@ impl Watching<'_> {
             let seen = monitor.read_reporting_silence(session, drive, silent).await?;
             let Some(seen) = seen else { return Ok(()) };
             if let Some(outage) = seen.outage() {
-                let seconds = outage.as_secs_f64();
-                self.output.warn(&format!(
-                    "{label} answers again after {seconds:.1} s without an answer"
-                ));
+                let outage = lasting(outage);
+                self.output
+                    .warn(&format!("{label} answers again after {outage} without an answer"));
+            }
+            if seen.restarted {
+                self.output
+                    .warn(&format!("{label} has restarted: it was connected to again"));
             }
             show(&seen, &label, &column, self.raw, self.output);
             for fault in &seen.faults {

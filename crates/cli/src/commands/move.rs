@@ -6,6 +6,7 @@ use profidrive::motion::{self, MoveReport};
 use profile::notation::Quantity;
 
 use super::axis;
+use super::recorded::Recorder;
 use crate::args::{Move, Target};
 use crate::connect::Need;
 use crate::failure::Failure;
@@ -20,19 +21,21 @@ pub fn run(args: &Move, target: &Target, output: &Output) -> Result<(), Failure>
         control: axis::in_mode(&args.control)?,
     };
     wanted.check()?;
+    let mut recorder = Recorder::of(args.recorded.record.as_deref())?;
     if args.dry_run {
         return try_out(wanted, target, output);
     }
-    axis::moving(
+    let done = axis::moving(
         target,
         Need::Cyclic,
         output,
         |(session, drive), bound, observer| {
             wanted.control.bound = bound;
-            motion::move_to(session, drive, &wanted, observer).wait()
+            let observer = recorder.tap(observer, session);
+            motion::move_to(session, drive, &wanted, &observer).wait()
         },
-    )
-    .map(|_| ())
+    );
+    recorder.end(done, output).map(|_| ())
 }
 
 /// Everything that `move` reads and checks; nothing is sent that changes anything.
@@ -43,7 +46,7 @@ fn try_out(mut wanted: motion::Move, target: &Target, output: &Output) -> Result
         output,
         |(session, drive), bound, observer| {
             wanted.control.bound = bound;
-            let plan = motion::plan_move(session, drive, &wanted, observer).wait()?;
+            let plan = motion::plan_move(session, drive, &wanted, &observer).wait()?;
             let report = MoveReport::of(&plan, drive);
             Ok((plan, report))
         },
@@ -65,6 +68,12 @@ fn order(args: &Move) -> Result<Order, Failure> {
         .to
         .position()
         .map_err(|error| Failure::usage(format!("--to: {error}")))?;
+    if args.velocity.in_hertz().is_some() {
+        return Err(Failure::usage(
+            "--velocity: speeds in Hz are output frequencies of frequency converters, which do not position",
+        )
+        .hint("give the speed in rpm"));
+    }
     let speed = axis::rpm(&args.velocity, "--velocity")?;
     let ramp = |quantity: &Option<Quantity>, what| {
         quantity

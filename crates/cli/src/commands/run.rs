@@ -6,6 +6,7 @@ use profidrive::motion::{self, Frequency, RunPlan};
 use profile::notation::Quantity;
 
 use super::axis;
+use super::recorded::Recorder;
 use crate::args::{Run, Target};
 use crate::connect::Need;
 use crate::failure::Failure;
@@ -13,6 +14,7 @@ use crate::output::Output;
 
 pub fn run(args: &Run, target: &Target, output: &Output) -> Result<(), Failure> {
     let mut wanted = wanted(args)?;
+    let mut recorder = Recorder::of(args.recorded.record.as_deref())?;
     if args.dry_run {
         let plan = axis::moving(
             target,
@@ -20,22 +22,23 @@ pub fn run(args: &Run, target: &Target, output: &Output) -> Result<(), Failure> 
             output,
             |(session, drive), bound, observer| {
                 wanted.control.bound = bound;
-                motion::plan_run(session, drive, &wanted, observer).wait()
+                motion::plan_run(session, drive, &wanted, &observer).wait()
             },
         )?;
         show(&plan, output);
         return Ok(());
     }
-    axis::moving(
+    let done = axis::moving(
         target,
         Need::Cyclic,
         output,
         |(session, drive), bound, observer| {
             wanted.control.bound = bound;
-            motion::run(session, drive, &wanted, observer).wait()
+            let observer = recorder.tap(observer, session);
+            motion::run(session, drive, &wanted, &observer).wait()
         },
-    )
-    .map(|_| ())
+    );
+    recorder.end(done, output).map(|_| ())
 }
 
 /// The requested speed, in one unit.

@@ -180,7 +180,7 @@ pub(super) const RULES: &[Rule] = &[
         |s| s.lacks(Stw1::CONTROL_BY_PLC),
         |s| {
             format!(
-                "{} does not take control {}: its program is stopped, or does not want to",
+                "{} does not take control {}: its program is stopped, only records, or does not request control",
                 s.owner(),
                 s.bit_is_0(10)
             )

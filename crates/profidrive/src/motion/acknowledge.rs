@@ -49,7 +49,7 @@ pub async fn acknowledge(
     let axis = session
         .take_axis(drive, control.settings(Purpose::Control, 0.0))
         .await?;
-    let mut taken = Taken::begin(axis, End::Time, Start::Acknowledge, false, observer);
+    let mut taken = Taken::begin(axis, End::Time, Start::Acknowledge, false, observer).await?;
     let result = match taken.axis.ready_or_fault().await {
         Ok(()) => taken.axis.acknowledge().await,
         Err(error) => Err(error),

@@ -6,6 +6,9 @@ use client::axis::Trouble;
 use client::status::{Cause, Diagnosis, Note, Verdict, diagnose, switched_off_beside};
 use client::{Action, Advice, Choice, Drive, Error, ErrorKind, FaultEntry, Session};
 
+/// Why a tap of a motion cannot receive samples.
+pub type TapError = Box<dyn std::error::Error + Send + Sync>;
+
 /// How a motion ends by itself.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum End {
@@ -63,6 +66,14 @@ pub enum MotionError {
         end: End,
         /// What it was like until then.
         report: Box<Report>,
+    },
+    /// The cyclic samples of the motion were to be recorded, and cannot be; nothing was enabled.
+    #[error("{drive}: not moved, as its samples cannot be recorded: {error}")]
+    NotRecorded {
+        /// The drive.
+        drive: String,
+        /// Why.
+        error: TapError,
     },
     /// The motion went well, but a setting that was changed for it does not have its value from before.
     #[error("{drive}: {}", kept(.report))]
@@ -182,6 +193,7 @@ impl MotionError {
             Self::Failed { error, .. } => error.kind(),
             Self::Stopped { .. } => ErrorKind::Interrupted,
             Self::NotPutBack { .. } => ErrorKind::Partial,
+            Self::NotRecorded { .. } => ErrorKind::Local,
             Self::AboveLimit { .. }
             | Self::AboveBound { .. }
             | Self::NotBounded { .. }
@@ -252,7 +264,7 @@ impl MotionError {
             Self::NotAtRest { .. } => Some(
                 "stop it at its controller or with its safety circuit; this is not an emergency stop".into(),
             ),
-            Self::Stopped { .. } | Self::Invalid { .. } => None,
+            Self::Stopped { .. } | Self::Invalid { .. } | Self::NotRecorded { .. } => None,
         }
     }
 

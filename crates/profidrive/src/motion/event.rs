@@ -15,6 +15,7 @@ use serde::Serialize;
 use super::leftover::{Leftover, UnreadableNote};
 use super::report::Report;
 use super::start::Start;
+use super::tap::{SampleTap, SharedTap};
 use crate::report::Parameter;
 
 /// Something that happened on the way.
@@ -233,18 +234,37 @@ pub enum Arrival {
 
 /// Receives the events of a motion, on the thread that waits for it or that polls its future.
 #[derive(Clone)]
-pub struct Observer(Arc<Mutex<Receiver>>);
+pub struct Observer {
+    receiver: Arc<Mutex<Receiver>>,
+    tap: Option<SharedTap>,
+}
 
 type Receiver = dyn FnMut(&Event) + Send;
 
 impl Observer {
     /// Calls `receive` for every event.
     pub fn new(receive: impl FnMut(&Event) + Send + 'static) -> Self {
-        Self(Arc::new(Mutex::new(receive)))
+        Self {
+            receiver: Arc::new(Mutex::new(receive)),
+            tap: None,
+        }
+    }
+
+    /// Returns the same with a tap that receives every cyclic sample.
+    #[must_use]
+    pub fn tapped_by(self, tap: impl SampleTap + 'static) -> Self {
+        Self {
+            tap: Some(Arc::new(Mutex::new(tap))),
+            ..self
+        }
+    }
+
+    pub(super) fn tap(&self) -> Option<SharedTap> {
+        self.tap.clone()
     }
 
     pub(super) fn report(&self, event: &Event) {
-        (self.0.lock().unwrap_or_else(PoisonError::into_inner))(event);
+        (self.receiver.lock().unwrap_or_else(PoisonError::into_inner))(event);
     }
 }
 

@@ -121,7 +121,13 @@ pub async fn hold(
             return Err(error.into());
         }
     };
-    let taken = Taken::begin(axis, End::Open, Start::Hold, wanted.control.set_mode, observer);
+    let taken = match Taken::begin(axis, End::Open, Start::Hold, wanted.control.set_mode, observer).await {
+        Ok(taken) => taken,
+        Err(error) => {
+            mode::leave(change, observer).await;
+            return Err(error);
+        }
+    };
     Ok(HeldAxis {
         taken,
         change,

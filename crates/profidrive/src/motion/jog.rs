@@ -149,7 +149,7 @@ pub async fn jog_in_real_time(
         time: wanted.time,
     };
     let axis = session.take_axis(drive, settings).await?;
-    let mut taken = Taken::begin(axis, End::Time, start, false, observer);
+    let mut taken = Taken::begin(axis, End::Time, start, false, observer).await?;
     let mut found = MotionResult::default();
     let motion = async |enabled: &mut Enabled<'_>| {
         enabled.jog_at(wanted.speed).await?;
@@ -269,7 +269,7 @@ async fn with_setting(
         speed: Box::new(reading),
         time: wanted.time,
     };
-    let mut taken = Taken::begin(axis, End::Time, start, false, observer);
+    let mut taken = Taken::begin(axis, End::Time, start, false, observer).await?;
     let mut found = MotionResult::default();
     let motion = async |enabled: &mut Enabled<'_>| {
         enabled.jog(wanted.setpoint).await?;

@@ -78,6 +78,7 @@ mod run;
 mod start;
 mod step;
 mod stop;
+mod tap;
 
 use std::time::Duration;
 
@@ -89,7 +90,7 @@ use crate::machine::SpeedBound;
 pub use crate::remark::Remark;
 
 pub use acknowledge::{acknowledge, acknowledge_by_parameter};
-pub use error::{End, MotionError};
+pub use error::{End, MotionError, TapError};
 pub use event::{Arrival, Ended, Event, Observer, Setting, TelegramChange};
 pub use held::{HeldAxis, Hold, hold};
 pub use jog::{Jog, RealTimeJog, jog, jog_in_real_time, plan_jog, plan_jog_in_real_time};
@@ -99,10 +100,11 @@ pub use plan::{JogChange, JogPlan, MoveReport, RunPlan, Telegrams};
 pub use position::{Home, Move, Task, home, move_to, plan_move, task};
 pub use report::{Frames, MotionResult, PutBack, Report};
 pub use response::{Response, StepPoint, step_in};
-pub use run::{Frequency, Run, TelegramName, plan_run, run};
+pub use run::{Frequency, Run, TelegramName, plan_run, run, speed_at};
 pub use start::Start;
 pub use step::{LONGEST_STEP, Step, Stepped, step};
 pub use stop::{StopReport, stop};
+pub use tap::SampleTap;
 
 /// What all motions have in common.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

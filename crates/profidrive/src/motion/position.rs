@@ -144,7 +144,7 @@ async fn travel(
     let settings = wanted.control.settings(Purpose::Move, wanted.limit);
     let axis = session.take_axis(drive, settings).await?;
     let start = Start::Move(Box::new(plan.clone()));
-    let mut taken = Taken::begin(axis, End::Target, start, wanted.control.set_mode, observer);
+    let mut taken = Taken::begin(axis, End::Target, start, wanted.control.set_mode, observer).await?;
     let mut last = None;
     let motion = async |enabled: &mut Enabled<'_>| reach(enabled, wanted, &mut last).await;
     let result = taken.move_by(motion).await;
@@ -219,7 +219,8 @@ async fn carry_out(
         Start::Task(wanted.number),
         wanted.control.set_mode,
         observer,
-    );
+    )
+    .await?;
     let mut last = None;
     let motion = async |enabled: &mut Enabled<'_>| {
         enabled.start_task(wanted.number).await?;
@@ -267,7 +268,7 @@ async fn set_home(
     let settings = wanted.control.settings(Purpose::Home, f64::INFINITY);
     let axis = session.take_axis(drive, settings).await?;
     let start = Start::Home { procedure };
-    let mut taken = Taken::begin(axis, End::Home, start, wanted.control.set_mode, observer);
+    let mut taken = Taken::begin(axis, End::Home, start, wanted.control.set_mode, observer).await?;
     let mut position = None;
     let motion = async |enabled: &mut Enabled<'_>| {
         let result = enabled.home(Some(wanted.timeout)).await;

@@ -167,7 +167,7 @@ fn many(
 fn warn(written: &Written, drive: &Drive, output: &Output) {
     if let Some(name) = written.affected_controller() {
         output.warn(&format!(
-            "controller \"{}\" runs {}: what was written counts for its motion at once",
+            "controller \"{}\" is connected to {}: what was written counts for its motion at once",
             clean(name),
             drive.label(),
         ));
