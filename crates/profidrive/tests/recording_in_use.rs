@@ -144,11 +144,18 @@ fn a_power_stage_that_is_switched_on_is_reported_once() {
     let mut recording = begin(&network, members, &cyclic(&["ZSW1"], 4)).unwrap();
     until(&mut recording, MS * 1000);
     write(&network, &["DRV.CMDSOURCE=0", "DRV.EN=1"]);
-    let (_, news) = rest(&mut recording);
-    let [News::PowerOn { reaction, .. }] = &news[..] else {
-        panic!("{news:?}")
-    };
-    assert!(reaction.to_string().contains("quick stop"), "{reaction}");
+    let mut reactions = Vec::new();
+    while let Some(news) = recording.next().wait().unwrap() {
+        match news {
+            News::PowerOn { reaction, .. } => reactions.push(reaction.to_string()),
+            News::Waits { .. } => recording.stop(),
+            _ => {}
+        }
+    }
+    assert!(
+        reactions.len() == 1 && reactions[0].contains("quick stop"),
+        "{reactions:?}"
+    );
 }
 
 #[test]
@@ -296,4 +303,30 @@ fn samples_that_are_not_taken_are_bounded() {
         counts.rows + counts.missed >= 201_000 / 16 && !rows.is_empty(),
         "{counts:?}"
     );
+}
+
+/// The time of the recording is over while the motor turns.
+#[test]
+fn a_connection_whose_end_would_stop_a_motor_is_closed_at_rest_or_on_request() {
+    for insists in [false, true] {
+        let (network, members) =
+            open("name = \"akd-1\"\nevent = [{ at = \"9s\", do = \"hardware-disable=on\" }]");
+        let mut recording = begin(&network, members, &cyclic(&["ZSW1"], 3)).unwrap();
+        until(&mut recording, MS * 1000);
+        write(&network, &["DRV.CMDSOURCE=0", "DRV.EN=1", "VL.CMDU=300rpm"]);
+        let mut waits = false;
+        while let Some(news) = recording.next().wait().unwrap() {
+            if let News::Waits { .. } = news {
+                waits = true;
+                assert!(speed(&network) > 290.0);
+                if insists {
+                    recording.stop();
+                }
+            }
+        }
+        assert!(waits);
+        let ended = recording.elapsed();
+        assert_eq!(ended < MS * 6000, insists, "{ended:?}");
+        assert!(recording.counts()[0].rows < 200, "nothing is recorded meanwhile");
+    }
 }

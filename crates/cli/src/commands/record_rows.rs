@@ -130,6 +130,17 @@ impl<'o> Taken<'o> {
                     named(recording, *drive)
                 ),
             ),
+            News::Waits { drive, reaction } => {
+                let end = if self.live.is_some() { "q once more" } else { "Ctrl-C" };
+                self.remark(
+                    true,
+                    format!(
+                        "{}: the recording has ended, and the connection is closed once the power stage is off, because then \
+                         {reaction}; {end} closes it now",
+                        named(recording, *drive)
+                    ),
+                );
+            }
             News::Triggered(triggered) => self.remark(
                 false,
                 format!(

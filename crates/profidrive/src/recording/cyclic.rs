@@ -34,6 +34,9 @@ pub(super) async fn observe(
     let mut samples = axis.samples(WAITING);
     loop {
         let end = record(producer, &mut axis, &mut samples, &signals).await;
+        if matches!(end, Ok(End::Recording)) {
+            wait_for_rest(producer, &mut axis, &mut samples).await;
+        }
         let since = producer.session.now();
         // of a connection that is lost, the result of the release has no information
         let released = axis.release().await;
@@ -74,6 +77,31 @@ pub(super) async fn observe(
         let cycles = (producer.session.now() - since).as_nanos() / axis.cycle().as_nanos().max(1);
         producer.missed(u64::try_from(cycles).unwrap_or(u64::MAX));
         producer.back(&mut drive, since).await;
+    }
+}
+
+/// Keeps the connection of a recording that has ended until its end does not stop the motor, or the caller insists.
+async fn wait_for_rest(producer: &mut Producer, axis: &mut Axis, samples: &mut Samples) {
+    let mut reported = false;
+    let mut seen = axis.status().and_then(|status| status.view.seen);
+    loop {
+        let lost = axis.status().is_none_or(|status| status.lost);
+        let stays = seen.is_some_and(|seen| matches!(use_of(seen, axis), Use::Stay));
+        let insists = producer.is_stopped_at_once() || producer.session.glance().is_err();
+        if lost || !stays || insists {
+            return;
+        }
+        if !reported {
+            reported = true;
+            producer.waits(axis.loss_reaction());
+            producer.flush().await;
+        }
+        if producer.session.pass(TAKEN).await.is_err() {
+            return;
+        }
+        while let Some(sample) = samples.take() {
+            seen = Some(sample.seen);
+        }
     }
 }
 

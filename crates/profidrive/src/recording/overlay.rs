@@ -258,3 +258,43 @@ impl Curve {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    proptest! {
+        #[test]
+        fn any_octets_are_a_step_or_an_error(octets in proptest::collection::vec(any::<u8>(), 0..200)) {
+            let _ = EarlierStep::parse("a.csv", octets.as_slice());
+        }
+
+        /// Any numbers behind a head: what is read has a step of finite numbers.
+        #[test]
+        fn any_numbers_are_a_step_or_an_error(
+            rows in proptest::collection::vec((any::<f64>(), any::<f64>(), any::<f64>()), 0..20)
+        ) {
+            let mut text = "t,NSOLL_A [rpm],NIST_A [rpm]\n".to_owned();
+            for (time, set, actual) in &rows {
+                text += &format!("{time},{set},{actual}\n");
+            }
+            if let Ok(step) = EarlierStep::parse("a.csv", text.as_bytes()) {
+                let finite = |point: &StepPoint| point.set.is_finite() && point.actual.is_finite();
+                prop_assert!(step.points().iter().all(finite));
+                let _ = step.response(0.02);
+            }
+        }
+    }
+
+    #[test]
+    fn several_drives_are_not_one_step() {
+        let text = "t,drive,NSOLL_A,NIST_A\n0,a,0,0\n1,b,5,5\n";
+        let error = EarlierStep::parse("a.csv", text.as_bytes()).unwrap_err();
+        assert_eq!(
+            error.to_string(),
+            "a.csv is not a recorded step: it has several drives"
+        );
+    }
+}

@@ -1,7 +1,7 @@
 //! The work on one drive: its rows and events, whether its values are read or received in each cycle.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicU8, Ordering};
 use std::time::Duration;
 
 use client::{Drive, Error, ErrorKind, FaultEntry, LossReaction, Session};
@@ -42,6 +42,11 @@ pub(super) enum Item {
     },
     /// Its power stage is on, and its connection stays open.
     PowerOn {
+        drive: usize,
+        reaction: Box<LossReaction>,
+    },
+    /// The recording has ended, and its connection stays open until the power stage is off.
+    Waits {
         drive: usize,
         reaction: Box<LossReaction>,
     },
@@ -107,7 +112,7 @@ pub(super) struct Producer {
     pub drive: usize,
     start: Instant,
     clock: WallClock,
-    stop: Arc<AtomicBool>,
+    stop: RecordingStop,
     rows: mpsc::Sender<Item>,
     /// For each column of the table its place at this drive, and its kind.
     columns: Vec<(Option<Place>, Kind)>,
@@ -117,12 +122,35 @@ pub(super) struct Producer {
     known: Vec<u16>,
 }
 
+/// Ends a recording, from any thread.
+#[derive(Debug, Clone, Default)]
+pub struct RecordingStop(Arc<AtomicU8>);
+
+impl RecordingStop {
+    /// Ends it, as [`Recording::stop`](super::Recording::stop) does. A second call closes the connections also where that stops a
+    /// motor.
+    pub fn stop(&self) {
+        let _ = self
+            .0
+            .fetch_update(Ordering::AcqRel, Ordering::Acquire, |count| count.checked_add(1));
+    }
+
+    /// Ends it; further calls change nothing.
+    pub(super) fn stop_once(&self) {
+        let _ = self.0.compare_exchange(0, 1, Ordering::AcqRel, Ordering::Acquire);
+    }
+
+    fn requests(&self) -> u8 {
+        self.0.load(Ordering::Acquire)
+    }
+}
+
 /// What all producers have in common.
 #[derive(Debug, Clone)]
 pub(super) struct Common {
     pub start: Instant,
     pub clock: WallClock,
-    pub stop: Arc<AtomicBool>,
+    pub stop: RecordingStop,
     pub rows: mpsc::Sender<Item>,
 }
 
@@ -159,7 +187,12 @@ impl Producer {
 
     /// Whether the recording has to end.
     pub(super) fn is_stopped(&self) -> bool {
-        self.stop.load(Ordering::Acquire)
+        self.stop.requests() > 0
+    }
+
+    /// Whether connections have to be closed whatever the drive is doing.
+    pub(super) fn is_stopped_at_once(&self) -> bool {
+        self.stop.requests() > 1
     }
 
     /// Lets the time pass; false when the recording ends or the caller requests a stop.
@@ -273,6 +306,14 @@ impl Producer {
     /// Reports that the power stage is on and the connection stays open.
     pub(super) fn power_on(&mut self, reaction: &LossReaction) {
         self.unsent.push(Item::PowerOn {
+            drive: self.drive,
+            reaction: Box::new(reaction.clone()),
+        });
+    }
+
+    /// Reports that the connection stays open although the recording has ended.
+    pub(super) fn waits(&mut self, reaction: &LossReaction) {
+        self.unsent.push(Item::Waits {
             drive: self.drive,
             reaction: Box::new(reaction.clone()),
         });

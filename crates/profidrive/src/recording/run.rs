@@ -2,8 +2,6 @@
 
 use std::future::poll_fn;
 use std::pin::Pin;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::task::{Context, Poll};
 use std::time::{Duration, SystemTime};
 
@@ -16,7 +14,7 @@ use profinet::Instant;
 use super::cyclic::observe;
 use super::error::RecordingError;
 use super::poll::poll;
-use super::producer::{Absence, Common, Item, Producer};
+use super::producer::{Absence, Common, Item, Producer, RecordingStop};
 use super::source::{Origin, Source, together};
 use super::table::{Row, Table};
 use super::trigger::{Armed, MOST_BEFORE, Reported, Trigger};
@@ -36,7 +34,7 @@ pub struct Recording {
     table: Table,
     start: Instant,
     session: Session,
-    stop: Arc<AtomicBool>,
+    stop: RecordingStop,
     rows: mpsc::Receiver<Item>,
     producers: FuturesUnordered<BoxFuture<'static, (usize, Result<(), RecordingError>)>>,
     /// Rows to be returned next.
@@ -60,17 +58,6 @@ impl std::fmt::Debug for Recording {
             .field("table", &self.table)
             .field("counts", &self.counts)
             .finish_non_exhaustive()
-    }
-}
-
-/// Ends a recording, from any thread.
-#[derive(Debug, Clone)]
-pub struct RecordingStop(Arc<AtomicBool>);
-
-impl RecordingStop {
-    /// Ends it, as [`Recording::stop`] does.
-    pub fn stop(&self) {
-        self.0.store(true, Ordering::Release);
     }
 }
 
@@ -101,6 +88,14 @@ pub enum News {
     /// The power stage of a drive is on. Its connection stays open, as its end would stop the motor as this says; so does a
     /// connection that is lost.
     PowerOn {
+        /// Its index.
+        drive: usize,
+        /// What the drive does when the connection ends.
+        reaction: Box<LossReaction>,
+    },
+    /// The recording has ended, and the connection of a drive stays open until its power stage is off. A second
+    /// [`stop`](Recording::stop) or a wish of the caller to stop closes it at once.
+    Waits {
         /// Its index.
         drive: usize,
         /// What the drive does when the connection ends.
@@ -170,14 +165,14 @@ impl Recording {
         };
         let (sender, rows) = mpsc::channel(ROOM);
         let start = session.now();
-        let stop = Arc::new(AtomicBool::new(false));
+        let stop = RecordingStop::default();
         let words = matches!(request.trigger, Some(Trigger::Fault | Trigger::Warning));
         let producers = FuturesUnordered::new();
         for (drive, source) in sources.into_iter().enumerate() {
             let common = Common {
                 start,
                 clock,
-                stop: Arc::clone(&stop),
+                stop: stop.clone(),
                 rows: sender.clone(),
             };
             let producer = Producer::new(session.clone(), drive, common, &table, &source.columns)
@@ -236,12 +231,13 @@ impl Recording {
     /// Returns what ends it from any thread.
     #[must_use]
     pub fn stop_handle(&self) -> RecordingStop {
-        RecordingStop(Arc::clone(&self.stop))
+        self.stop.clone()
     }
 
-    /// Ends it. What came before is still returned by [`next`](Self::next), which then closes the connections.
+    /// Ends it. A connection whose end would stop a motor stays open until that is at rest; a second call closes it at once. What
+    /// came before is still returned by [`next`](Self::next), which then closes the connections.
     pub fn stop(&self) {
-        self.stop.store(true, Ordering::Release);
+        self.stop.stop();
     }
 
     /// Waits for the next row or event; `None` once it ended and every connection is closed.
@@ -316,7 +312,7 @@ impl Recording {
                 break;
             };
             if self.end.is_some_and(|end| self.elapsed() >= end) {
-                self.stop();
+                self.stop.stop_once();
             }
             self.beat = passed.is_ok().then(|| self.next_beat());
         }
@@ -380,6 +376,7 @@ impl Recording {
                 })
             }
             Item::PowerOn { drive, reaction } => Some(News::PowerOn { drive, reaction }),
+            Item::Waits { drive, reaction } => Some(News::Waits { drive, reaction }),
         }
     }
 
