@@ -207,9 +207,13 @@ pub fn shown<V: Shown, E: Into<Failure>>(
     let row = |member| Row::new(member, |done, drive| verb.problems(done, drive));
     let mut rows: Vec<Row<V::Done>> = members.into_iter().map(row).collect();
     rows.sort_by_key(|row| std::cmp::Reverse(row.done.as_ref().map_or(u8::MAX, |done| verb.urgency(done))));
-    if !output.json() {
-        table(verb, &rows, output);
-    }
+    let of_row = |row| {
+        let Row {
+            name, drive, done, ..
+        }: &Row<V::Done> = row;
+        (name.as_str(), done.as_ref().zip(drive.as_ref()))
+    };
+    table(verb, rows.iter().map(of_row), output);
     if !left_out.is_empty() {
         let left_out = left_out.join(", ");
         output.say(&format!("left out, as they are no drives: {left_out}"));
@@ -225,16 +229,25 @@ pub fn shown<V: Shown, E: Into<Failure>>(
     ended(&rows, V::MATTER, output)
 }
 
-/// Prints a table of drives.
-pub fn table<V: Shown>(verb: &V, rows: &[Row<V::Done>], output: &Output) {
+/// Prints a table of drives, for people: the name of each, and what came of it where something did.
+pub fn table<'a, V: Shown>(
+    verb: &V,
+    drives: impl Iterator<Item = (&'a str, Option<(&'a V::Done, &'a Drive)>)>,
+    output: &Output,
+) where
+    V::Done: 'a,
+{
+    if output.json() {
+        return;
+    }
     let mut table = Table::new(&[&["drive"], V::COLUMNS].concat());
-    for row in rows {
-        let of_drive = match row.done.as_ref().zip(row.drive.as_ref()) {
+    for (name, done) in drives {
+        let rows = match done {
             Some((done, drive)) => verb.rows(done, drive),
             None => verb.missing_row().into_iter().collect(),
         };
-        for cells in of_drive {
-            table.row(std::iter::once(row.name.clone()).chain(cells));
+        for cells in rows {
+            table.row(std::iter::once(name.to_owned()).chain(cells));
         }
     }
     output.table(&table);

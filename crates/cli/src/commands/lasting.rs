@@ -7,7 +7,7 @@ use crate::output::Output;
 
 /// Prints how long new values last: of these drives, where there are many.
 pub fn print(remark: &Remark, drives: &str, output: &Output) {
-    let option = remark.next.as_ref().map(|next| advice::text(next, drives));
+    let option = remark.next.as_ref().map(|next| advice::text(next, "DRIVE"));
     let option = option.map_or_else(String::new, |option| format!(" (use {option})"));
     let words = format!("{drives}{}{option}", remark.sentence);
     if remark.is_warning {

@@ -137,16 +137,11 @@ fn many(
         return Ok(closed?);
     }
     if !args.yes {
-        if !output.json() {
-            let mut table = Table::new(&[&["drive"], &COLUMNS[..]].concat());
-            for member in plan.members() {
-                let changes = member.result.as_ref().ok().into_iter().flat_map(Written::changes);
-                for change in changes {
-                    table.row([member.name.clone()].into_iter().chain(row(change, true)));
-                }
-            }
-            output.table(&table);
-        }
+        let planned = plan.members().iter().map(|member| {
+            let planned = member.result.as_ref().ok().zip(member.drive.as_ref());
+            (member.name.as_str(), planned)
+        });
+        each::table(&show(true), planned, output);
         let question = Question {
             text: &format!("Write to {changing} of {drives} drives?"),
             undone: "nothing was written",
