@@ -3,6 +3,7 @@
 // help texts are printed as they stand: `947[0..7]` is not a link
 #![allow(rustdoc::broken_intra_doc_links)]
 
+mod doctor;
 mod drives;
 mod explain;
 mod gsdml;
@@ -22,6 +23,7 @@ use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{ArgMatches, Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 use profile::notation::Quantity;
 
+pub use doctor::{Bundle, Doctor, Report};
 pub use drives::{Backup, Diff, Faults, Restore, Status};
 pub use explain::{Decode, Explain, Octets, Only, Sender};
 pub use gsdml::{Gsdml, GsdmlCheck, GsdmlCommand, GsdmlExport, GsdmlShow};
@@ -315,6 +317,14 @@ pub enum Command {
     /// Say in one sentence why a drive does not run; reads only (exit code 5 when something keeps it)
     #[command(mut_arg("drive", |drive| drive.required(false).default_value("all")))]
     Status(OnSelected<Status>),
+    /// Examine this computer, its network interface and the way to each drive: permissions, loss, duplicates; reads only
+    Doctor(OnDrives<Doctor>),
+    /// Collect all that describes a machine and its state in a zip file: scan, status, faults, settings, what `doctor` finds
+    #[command(mut_arg("drive", |drive| drive.required(false).default_value("all")))]
+    Bundle(OnSelected<Bundle>),
+    /// Write a page about a machine for its documentation: one HTML file
+    #[command(mut_arg("drive", |drive| drive.required(false).default_value("all")))]
+    Report(OnSelected<Report>),
     /// Acknowledge the fault of a drive (STW1 bit 7, as its controller for a moment)
     Ack(OnSelected<Ack>),
     /// Watch a drive beside its controller; reads only

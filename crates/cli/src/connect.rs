@@ -16,7 +16,7 @@ use crate::failure::Failure;
 use crate::output::Output;
 use crate::render::table::clean;
 
-pub use crate::output::{bar, spinner};
+pub use crate::output::{bar, spinner, steps};
 /// What a command needs of the network.
 pub use profidrive::Access as Need;
 
@@ -139,6 +139,11 @@ pub fn network(
     let (opening, stop) = opening_for(target, need)?;
     let session = opening.open_for(selector).map_err(without_permission)?;
     Ok((opening, attended(session, &stop, output)))
+}
+
+/// Returns how to open the network for a verb that opens it itself.
+pub fn unopened(target: &Target, need: Need) -> Result<Opening, Failure> {
+    opening_for(target, need).map(|(opening, _)| opening)
 }
 
 fn opening_for(target: &Target, need: Need) -> Result<(Opening, Stop), Failure> {

@@ -21,11 +21,11 @@ use crate::render::Page;
 use crate::render::table::Table;
 
 pub use self::clean::clean;
-pub use self::progress::{bar, bytes, spinner};
+pub use self::progress::{bar, bytes, spinner, steps};
 pub use self::shared::Shared;
 
-/// Name and version of the JSON form; changes only when a field changes its meaning or goes.
-pub const SCHEMA: &str = "profidrive/1";
+/// Name and version of the JSON form.
+pub use profidrive::report::SCHEMA;
 
 /// A colour with its meaning. Colour is never the only sign: words or a mark stand beside it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -88,6 +88,13 @@ const OF_DRIVES: &[Call] = &[
 const OTHERS: &[Call] = &[
     ("scan", &[0]),
     ("scan --quick", &[0]),
+    ("doctor", &[0, 1]),
+    ("doctor akd-1,nobody", &[1]),
+    ("doctor nobody@", &[2]),
+    ("bundle akd-1,nobody -o FOLDER/state.zip", &[0]),
+    ("bundle -o FOLDER/state.zip", &[2]),
+    ("report vlt-1,vacon-1 -o FOLDER/machine.html", &[0]),
+    ("report -o FOLDER/machine.html", &[2]),
     ("status", &[0, 5]),
     ("status akd-1,vlt-1 --short", &[0, 5]),
     ("status nobody,akd-1", &[4]),

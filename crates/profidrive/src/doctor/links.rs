@@ -1,0 +1,177 @@
+//! Loss and latency of the way to each station.
+
+use std::collections::BTreeMap;
+use std::time::{Duration, Instant};
+
+use client::{Advice, DriveAddress, Error};
+use profinet::MacAddress;
+use profinet::controller::Station as Answer;
+
+use super::unless_stopped;
+use crate::inspection;
+use crate::open::Caller;
+use crate::report::{Check, DoctorReport, Finding, LinkReport, Severity, Wording};
+use crate::selector::Term;
+use crate::{Part, Selector, Step};
+
+/// Requests to each station.
+const ROUNDS: usize = 40;
+/// How long an answer may take; a station answers to this request at once.
+const LIMIT: Duration = Duration::from_millis(100);
+/// Between two requests: loss comes in bursts.
+const PAUSE: Duration = Duration::from_millis(20);
+/// From this part of lost requests on connections do not last.
+const HEAVY: f64 = 0.1;
+
+/// What was measured of the way to the stations.
+#[derive(Default)]
+pub(super) struct Measured {
+    rounds: usize,
+    times: BTreeMap<MacAddress, Vec<Duration>>,
+}
+
+/// Sends requests that are not repeated to the stations that are known, and counts the answers of each. A station that the
+/// search before has lost joins them.
+pub(super) async fn measure(
+    network: &mut Caller,
+    known: &mut Vec<Answer>,
+    progress: &mut (dyn FnMut(Step) + Send),
+) -> Result<Measured, Error> {
+    let mut measured = Measured::default();
+    while measured.rounds < ROUNDS {
+        progress(Step::counted(Part::Requests, measured.rounds, ROUNDS));
+        let Ok(answers) = unless_stopped(network.identify_once(known.len().max(1), LIMIT).await)? else {
+            break;
+        };
+        measured.rounds += 1;
+        for (answer, time) in answers {
+            measured.times.entry(answer.mac).or_default().push(time);
+            if !known.iter().any(|one| one.mac == answer.mac) {
+                known.push(answer);
+            }
+        }
+        network.pass(PAUSE).await?;
+    }
+    Ok(measured)
+}
+
+impl Measured {
+    /// Reports the way to each of these stations.
+    pub(super) fn report(mut self, meant: &[Answer], report: &mut DoctorReport, wording: &dyn Wording) {
+        for station in meant {
+            let times = self.times.remove(&station.mac).unwrap_or_default();
+            let label = client::Drive::new(station.clone()).label();
+            let link = link(label, Some(station.mac.to_string()), self.rounds, times);
+            report.findings.push(judged(&link, wording));
+            report.links.push(link);
+        }
+    }
+}
+
+fn link(drive: String, mac: Option<String>, requests: usize, mut times: Vec<Duration>) -> LinkReport {
+    times.sort_unstable();
+    LinkReport {
+        drive,
+        mac,
+        requests,
+        answers: times.len(),
+        median: times.get(times.len() / 2).map(Duration::as_secs_f64),
+        max: times.last().map(Duration::as_secs_f64),
+    }
+}
+
+fn judged(link: &LinkReport, wording: &dyn Wording) -> Finding {
+    let lost = link.requests.saturating_sub(link.answers);
+    let times = match (link.median, link.max) {
+        (Some(median), Some(max)) => format!(
+            "answers after {:.1} ms in the median, {:.1} ms at most",
+            median * 1e3,
+            max * 1e3
+        ),
+        _ => "no answer".to_owned(),
+    };
+    if lost == 0 {
+        let found = format!("{} requests, none lost, {times}", link.requests);
+        return Finding::new(Check::Loss, Severity::Ok, found).about(&link.drive);
+    }
+    let part = lost as f64 / link.requests as f64;
+    let found = format!(
+        "packet loss: {lost} of {} requests without an answer ({:.0} %), {times}",
+        link.requests,
+        part * 1e2
+    );
+    let severity = if part >= HEAVY {
+        Severity::Error
+    } else {
+        Severity::Warning
+    };
+    Finding::new(Check::Loss, severity, found)
+        .about(&link.drive)
+        .because("a cyclic connection ends after three lost frames in a row; records are repeated and become slow")
+        .remedied(
+            &Advice::from("check cable, plugs and shield, half duplex at a switch, other traffic on the network; {choose cycle} allows for longer gaps"),
+            wording,
+        )
+}
+
+/// Examines drives that are given by their IP addresses, without permission for raw Ethernet: whether they can be read.
+pub(super) async fn by_udp(
+    network: &mut Caller,
+    selector: Option<&Selector>,
+    report: &mut DoctorReport,
+    wording: &(dyn Wording + Sync),
+    progress: &mut (dyn FnMut(Step) + Send),
+) -> Result<(), Error> {
+    let terms = selector.map_or(&[][..], Selector::terms);
+    let unchecked = "names, duplicates, loss and neighbours need raw Ethernet";
+    report
+        .findings
+        .push(Finding::new(Check::Stations, Severity::Unchecked, unchecked));
+    for (at, term) in terms.iter().enumerate() {
+        progress(Step::counted(Part::Identities, at, terms.len()));
+        let Term::Address(address @ DriveAddress::Ip(_)) = term else {
+            continue;
+        };
+        let begin = Instant::now();
+        let read = match network.find(address).await {
+            Ok(mut drive) => inspection::info(network, &mut drive).await,
+            Err(error) => Err(error),
+        };
+        let finding = match unless_stopped(read)? {
+            Ok(_) => {
+                let found = format!("read by UDP in {:.0} ms", begin.elapsed().as_secs_f64() * 1e3);
+                Finding::new(Check::Records, Severity::Ok, found)
+            }
+            Err(error) => {
+                let advice = error.advice().unwrap_or_default();
+                Finding::new(Check::Records, Severity::Error, error.to_string()).remedied(&advice, wording)
+            }
+        };
+        report.findings.push(finding.about(address.to_string()));
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::PlainWording;
+
+    #[test]
+    fn loss_is_named_and_judged_by_its_part() {
+        let of = |answers: usize| {
+            let link = link("akd-1".into(), None, 40, vec![Duration::from_millis(1); answers]);
+            judged(&link, &PlainWording)
+        };
+        assert_eq!(of(40).severity, Severity::Ok);
+        let some = of(39);
+        assert_eq!(some.severity, Severity::Warning);
+        assert!(
+            some.found.starts_with("packet loss: 1 of 40 requests"),
+            "{}",
+            some.found
+        );
+        assert_eq!(of(36).severity, Severity::Error);
+        assert!(of(0).found.ends_with("(100 %), no answer"), "{}", of(0).found);
+    }
+}
