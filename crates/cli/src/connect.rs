@@ -232,15 +232,14 @@ fn failed(error: DriveError, taken_for: &Kind) -> Failure {
     }
 }
 
-/// Returns the interface that was named, as an option or in the environment.
+/// Returns the interface that was named, as an option, in the environment or in the configuration.
 fn named(option: &Interface) -> Option<String> {
     let variable = || std::env::var("PROFIDRIVE_INTERFACE").ok();
     // an empty variable is not a variable
-    option
-        .interface
-        .clone()
-        .or_else(variable)
+    let named = option.interface.clone().or_else(variable);
+    named
         .filter(|name| !name.is_empty())
+        .or_else(|| option.configured.clone())
 }
 
 /// Returns the interface to use: as configured, else the only one there is.
