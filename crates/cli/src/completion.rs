@@ -12,6 +12,7 @@ use profidrive::machine::Machine;
 use profidrive::report;
 use profile::catalogue::{Catalogue, CommonName};
 use profile::model::Model;
+use profile::telegram::SIGNALS;
 
 use crate::args::{self, DriveOptions};
 use crate::cache::{self, Known};
@@ -74,7 +75,13 @@ fn completing(command: Command, words: &[OsString]) -> Command {
             "left" | "right" | "new" | "old" | "from" | "only" => {
                 argument.add(ArgValueCompleter::new(Drives { names, files: true }))
             }
-            "parameters" | "parameter" | "assignments" | "signals" => {
+            "signals" => {
+                let tables = tables.clone();
+                argument.add(ArgValueCompleter::new(move |begin: &OsStr| {
+                    signals(&tables, begin)
+                }))
+            }
+            "parameters" | "parameter" | "assignments" => {
                 let tables = tables.clone();
                 argument.add(ArgValueCompleter::new(move |begin: &OsStr| {
                     parameters(&tables, begin)
@@ -179,6 +186,17 @@ fn parameters(tables: &[&'static Catalogue], begin: &OsStr) -> Vec<CompletionCan
         })
     });
     candidates(common.chain(own), &begin)
+}
+
+/// Signals of telegrams, and parameters.
+fn signals(tables: &[&'static Catalogue], begin: &OsStr) -> Vec<CompletionCandidate> {
+    let text = begin.to_string_lossy().to_lowercase();
+    let all = SIGNALS
+        .iter()
+        .map(|signal| (signal.name.to_owned(), signal.meaning));
+    let mut found = candidates(all, &text);
+    found.extend(parameters(tables, begin));
+    found
 }
 
 /// The numbers of faults.

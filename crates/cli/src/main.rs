@@ -67,7 +67,11 @@ fn main() -> ExitCode {
 /// An invalid command line, or one that requests help. With `--json` a mistake is a document too.
 fn misunderstood(error: &clap::Error, command: String) -> ExitCode {
     let json = error.use_stderr() && std::env::args_os().any(|argument| argument == "--json");
-    let output = Output::new(json, false).of_command(command);
+    // a configuration that is not valid is reported by a line that is
+    let config = Config::read().unwrap_or_default();
+    let output = Output::new(json, false)
+        .coloured(config.colours)
+        .of_command(command);
     if error.use_stderr() {
         output.styled_error(&error.render());
     } else {

@@ -1,4 +1,5 @@
 //! Completion as a shell has it: the script is read by bash, which calls the program. And the configuration of a user.
+#![allow(clippy::unwrap_used)]
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -77,7 +78,8 @@ fn a_shell_offers_commands_drives_parameters_and_faults() {
             &["profidrive", "write", "vlt-1", "max-speed-"],
             &["max-speed-backward"],
         ),
-        (&["profidrive", "explain", "702", ""], &[]),
+        (&["profidrive", "record", "akd-1", "nist_b"], &["NIST_B"]),
+        (&["profidrive", "read", "vlt-1", "--"], &[]),
     ] {
         let offered = folder.offered(line);
         if expected.is_empty() {

@@ -112,7 +112,7 @@ pub use plant;
 /// The drive profile: parameters, values, telegrams, models.
 pub use profile;
 pub use profinet::{Instant, IpSuite, MacAddress};
-pub use progress::{Part, Step};
+pub use progress::{Part, Step, Sum};
 pub use reach::{OtherSubnet, Reach, far, reach};
 pub use selector::{Selector, SelectorError};
 #[cfg(feature = "simulate")]

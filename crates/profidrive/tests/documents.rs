@@ -1,5 +1,6 @@
 //! The archive for support and the page of a machine, of drives in memory.
 #![cfg(all(feature = "documents", feature = "simulate"))]
+#![allow(clippy::unwrap_used)]
 
 use std::io::Read as _;
 use std::path::PathBuf;

@@ -91,6 +91,7 @@ const OTHERS: &[Call] = &[
     ("doctor", &[0, 1]),
     ("doctor akd-1,nobody", &[1]),
     ("doctor nobody@", &[2]),
+    ("doctor fc:no-such-port/1", &[0]),
     ("bundle akd-1,nobody -o FOLDER/state.zip", &[0]),
     ("bundle -o FOLDER/state.zip", &[2]),
     ("report vlt-1,vacon-1 -o FOLDER/machine.html", &[0]),

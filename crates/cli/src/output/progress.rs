@@ -63,9 +63,6 @@ impl Steps {
         {
             bar.set_length(step.all as u64);
             bar.set_position(step.done as u64);
-            if let Some(drive) = &step.drive {
-                bar.set_message(format!("{}: {}", words(step.part), clean(drive)));
-            }
         }
     }
 
@@ -90,6 +87,7 @@ const fn words(part: Part) -> &'static str {
         Part::Requests => "measuring loss and latency",
         Part::Timers => "measuring the timers of this computer",
         Part::Drives => "reading",
+        Part::Settings => "writing settings",
         Part::Capture => "capturing",
         Part::Writing => "writing",
         _ => "working",

@@ -20,6 +20,8 @@ const ROUNDS: usize = 40;
 const LIMIT: Duration = Duration::from_millis(100);
 /// Between two requests: loss comes in bursts.
 const PAUSE: Duration = Duration::from_millis(20);
+/// Stations that are measured at most.
+const MAX_STATIONS: usize = 4096;
 /// From this part of lost requests on connections do not last.
 const HEAVY: f64 = 0.1;
 
@@ -43,19 +45,27 @@ pub(super) async fn measure(
         let Ok(answers) = unless_stopped(network.identify_once(known.len().max(1), LIMIT).await)? else {
             break;
         };
-        measured.rounds += 1;
-        for (answer, time) in answers {
-            measured.times.entry(answer.mac).or_default().push(time);
-            if !known.iter().any(|one| one.mac == answer.mac) {
-                known.push(answer);
-            }
-        }
+        measured.take(answers, known);
         network.pass(PAUSE).await?;
     }
     Ok(measured)
 }
 
 impl Measured {
+    /// Takes the answers to one request.
+    fn take(&mut self, answers: Vec<(Answer, Duration)>, known: &mut Vec<Answer>) {
+        self.rounds += 1;
+        for (answer, time) in answers {
+            if !known.iter().any(|one| one.mac == answer.mac) {
+                if known.len() >= MAX_STATIONS {
+                    continue;
+                }
+                known.push(answer.clone());
+            }
+            self.times.entry(answer.mac).or_default().push(time);
+        }
+    }
+
     /// Reports the way to each of these stations.
     pub(super) fn report(mut self, meant: &[Answer], report: &mut DoctorReport, wording: &dyn Wording) {
         for station in meant {
@@ -156,6 +166,47 @@ pub(super) async fn by_udp(
 mod tests {
     use super::*;
     use crate::report::PlainWording;
+
+    #[test]
+    fn a_station_that_the_search_lost_joins_and_ever_new_stations_are_bounded() {
+        let answer = |number: u32| {
+            let [a, b, c, d] = number.to_be_bytes();
+            let station = Answer {
+                mac: MacAddress([2, 0, a, b, c, d]),
+                ..Answer::default()
+            };
+            (station, Duration::from_millis(1))
+        };
+        let mut known = vec![answer(0).0];
+        let mut measured = Measured::default();
+        measured.take(vec![answer(0), answer(1)], &mut known);
+        measured.take(vec![answer(0)], &mut known);
+        assert_eq!((known.len(), measured.rounds), (2, 2));
+        let mut report = report();
+        measured.report(&known, &mut report, &PlainWording);
+        let counts: Vec<_> = report
+            .links
+            .iter()
+            .map(|link| (link.answers, link.requests))
+            .collect();
+        assert_eq!(counts, [(2, 2), (1, 2)]);
+
+        let mut measured = Measured::default();
+        for round in 0..3 {
+            let of_round = (0..2000).map(|number| answer(round * 2000 + number));
+            measured.take(of_round.collect(), &mut known);
+        }
+        assert_eq!((known.len(), measured.times.len()), (MAX_STATIONS, MAX_STATIONS));
+    }
+
+    fn report() -> DoctorReport {
+        DoctorReport {
+            interface: None,
+            findings: Vec::new(),
+            timers: None,
+            links: Vec::new(),
+        }
+    }
 
     #[test]
     fn loss_is_named_and_judged_by_its_part() {

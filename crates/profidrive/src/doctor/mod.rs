@@ -27,7 +27,7 @@ mod links;
 mod stations;
 mod timers;
 
-use client::{Error, ErrorKind};
+use client::{Action, DriveAddress, Error, ErrorKind};
 
 use crate::open::{Opening, Place, Transport, interface};
 use crate::report::{Check, DoctorReport, Finding, Severity, Wording};
@@ -52,6 +52,15 @@ pub async fn examine(
         timers: None,
         links: Vec::new(),
     };
+    if let Some(DriveAddress::Line(_)) = selector.and_then(Selector::single) {
+        let found = "only networks are examined, and this drive is at a serial line";
+        let finding = Finding::new(Check::Stations, Severity::Unchecked, found);
+        report
+            .findings
+            .push(finding.remedied(&Action::Status.sentence(), wording));
+        let outcome = Outcome::Complete;
+        return Ok(Reported { report, outcome });
+    }
     let in_memory = !matches!(opening.place, Place::Interface(_));
     let measured = if in_memory {
         None

@@ -6,7 +6,7 @@ use std::io::{Cursor, Write as _};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-use client::Error;
+use client::{Error, ErrorKind};
 use futures::channel::oneshot;
 use network::ethernet::Capture;
 use network::pcap::Writer;
@@ -60,14 +60,11 @@ pub async fn bundle(
             None
         }
     });
-    let portrait = match opening.clone().open() {
-        Ok(mut network) => {
-            let read = portrait(opening, &mut network, selector, wording, progress).await?;
-            network.close().await?;
-            Some(read)
-        }
-        Err(error) => {
-            notes.push(format!("the drives were not read: {}", error.message()));
+    let read = read(opening, selector, wording, progress).await?;
+    let portrait = match read {
+        Ok(portrait) => Some(portrait),
+        Err(why) => {
+            notes.push(format!("the drives were not read: {why}"));
             None
         }
     };
@@ -111,6 +108,27 @@ pub async fn bundle(
         drives,
         notes,
     })
+}
+
+/// Reads the drives; what kept that from being done is no reason to have no archive, unless it is a request to stop.
+async fn read(
+    opening: &Opening,
+    selector: &Selector,
+    wording: &(dyn Wording + Sync),
+    progress: &mut (dyn FnMut(Step) + Send),
+) -> Result<Result<Portrait, String>, Error> {
+    let mut network = match opening.open_for(selector) {
+        Ok(network) => network,
+        Err(error) => return Ok(Err(error.message())),
+    };
+    match portrait(opening, &mut network, selector, wording, progress).await {
+        Err(error) if error.kind() == ErrorKind::Interrupted => Err(error),
+        Err(error) => Ok(Err(error.message())),
+        Ok(portrait) => {
+            network.close().await?;
+            Ok(Ok(portrait))
+        }
+    }
 }
 
 fn read_all(paths: &[PathBuf]) -> Result<Vec<(&PathBuf, Vec<u8>)>, DocumentError> {

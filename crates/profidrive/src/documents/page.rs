@@ -126,8 +126,8 @@ fn of_drive(read: &DrivePortrait, machine: Option<&Machine>) -> DrivePage {
         groups: planned
             .map(|planned| planned.groups.join(", "))
             .unwrap_or_default(),
-        limit: planned
-            .and_then(|planned| planned.max_speed.as_ref())
+        limit: machine
+            .and_then(|machine| machine.bound(&read.name))
             .map(|limit| format!("{} rpm", limit.rpm))
             .unwrap_or_default(),
         problems: read.problems.clone(),

@@ -1,5 +1,6 @@
 //! All that is read of the drives of a machine.
 
+use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, SystemTime};
 
 use client::backup::Backup;
@@ -9,7 +10,7 @@ use futures::{StreamExt, stream};
 use crate::fleet::{AT_ONCE, Selected};
 use crate::open::{Caller, Opening};
 use crate::report::{FaultsReport, InfoReport, ScanReport, StatusReport, Wording};
-use crate::{DriveError, Part, Selector, Step, inspection, scan, settings};
+use crate::{DriveError, Part, Selector, Step, Sum, inspection, scan, settings};
 
 /// Time for all stations to answer.
 const SEARCH: Duration = Duration::from_secs(1);
@@ -80,17 +81,25 @@ pub async fn portrait(
     };
     let all = found.members.len();
     let session: &Session = network;
+    progress(Step::counted(Part::Drives, 0, all));
+    let progress = Mutex::new(progress);
+    let sum = Sum::new(Part::Drives, all, |step| {
+        (progress.lock().unwrap_or_else(PoisonError::into_inner))(step);
+    });
+    let sum = &sum;
     let mut reading = stream::iter(found.members)
         .map(|member| {
             let mut session = session.clone();
-            async move { of_drive(&mut session, member, wording).await }
+            async move {
+                let name = member.name.clone();
+                let counted = |done, all| sum.report(&name, done, all);
+                of_drive(&mut session, member, wording, counted).await
+            }
         })
         .buffered(AT_ONCE);
     let mut drives = Vec::new();
-    progress(Step::counted(Part::Drives, 0, all));
     while let Some(drive) = reading.next().await {
         drives.push(drive?);
-        progress(Step::counted(Part::Drives, drives.len(), all));
     }
     drop(reading);
     Ok(Portrait {
@@ -105,6 +114,7 @@ async fn of_drive(
     session: &mut Session,
     member: Selected,
     wording: &(dyn Wording + Sync),
+    progress: impl FnMut(usize, usize) + Send,
 ) -> Result<DrivePortrait, Error> {
     let Selected { name, notes, drive } = member;
     let mut portrait = DrivePortrait {
@@ -131,7 +141,7 @@ async fn of_drive(
     portrait.status = kept("status", status, problems)?.map(|status| status.report);
     let faults = inspection::faults(session, &mut drive, true).await;
     portrait.faults = kept("faults", faults, problems)?;
-    let backup = settings::backup(session, &mut drive, |_, _| {}).await;
+    let backup = settings::backup(session, &mut drive, progress).await;
     portrait.backup = kept("settings", backup, problems)?.map(|backup| backup.report);
     if let Some(backup) = &portrait.backup {
         let missing = settings::missing(backup);
