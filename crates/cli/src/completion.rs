@@ -72,7 +72,7 @@ fn completing(command: Command, words: &[OsString]) -> Command {
         match argument.get_id().as_str() {
             "drive" | "station" => argument.add(ArgValueCompleter::new(Drives { names, files: false })),
             // a drive or a file
-            "left" | "right" | "new" | "old" | "from" | "only" => {
+            "left" | "right" | "new" | "old" => {
                 argument.add(ArgValueCompleter::new(Drives { names, files: true }))
             }
             "signals" => {
@@ -161,6 +161,8 @@ impl ValueCompleter for Drives {
         let mut all: Vec<String> = self.names.iter().cloned().chain(planned).collect();
         all.extend(groups);
         all.push("all".to_owned());
+        // a drive of the machine file may have answered too
+        all.sort();
         all.dedup();
         let fitting = all.into_iter().filter(|name| name.starts_with(last));
         let mut found: Vec<CompletionCandidate> = fitting

@@ -71,6 +71,7 @@ fn a_shell_offers_commands_drives_parameters_and_faults() {
         (&["profidrive", "status", "@"], &["@line1"]),
         (&["profidrive", "stop", "al"], &["all"]),
         (&["profidrive", "stop", "fe"], &["feed"]),
+        (&["profidrive", "decode", "--only", "t"], &["trouble"]),
         (&["profidrive", "read", "akd-1", "DRV.ACC"], &["DRV.ACC"]),
         (&["profidrive", "read", "vlt-1", "3-41"], &["3-41"]),
         (&["profidrive", "read", "vlt-1", "DRV."], &[]),

@@ -20,10 +20,20 @@ const ROUNDS: usize = 40;
 const LIMIT: Duration = Duration::from_millis(100);
 /// Between two requests: loss comes in bursts.
 const PAUSE: Duration = Duration::from_millis(20);
+/// Added for each station: all of them answer at once, which a network that is at work has to carry too.
+const PAUSE_FOR_EACH: Duration = Duration::from_millis(2);
+/// The longest time between two requests.
+const LONGEST_PAUSE: Duration = Duration::from_secs(1);
 /// Stations that are measured at most.
 const MAX_STATIONS: usize = 4096;
 /// From this part of lost requests on connections do not last.
 const HEAVY: f64 = 0.1;
+
+/// Returns the time between two requests that so many stations answer.
+fn pause(stations: usize) -> Duration {
+    let stations = u32::try_from(stations).unwrap_or(u32::MAX);
+    (PAUSE + PAUSE_FOR_EACH.saturating_mul(stations)).min(LONGEST_PAUSE)
+}
 
 /// What was measured of the way to the stations.
 #[derive(Default)]
@@ -46,7 +56,7 @@ pub(super) async fn measure(
             break;
         };
         measured.take(answers, known);
-        network.pass(PAUSE).await?;
+        network.pass(pause(known.len())).await?;
     }
     Ok(measured)
 }
@@ -64,6 +74,12 @@ impl Measured {
             }
             self.times.entry(answer.mac).or_default().push(time);
         }
+    }
+
+    /// Whether so many requests to a station are lost that reading it would take long.
+    pub(super) fn is_heavy(&self, station: &Answer) -> bool {
+        let answers = self.times.get(&station.mac).map_or(0, Vec::len);
+        is_heavy(self.rounds.saturating_sub(answers), self.rounds)
     }
 
     /// Reports the way to each of these stations.
@@ -90,6 +106,10 @@ fn link(drive: String, mac: Option<String>, requests: usize, mut times: Vec<Dura
     }
 }
 
+fn is_heavy(lost: usize, requests: usize) -> bool {
+    lost > 0 && lost as f64 >= requests as f64 * HEAVY
+}
+
 fn judged(link: &LinkReport, wording: &dyn Wording) -> Finding {
     let lost = link.requests.saturating_sub(link.answers);
     let times = match (link.median, link.max) {
@@ -104,13 +124,12 @@ fn judged(link: &LinkReport, wording: &dyn Wording) -> Finding {
         let found = format!("{} requests, none lost, {times}", link.requests);
         return Finding::new(Check::Loss, Severity::Ok, found).about(&link.drive);
     }
-    let part = lost as f64 / link.requests as f64;
     let found = format!(
         "packet loss: {lost} of {} requests without an answer ({:.0} %), {times}",
         link.requests,
-        part * 1e2
+        lost as f64 / link.requests as f64 * 1e2
     );
-    let severity = if part >= HEAVY {
+    let severity = if is_heavy(lost, link.requests) {
         Severity::Error
     } else {
         Severity::Warning
@@ -183,6 +202,8 @@ mod tests {
         measured.take(vec![answer(0)], &mut known);
         assert_eq!((known.len(), measured.rounds), (2, 2));
         let mut report = report();
+        let heavy: Vec<bool> = known.iter().map(|one| measured.is_heavy(one)).collect();
+        assert_eq!(heavy, [false, true]);
         measured.report(&known, &mut report, &PlainWording);
         let counts: Vec<_> = report
             .links
@@ -190,6 +211,7 @@ mod tests {
             .map(|link| (link.answers, link.requests))
             .collect();
         assert_eq!(counts, [(2, 2), (1, 2)]);
+        assert_eq!(report.findings.len(), 2);
 
         let mut measured = Measured::default();
         for round in 0..3 {
@@ -206,6 +228,12 @@ mod tests {
             timers: None,
             links: Vec::new(),
         }
+    }
+
+    #[test]
+    fn many_stations_are_requested_less_often() {
+        let ms = |stations| pause(stations).as_millis();
+        assert_eq!((ms(1), ms(40), ms(1000), ms(usize::MAX)), (22, 100, 1000, 1000));
     }
 
     #[test]

@@ -36,7 +36,7 @@ use crate::{Explained, Outcome, Part, Reported, Selector, Step};
 /// Examines this computer and the way to the drives that are meant; `None` is all stations. What could not be checked is a
 /// finding. With an error among the findings the outcome is [`Outcome::Unfit`].
 ///
-/// It takes some 4 s on a network, more where requests are lost, and sends a bounded number of requests.
+/// It takes some 4 s on a network, more where requests are lost or many stations answer, and sends a bounded number of requests.
 ///
 /// # Errors
 /// When the caller requests a stop.

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use client::{Action, Advice, Error};
+use client::{Action, Advice, Drive, Error};
 use profinet::controller::Station as Answer;
 use profinet::wire::dcp::role;
 
@@ -63,9 +63,18 @@ pub(super) async fn examine(
         None => answer.role & role::DEVICE != 0 || answer.role == 0,
     };
     let meant: Vec<Answer> = answers.iter().filter(meant).cloned().collect();
+    let (lossy, readable): (Vec<Answer>, Vec<Answer>) = meant
+        .iter()
+        .cloned()
+        .partition(|answer| measured.is_heavy(answer));
     measured.report(&meant, report, wording);
+    for station in lossy {
+        let found = "not read: too many of its packets are lost";
+        let finding = Finding::new(Check::Records, Severity::Unchecked, found);
+        report.findings.push(finding.about(Drive::new(station).label()));
+    }
     let mut reading = |done, all| progress(Step::counted(Part::Identities, done, all));
-    let read = unless_stopped(scan::described(network, &answers, &meant, &mut reading).await)?;
+    let read = unless_stopped(scan::described(network, &answers, &readable, &mut reading).await)?;
     for scanned in read.map(|read| read.report.stations).unwrap_or_default() {
         report.findings.extend(of_station(&scanned, wording));
     }
