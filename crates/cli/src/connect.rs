@@ -14,7 +14,7 @@ use crate::failure::Failure;
 use crate::output::Output;
 use crate::render::table::clean;
 
-pub use crate::output::{bar, spinner};
+pub use crate::output::{bar, spinner, steps};
 /// What a command needs of the network.
 pub use profidrive::Access as Need;
 
@@ -127,6 +127,11 @@ pub fn network(
     Ok((opening, attended(session, &stop, output)))
 }
 
+/// Returns how to open the network for a verb that opens it itself.
+pub fn unopened(target: &Target, need: Need) -> Result<Opening, Failure> {
+    opening_for(target, need).map(|(opening, _)| opening)
+}
+
 fn opening_for(target: &Target, need: Need) -> Result<(Opening, Stop), Failure> {
     let (mut opening, stop) = opening(&target.options.interface, need)?;
     if let Some(model) = target.options.kind.model {
@@ -213,15 +218,14 @@ fn failed(error: DriveError, taken_for: &Kind) -> Failure {
     }
 }
 
-/// Returns the interface that was named, as an option or in the environment.
+/// Returns the interface that was named, as an option, in the environment or in the configuration.
 fn named(option: &Interface) -> Option<String> {
     let variable = || std::env::var("PROFIDRIVE_INTERFACE").ok();
     // an empty variable is not a variable
-    option
-        .interface
-        .clone()
-        .or_else(variable)
+    let named = option.interface.clone().or_else(variable);
+    named
         .filter(|name| !name.is_empty())
+        .or_else(|| option.configured.clone())
 }
 
 /// Returns the interface to use: as configured, else the only one there is.

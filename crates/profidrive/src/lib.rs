@@ -50,6 +50,8 @@
 //! | decide by the kind of an error | [`client::ErrorKind`], [`Explained`]: kind, message and advice |
 //! | select many drives and work on them side by side | [`Selector`], [`fleet`] |
 //! | scan, and see status, identity and faults of a drive | [`inspection`] |
+//! | examine this computer, its network and the way to each drive | [`doctor`] |
+//! | write an archive for support, or a page for the documentation of a machine (feature `documents`) | `documents` |
 //! | watch the values and faults of a drive | [`monitor`] |
 //! | record signals of many drives (feature `recording`) | `recording` |
 //! | read, list, describe and write parameters as people name them | [`parameters`] |
@@ -67,6 +69,9 @@ pub mod commissioning;
 mod description;
 #[cfg(feature = "gsdml")]
 pub mod device_description;
+pub mod doctor;
+#[cfg(feature = "documents")]
+pub mod documents;
 mod drive;
 mod driver;
 mod explained;
@@ -78,6 +83,7 @@ pub mod motion;
 mod open;
 mod outcome;
 pub mod parameters;
+mod progress;
 mod reach;
 #[cfg(feature = "recording")]
 pub mod recording;
@@ -107,6 +113,7 @@ pub use plant;
 /// The drive profile: parameters, values, telegrams, models.
 pub use profile;
 pub use profinet::{Instant, IpSuite, MacAddress};
+pub use progress::{Part, Step, Sum};
 pub use reach::{OtherSubnet, Reach, far, reach};
 pub use remark::Remark;
 pub use selector::{Selector, SelectorError};

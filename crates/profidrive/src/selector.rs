@@ -159,6 +159,24 @@ impl Selector {
         })
     }
 
+    /// Returns true for a station that answered and is meant.
+    pub(crate) fn means_station(&self, station: &Station) -> bool {
+        self.terms.iter().any(|term| term.means(station))
+    }
+
+    /// Returns the terms that mean none of these stations.
+    pub(crate) fn without(&self, stations: &[Station]) -> Vec<String> {
+        let means = |term: &&Term| stations.iter().any(|station| term.means(station));
+        let without = self.terms.iter().filter(|term| !means(term));
+        without.map(ToString::to_string).collect()
+    }
+
+    /// Returns true where all drives are given by their IP addresses: UDP alone is enough for their records.
+    pub(crate) fn is_by_ip(&self) -> bool {
+        let by_ip = |term: &Term| matches!(term, Term::Address(DriveAddress::Ip(_)));
+        self.terms.iter().all(by_ip)
+    }
+
     pub(crate) fn terms(&self) -> &[Term] {
         &self.terms
     }
@@ -168,6 +186,19 @@ impl From<DriveAddress> for Selector {
     fn from(address: DriveAddress) -> Self {
         Self {
             terms: vec![Term::Address(address)],
+        }
+    }
+}
+
+impl Term {
+    /// Returns true for a station that answered and is meant.
+    pub(crate) fn means(&self, station: &Station) -> bool {
+        match self {
+            Self::Group(group) => group.means(station),
+            Self::Address(DriveAddress::Name(name)) => station.name == *name,
+            Self::Address(DriveAddress::Ip(ip)) => station.ip.address == *ip,
+            Self::Address(DriveAddress::Mac(mac)) => station.mac == *mac,
+            Self::Address(DriveAddress::Line(_)) => false,
         }
     }
 }
@@ -326,12 +357,18 @@ impl fmt::Display for Selector {
             if number > 0 {
                 f.write_str(",")?;
             }
-            match term {
-                Term::Address(address) => address.fmt(f)?,
-                Term::Group(group) => group.fmt(f)?,
-            }
+            term.fmt(f)?;
         }
         Ok(())
+    }
+}
+
+impl fmt::Display for Term {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Address(address) => address.fmt(f),
+            Self::Group(group) => group.fmt(f),
+        }
     }
 }
 

@@ -8,6 +8,7 @@ mod conformance;
 mod corpus;
 mod decode;
 mod docs;
+mod doctor;
 mod examples;
 mod fleet;
 mod frames;

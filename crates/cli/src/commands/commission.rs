@@ -11,7 +11,7 @@ use profidrive::fleet;
 use profidrive::machine::Machine;
 use profidrive::report::{BackupReport, CommissionReport, Drives};
 use profidrive::settings::{self, BackupFile, FileError};
-use profidrive::{Opening, Selector};
+use profidrive::{Opening, Part, Selector, Sum};
 
 use super::each::{self, Row};
 use crate::advice::Commands;
@@ -75,14 +75,18 @@ fn from(
     let (mut session, found) = connect::drives(&options.target(drives), Need::Records, output)?;
     let left_out = found.left_out;
     let bar = connect::bar(output, found.members.len(), "reading");
+    let sum = Sum::new(Part::Drives, found.members.len(), |step| {
+        bar.set_length(step.all as u64);
+        bar.set_position(step.done as u64);
+    });
     let saved = fleet::each(&session, found.members, async |session, drive| {
-        let read = settings::backup(session, drive, |_, _| {}).await?;
+        let name = drive.label();
+        let read = settings::backup(session, drive, |done, all| sum.report(&name, done, all)).await?;
         if drive.station.name.is_empty() {
             return Err(Failure::new(ErrorKind::Unsupported, "it has no name").hint("{name}"));
         }
         let place = settings::file_in(folder, drive);
         BackupFile::at(&place, force)?.write(&read.report)?;
-        bar.inc(1);
         Ok(read.report)
     });
     let saved = saved.wait();
@@ -166,8 +170,12 @@ fn carry_out(
         };
         confirm(&mut session, &question, output)?;
     }
-    let bar = connect::bar(output, planned.len(), "commissioning");
-    let done = commissioning::carry_out(&opening, &mut session, machine, planned, |_| bar.inc(1)).wait();
+    let bar = connect::bar(output, changing, "commissioning");
+    let progress = |step: profidrive::Step| {
+        bar.set_length(step.all as u64);
+        bar.set_position(step.done as u64);
+    };
+    let done = commissioning::carry_out(&opening, &mut session, machine, planned, progress).wait();
     bar.finish_and_clear();
     let done = done?;
     let closed = session.close().wait();

@@ -1,8 +1,11 @@
 //! A command for one drive or for many: found, worked on side by side, and shown together.
 
+use std::sync::atomic::{AtomicBool, Ordering};
+
 use client::{Drive, ErrorKind, Session, Wait};
 use profidrive::fleet::{self, Member};
 use profidrive::report::{self, Drives, OfDrive};
+use profidrive::{Part, Sum};
 use serde::Serialize;
 
 use crate::advice::Commands;
@@ -184,9 +187,20 @@ impl<D> Row<D> {
 pub fn many<V: Each>(verb: &V, target: &Target, output: &Output) -> Result<(), Failure> {
     let (mut session, found) = connect::drives(target, verb.need(), output)?;
     let bar = connect::bar(output, found.members.len(), V::DOING);
+    // verbs that count their work are shown by it, others by the drives that are done
+    let counted = AtomicBool::new(false);
+    let sum = Sum::new(Part::Drives, found.members.len(), |step| {
+        counted.store(true, Ordering::Relaxed);
+        bar.set_length(step.all as u64);
+        bar.set_position(step.done as u64);
+    });
     let members = fleet::each(&session, found.members, async |session, drive| {
-        let done = verb.work(session, drive, &mut |_, _| {}).await;
-        bar.inc(1);
+        let name = drive.label();
+        let mut progress = |done, all| sum.report(&name, done, all);
+        let done = verb.work(session, drive, &mut progress).await;
+        if !counted.load(Ordering::Relaxed) {
+            bar.inc(1);
+        }
         done
     });
     let members = members.wait();

@@ -7,6 +7,7 @@ use profidrive::report::{
 use profidrive::{Network, Reported, scan};
 
 use crate::args::{Interface, Scan};
+use crate::cache;
 use crate::connect::{self, Need};
 use crate::failure::Failure;
 use crate::output::{Colour, Output};
@@ -40,6 +41,7 @@ pub fn run(args: &Scan, interface: &Interface, output: &Output) -> Result<(), Fa
     bar.finish_and_clear();
     let Reported { report, outcome } = found?;
     network.close().wait()?;
+    cache::remember(report.stations.iter().map(|one| &one.station));
     if args.csv {
         output.raw(&csv(&report)?);
     } else {
