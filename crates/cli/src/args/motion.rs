@@ -9,7 +9,7 @@ use profile::notation::Quantity;
 
 use super::duration;
 
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 pub struct Cyclic {
     /// Update time of the cyclic connection; at least 16 ms when left out, as the drive allows it
     #[arg(long, value_name = "TIME", value_parser = duration)]
@@ -20,7 +20,7 @@ pub struct Cyclic {
 }
 
 /// Options of commands that move an axis.
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 pub struct Recorded {
     /// Record every cyclic sample of the motion to this file: .csv, .arrows, .arrow or .parquet. No file is replaced
     #[arg(long, value_name = "FILE")]
@@ -28,7 +28,7 @@ pub struct Recorded {
 }
 
 /// Options of commands that enable an axis.
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 pub struct Enabling {
     /// Move a drive that may run on when this program is killed or the line breaks, because a setting of the drive says so
     /// (VLT 8-04, Vacon ID 733); without it the command refuses such a drive
@@ -39,7 +39,7 @@ pub struct Enabling {
 }
 
 /// Options of commands that need the drive in one mode.
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 pub struct InMode {
     /// Put the drive into the mode this needs (PNU 930) and put mode and telegram (PNU 922) back afterwards; without it
     /// the command refuses a drive in another mode
@@ -49,7 +49,7 @@ pub struct InMode {
     pub enabling: Enabling,
 }
 
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 pub struct Ack {
     /// By a parameter (DRV.CLRFAULTS) instead of the control word: takes no control, works beside a controller
     #[arg(long, conflicts_with_all = ["cycle", "watchdog"])]
@@ -58,7 +58,7 @@ pub struct Ack {
     pub cyclic: Cyclic,
 }
 
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 pub struct Run {
     /// Speed: 60rpm, -1rps, 20% of the reference of the drive, or 25Hz of a frequency converter; a bare number is in rpm
     #[arg(long, value_name = "SPEED", allow_hyphen_values = true)]
@@ -85,7 +85,7 @@ pub struct Run {
     pub control: InMode,
 }
 
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 pub struct Jog {
     /// Which jog setpoint of the drive: 1 (STW1 bit 8) or 2 (bit 9)
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..=2))]
@@ -112,7 +112,7 @@ pub struct Jog {
     pub control: Enabling,
 }
 
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 pub struct Home {
     /// Stop if homing takes longer
     #[arg(long, value_name = "TIME", default_value = "60s", value_parser = duration)]
@@ -123,18 +123,18 @@ pub struct Home {
     pub control: InMode,
 }
 
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 pub struct Move {
-    /// Where to: 10rev, -90deg, 655360 (counts); with --relative how far
+    /// Where to: 10rev, -90deg, 655360 (counts), or 120mm where the machine file has the pitch; with --relative how far
     #[arg(long, value_name = "POSITION", allow_hyphen_values = true)]
     pub to: Quantity,
     /// The position is a distance from where the axis is
     #[arg(long)]
     pub relative: bool,
-    /// Speed: 300rpm, 5rps; a bare number is in rpm
+    /// Speed: 300rpm, 5rps, 50mm/s; a bare number is in rpm
     #[arg(long, value_name = "SPEED")]
     pub velocity: Quantity,
-    /// Acceleration: 3000rpm/s; DRV.ACC of the drive when left out
+    /// Acceleration: 3000rpm/s, 100mm/s2; DRV.ACC of the drive when left out
     #[arg(long, value_name = "RAMP")]
     pub acceleration: Option<Quantity>,
     /// Deceleration; DRV.DEC of the drive when left out
@@ -155,7 +155,7 @@ pub struct Move {
     pub control: InMode,
 }
 
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 pub struct Task {
     /// Number of the motion task in the table of the drive
     #[arg(value_name = "NUMBER", value_parser = clap::value_parser!(u16).range(1..=128))]
@@ -169,7 +169,7 @@ pub struct Task {
     pub control: InMode,
 }
 
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 pub struct Stop {
     /// Switch the power stage off too (AKD: DRV.DIS; all others are always switched off); its controller needs OFF and ON
     /// afterwards

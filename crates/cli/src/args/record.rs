@@ -43,7 +43,7 @@ pub struct Record {
     pub cyclic: Cyclic,
 }
 
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 pub struct Step {
     /// Speed before the step and speed of the step: 0:300rpm, -60rpm:60rpm, 0:25Hz of a frequency converter; a bare number has the
     /// unit of the other one, or rpm

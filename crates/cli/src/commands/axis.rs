@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use client::axis::Room;
 use client::{Drive, Wait};
-use profidrive::machine::SpeedBound;
+use profidrive::machine::{SpeedBound, UserUnit};
 use profidrive::motion::{self, Control, End, Event, Message, MotionError, Observer, Remark};
 use profile::notation::Quantity;
 use profinet::cyclic::Timing;
@@ -15,6 +15,7 @@ use crate::connect::{self, Live, Need};
 use crate::failure::Failure;
 use crate::output::Output;
 use crate::render::live::LiveView;
+use crate::render::number;
 
 /// Longest wait of a command that ends with Ctrl-C only.
 pub const UNLIMITED: Duration = Duration::from_secs(100 * 365 * 24 * 3600);
@@ -107,6 +108,47 @@ pub fn with_drive<T>(
     let done = work(&mut session, &mut drive)?;
     session.close().wait()?;
     Ok(done)
+}
+
+/// Converts quantities in the unit of the load, which the machine file has for the drive, into those of the motor, and says so.
+pub fn in_motor_units<'a>(
+    target: &Target,
+    quantities: impl IntoIterator<Item = &'a mut Quantity>,
+    output: &Output,
+) -> Result<Option<UserUnit>, Failure> {
+    let machine = connect::machine(&target.options, output)?;
+    let unit = machine
+        .as_ref()
+        .and_then(|machine| machine.user_unit(&target.drive));
+    let Some(unit) = unit else { return Ok(None) };
+    for quantity in quantities {
+        if let Some(motor) = unit.to_motor(quantity) {
+            output.say(&format!("{quantity} is {} ({unit})", shown(&motor)));
+            *quantity = motor;
+        }
+    }
+    Ok(Some(unit.clone()))
+}
+
+/// Shows where the axis is, or how far it went, in the unit of its load.
+pub fn show_travel(unit: Option<&UserUnit>, report: &motion::Report, output: &Output) {
+    let Some(unit) = unit else { return };
+    let result = &report.result;
+    let turns = |quantity: &Option<profidrive::report::Quantity>| {
+        let found = quantity.as_ref().filter(|quantity| quantity.unit == "rev")?;
+        Some(number((unit.travel(found.value) * 1000.0).round() / 1000.0))
+    };
+    let name = &unit.name;
+    match (turns(&result.position), turns(&result.distance)) {
+        (Some(position), _) => output.say(&format!("the load is at {position} {name}")),
+        (None, Some(distance)) => output.say(&format!("the load went {distance} {name}")),
+        (None, None) => {}
+    }
+}
+
+fn shown(quantity: &Quantity) -> String {
+    let unit = quantity.unit.as_deref().unwrap_or_default();
+    format!("{} {unit}", number(quantity.number.as_f64()))
 }
 
 /// Connects to a drive and moves it. `work` gets the limit that the machine file has for the speed of the drive.

@@ -13,6 +13,10 @@ use crate::output::Output;
 use crate::render::value;
 
 pub fn run(args: &Jog, target: &Target, output: &Output) -> Result<(), Failure> {
+    let mut args = args.clone();
+    let quantities = std::iter::once(&mut args.limit).chain(&mut args.velocity);
+    let unit = axis::in_motor_units(target, quantities, output)?;
+    let args = &args;
     let speed = args.velocity.as_ref();
     let speed = speed
         .map(|quantity| Speed::of(quantity, "--velocity"))
@@ -68,7 +72,9 @@ pub fn run(args: &Jog, target: &Target, output: &Output) -> Result<(), Failure> 
             motion::jog(session, drive, &wanted, &observer).wait()
         },
     );
-    recorder.end(done, output).map(|_| ())
+    let report = recorder.end(done, output)?;
+    axis::show_travel(unit.as_ref(), &report, output);
+    Ok(())
 }
 
 /// The speeds of a jog.

@@ -13,7 +13,11 @@ use crate::failure::Failure;
 use crate::output::Output;
 
 pub fn run(args: &Move, target: &Target, output: &Output) -> Result<(), Failure> {
-    let order = order(args)?;
+    let mut args = args.clone();
+    let ramps = args.acceleration.iter_mut().chain(&mut args.deceleration);
+    let quantities = [&mut args.to, &mut args.velocity, &mut args.limit].into_iter();
+    let unit = axis::in_motor_units(target, quantities.chain(ramps), output)?;
+    let order = order(&args)?;
     let mut wanted = motion::Move {
         order,
         limit: axis::rpm(&args.limit, "--limit")?.abs(),
@@ -35,7 +39,9 @@ pub fn run(args: &Move, target: &Target, output: &Output) -> Result<(), Failure>
             motion::move_to(session, drive, &wanted, &observer).wait()
         },
     );
-    recorder.end(done, output).map(|_| ())
+    let report = recorder.end(done, output)?;
+    axis::show_travel(unit.as_ref(), &report, output);
+    Ok(())
 }
 
 /// Everything that `move` reads and checks; nothing is sent that changes anything.

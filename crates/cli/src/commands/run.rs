@@ -13,7 +13,10 @@ use crate::failure::Failure;
 use crate::output::Output;
 
 pub fn run(args: &Run, target: &Target, output: &Output) -> Result<(), Failure> {
-    let mut wanted = wanted(args)?;
+    let mut args = args.clone();
+    let quantities = std::iter::once(&mut args.velocity).chain(&mut args.limit);
+    let unit = axis::in_motor_units(target, quantities, output)?;
+    let mut wanted = wanted(&args)?;
     let mut recorder = Recorder::of(args.recorded.record.as_deref())?;
     if args.dry_run {
         let plan = axis::moving(
@@ -38,7 +41,9 @@ pub fn run(args: &Run, target: &Target, output: &Output) -> Result<(), Failure> 
             motion::run(session, drive, &wanted, &observer).wait()
         },
     );
-    recorder.end(done, output).map(|_| ())
+    let report = recorder.end(done, output)?;
+    axis::show_travel(unit.as_ref(), &report, output);
+    Ok(())
 }
 
 /// The requested speed, in one unit.

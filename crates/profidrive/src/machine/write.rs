@@ -55,6 +55,7 @@ impl Machine {
             telegram: telegram(&model, backup),
             groups: Vec::new(),
             max_speed: None,
+            user_unit: None,
             backup: Some(PathBuf::from(file.file_name().unwrap_or_default())),
             parameters: Vec::new(),
         };
