@@ -93,7 +93,7 @@ pub struct Reader<'a> {
     data: &'a [u8],
     base: usize,
     position: usize,
-    trace: Option<&'a Trace>,
+    trace: Option<&'a Trace<'a>>,
 }
 
 impl<'a> Reader<'a> {
@@ -121,7 +121,7 @@ impl<'a> Reader<'a> {
 
     /// Reads on with a note of every field in `trace`.
     #[must_use]
-    pub const fn traced(mut self, trace: &'a Trace) -> Self {
+    pub const fn traced(mut self, trace: &'a Trace<'a>) -> Self {
         self.trace = Some(trace);
         self
     }
@@ -157,11 +157,11 @@ impl<'a> Reader<'a> {
     }
 
     /// Reads all octets that are left.
-    pub fn rest(&mut self) -> &'a [u8] {
+    pub fn rest(&mut self, what: &'static str) -> &'a [u8] {
         let rest = self.peek_rest();
         self.position = self.data.len();
         if let Some(trace) = self.trace {
-            trace.read("data", rest);
+            trace.read(what, rest);
         }
         rest
     }
