@@ -79,7 +79,7 @@ pub fn drive(target: &Target, need: Need, output: &Output) -> Result<(Live, Driv
         FindEvent::UdpAlone => output.say("no raw socket can be opened: going by UDP alone"),
         FindEvent::LookingFor(address) => shown = Some(spinner(output, format!("looking for {address}"))),
         FindEvent::Learning { done, all } => {
-            let bar = shown.get_or_insert_with(|| bar(output, 0, "asking the drive what its parameters are"));
+            let bar = shown.get_or_insert_with(|| bar(output, 0, "reading the parameter list of the drive"));
             bar.set_length(all as u64);
             bar.set_position(done as u64);
         }

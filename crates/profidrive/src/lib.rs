@@ -49,7 +49,10 @@
 //! | record every cyclic sample of an axis | [`client::Axis::samples`]; `examples/record_samples.rs` |
 //! | decide by the kind of an error | [`client::ErrorKind`], [`Explained`]: kind, message and advice |
 //! | select many drives and work on them side by side | [`Selector`], [`fleet`] |
-//! | scan, and see status, identity and faults of a drive | [`inspection`] |
+//! | scan a network, and watch who comes and goes | [`scan`] |
+//! | see status, identity and faults of a drive | [`inspection`] |
+//! | read a machine file, apply it, replace a drive | [`machine`], [`commissioning`] |
+//! | pass on what a verb reports | [`report`], [`Reported`] with its [`Outcome`] |
 //! | examine this computer, its network and the way to each drive | [`doctor`] |
 //! | write an archive for support, or a page for the documentation of a machine (feature `documents`) | `documents` |
 //! | watch the values and faults of a drive | [`monitor`] |

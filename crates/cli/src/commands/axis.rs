@@ -218,7 +218,7 @@ pub fn observer(drive: &str, output: &Output) -> Observer {
             let text = format!("{sentence}{}", next.unwrap_or_default());
             match event {
                 Event::LongStop => output.say(&format!(
-                    "{text}; Ctrl-C for a quick stop (OFF3), after a second if it was pressed before"
+                    "{text}; Ctrl-C makes it a quick stop (OFF3), at least 1 s after the last one"
                 )),
                 _ if is_warning => output.warn(&text),
                 _ => output.say(&text),

@@ -86,7 +86,7 @@ fn way_back(args: &Restore) -> Result<PathBuf, Failure> {
         ))),
         Some(path) => Ok(path.clone()),
         None => settings::way_back(&args.file).ok_or_else(|| {
-            Failure::usage("there are 9999 ways back beside the file; give one with --way-back PATH")
+            Failure::usage("no free name for the values before: `.before-1` to `.before-9999` exist; choose one with --way-back PATH")
         }),
     }
 }
