@@ -72,11 +72,15 @@ impl<'a> Trace<'a> {
         self.frame.as_ptr().addr()
     }
 
+    #[cold]
+    #[inline(never)]
     pub(super) fn read(&self, what: &'static str, octets: &[u8]) {
         self.note(what, octets, None);
     }
 
     /// The field that ends where `rest` begins is this number.
+    #[cold]
+    #[inline(never)]
     pub(super) fn number(&self, rest: &[u8], value: u128) {
         let end = rest.as_ptr().addr();
         let mut fields = self.fields.borrow_mut();
@@ -89,6 +93,8 @@ impl<'a> Trace<'a> {
     }
 
     /// `rest` begins with the field; it has `length` octets, or is cut off where that is 0.
+    #[cold]
+    #[inline(never)]
     pub(super) fn failed(&self, what: &'static str, rest: &[u8], length: usize, problem: Problem) {
         let field = rest.get(..length).filter(|field| !field.is_empty());
         self.note(what, field.unwrap_or(rest), Some(problem));
