@@ -23,6 +23,7 @@ mod text;
 mod timeline;
 mod trace;
 mod world;
+mod written;
 
 pub use event::{LinkFault, PlantEvent, PlantEventError, Unit, keys};
 pub use expect::{
@@ -37,3 +38,4 @@ pub use text::derived_mac;
 pub use timeline::{Played, Timeline};
 pub use trace::{DriveMessage, Event, EventKind, Sample};
 pub use world::World;
+pub use written::{ParameterReading, ReadingValue, WrittenBy};
