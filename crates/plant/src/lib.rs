@@ -14,11 +14,13 @@ mod event;
 mod expect;
 mod file;
 pub mod host;
+mod kept;
 mod located;
 #[cfg(feature = "metrics")]
 pub mod metrics;
 mod plan;
 mod program;
+mod snapshot;
 mod text;
 mod timeline;
 mod trace;
@@ -32,8 +34,10 @@ pub use expect::{
 #[cfg(feature = "junit")]
 pub use expect::{Suite, junit};
 pub use file::PlantFileError;
+pub use kept::{DriveTrace, Trace, TraceError};
 pub use located::PlantError;
 pub use plan::{Action, ControllerPlan, Cue, DrivePlan, PlantPlan, Step, Trigger, WorldError};
+pub use snapshot::Snapshot;
 pub use text::derived_mac;
 pub use timeline::{Played, Timeline};
 pub use trace::{DriveMessage, Event, EventKind, Sample};
