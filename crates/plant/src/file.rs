@@ -19,7 +19,7 @@ use virtual_drive::model::{self, Model};
 use virtual_drive::station::{Station, StationConfig};
 
 use crate::event::PlantEvent;
-use crate::expect::{Expectation, Scope, read_all, read_list};
+use crate::expect::{Expectation, Goal, Scope, read_all, read_goal, read_list};
 use crate::located::{Located, PlantError, line_of, located};
 use crate::plan::{Cue, DrivePlan, PlantPlan, Trigger, set};
 use crate::program::RawController;
@@ -93,6 +93,16 @@ impl PlantPlan {
     pub fn expectations_of(&self, text: &str) -> Result<Vec<Expectation>, PlantError> {
         let drives = &self.drives;
         read_all(text, Scope { drives })
+    }
+
+    /// Returns what a run is to wait for ([`World::run_until_met`](crate::World::run_until_met)) from a text: one inline table
+    /// with the keys of conditions and, where needed, `drive` and `for`.
+    ///
+    /// # Errors
+    /// What is wrong with it; for example that it is for more than one drive.
+    pub fn goal(&self, text: &str) -> Result<Goal, PlantError> {
+        let drives = &self.drives;
+        read_goal(text, Scope { drives })
     }
 
     /// Reads a file with more expectations, see [`expectations_of`](Self::expectations_of).

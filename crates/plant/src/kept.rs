@@ -256,7 +256,7 @@ impl Trace {
 
     /// Returns a number that is the same for the same run: the same plant, the same seed, and the same calls.
     ///
-    /// It covers everything that is in the trace. It is that of this version of the library on this kind of computer.
+    /// It covers the events, and when each drive changed to what. It is that of this version of the library on this kind of computer.
     #[must_use]
     pub fn digest(&self) -> u64 {
         // FNV-1a: no collision by an opponent is to be feared
@@ -274,8 +274,7 @@ impl Trace {
         ] {
             take(&number.to_be_bytes());
         }
-        for (tick, event) in &self.events {
-            take(&(*tick as u64).to_be_bytes());
+        for event in self.events() {
             // an event has numbers and texts only, which always serialise
             take(&serde_json::to_vec(event).unwrap_or_default());
         }

@@ -29,7 +29,8 @@ mod written;
 
 pub use event::{LinkFault, PlantEvent, PlantEventError, Unit, keys};
 pub use expect::{
-    Expectation, ExpectationResult, Live, Monitor, Nearest, Observed, Outcome, Quantity as ObservedQuantity,
+    Expectation, ExpectationResult, Goal, Live, Monitor, Nearest, Observed, Outcome,
+    Quantity as ObservedQuantity,
 };
 #[cfg(feature = "junit")]
 pub use expect::{Suite, junit};
@@ -41,5 +42,5 @@ pub use snapshot::Snapshot;
 pub use text::derived_mac;
 pub use timeline::{Played, Timeline};
 pub use trace::{DriveMessage, Event, EventKind, Sample};
-pub use world::World;
+pub use world::{NotMet, World};
 pub use written::{ParameterReading, ReadingValue, WrittenBy};

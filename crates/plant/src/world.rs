@@ -1,6 +1,7 @@
 //! A plant in virtual time.
 
 mod controller;
+mod goal;
 mod keep;
 
 use std::convert::Infallible;
@@ -16,6 +17,7 @@ use virtual_drive::model::Model;
 use virtual_drive::station::{Station, StationEvent};
 
 use controller::ControllerSeat;
+pub use goal::NotMet;
 use keep::Watchers;
 
 use crate::event::{PlantEvent, Unit};
@@ -138,10 +140,11 @@ impl World {
     /// the plant. Replaces those before.
     pub fn expect(&mut self, expectations: &[Expectation], seed: u64) {
         let monitor = Monitor::new(expectations, self.drives.len(), seed);
-        self.watchers.monitor = Some(Box::new(monitor));
-        let others = self.watchers.trace.take();
-        self.show_drives(self.now());
-        self.watchers.trace = others;
+        let watchers = self.shown(Watchers {
+            monitor: Some(Box::new(monitor)),
+            ..Watchers::default()
+        });
+        self.watchers.monitor = watchers.monitor;
     }
 
     /// Ends the checks at the present time; returns what came of each expectation for each of its drives.
@@ -307,7 +310,7 @@ impl World {
             self.look_at_drive(number, now, record);
         }
         self.look_at_controllers(now, record);
-        self.show_drives(now);
+        self.show_drives();
     }
 
     fn look_at_drive(&mut self, number: usize, now: Instant, record: &mut dyn FnMut(Event)) {

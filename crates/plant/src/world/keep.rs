@@ -14,6 +14,8 @@ use super::{Seat, World};
 pub(super) struct Watchers {
     /// Checks what is expected of the drives.
     pub monitor: Option<Box<Monitor>>,
+    /// Waits for something to be true of a drive.
+    pub goal: Option<Box<Monitor>>,
     /// Keeps the run.
     pub trace: Option<Box<Trace>>,
 }
@@ -21,7 +23,7 @@ pub(super) struct Watchers {
 impl Watchers {
     /// Shows an event of the drive of that number.
     pub fn note(&mut self, drive: usize, event: &Event) {
-        if let Some(monitor) = &mut self.monitor {
+        for monitor in [&mut self.monitor, &mut self.goal].into_iter().flatten() {
             monitor.note(drive, event);
         }
         if let Some(trace) = &mut self.trace {
@@ -30,7 +32,7 @@ impl Watchers {
     }
 
     const fn is_empty(&self) -> bool {
-        self.monitor.is_none() && self.trace.is_none()
+        self.monitor.is_none() && self.goal.is_none() && self.trace.is_none()
     }
 }
 
@@ -39,10 +41,12 @@ impl World {
     /// Replaces the trace before.
     pub fn keep_trace(&mut self, limit: usize) {
         let names = self.drives.iter().map(|seat| seat.name.as_str());
-        self.watchers.trace = Some(Box::new(Trace::new(self.seed, names, limit)));
-        let others = self.watchers.monitor.take();
-        self.show_drives(self.now());
-        self.watchers.monitor = others;
+        let trace = Some(Box::new(Trace::new(self.seed, names, limit)));
+        let watchers = self.shown(Watchers {
+            trace,
+            ..Watchers::default()
+        });
+        self.watchers.trace = watchers.trace;
     }
 
     /// Returns the trace until now; `None` when none is [kept](Self::keep_trace).
@@ -60,11 +64,17 @@ impl World {
     }
 
     /// Shows all drives to those who watch them.
-    pub(super) fn show_drives(&mut self, now: Instant) {
-        if self.watchers.is_empty() {
-            return;
+    pub(super) fn show_drives(&mut self) {
+        let watchers = std::mem::take(&mut self.watchers);
+        self.watchers = self.shown(watchers);
+    }
+
+    /// Shows all drives as they are now; returns those who have seen them.
+    pub(super) fn shown(&self, mut watchers: Watchers) -> Watchers {
+        if watchers.is_empty() {
+            return watchers;
         }
-        let time = now - Instant::ZERO;
+        let time = self.now() - Instant::ZERO;
         let live = |seat: &Seat| {
             let unit = self.medium.segment().station::<Unit>(seat.id)?;
             Some(Live {
@@ -73,8 +83,8 @@ impl World {
             })
         };
         let drives: Vec<Live<'_>> = self.drives.iter().filter_map(live).collect();
-        let Watchers { monitor, trace } = &mut self.watchers;
-        if let Some(monitor) = monitor {
+        let Watchers { monitor, goal, trace } = &mut watchers;
+        for monitor in [monitor, goal].into_iter().flatten() {
             for (number, live) in drives.iter().enumerate() {
                 monitor.observe(number, time, live);
             }
@@ -82,5 +92,6 @@ impl World {
         if let Some(trace) = trace {
             trace.take_tick(time, drives.iter().map(|live| live as &dyn Observed));
         }
+        watchers
     }
 }
