@@ -68,12 +68,19 @@ impl PlantPlan {
     /// # Errors
     /// When it cannot be read, or when something in it is not valid.
     pub fn read(path: &Path) -> Result<Self, PlantFileError> {
-        let plant: Result<Self, PlantError> = read_text(path)?.parse();
-        let mut plant = plant.map_err(|error| PlantFileError::PlantPlan {
+        let text = read_text(path)?;
+        Self::of_text(&text, Some(path)).map_err(|error| PlantFileError::PlantPlan {
             path: path.to_owned(),
             error,
-        })?;
-        set_file(&mut plant.expectations, path);
+        })
+    }
+
+    /// Reads the text of a plant file; its expectations are those of `file`.
+    pub(crate) fn of_text(text: &str, file: Option<&Path>) -> Result<Self, PlantError> {
+        let mut plant: Self = text.parse()?;
+        if let Some(file) = file {
+            set_file(&mut plant.expectations, file);
+        }
         Ok(plant)
     }
 
@@ -129,7 +136,7 @@ fn set_file(expectations: &mut [Expectation], path: &Path) {
 }
 
 /// Reads a text file, not more of it than one may have.
-fn read_text(path: &Path) -> Result<String, PlantFileError> {
+pub(crate) fn read_text(path: &Path) -> Result<String, PlantFileError> {
     let mut octets = Vec::new();
     // one more than is used, so that a longer file is recognized
     File::open(path)
