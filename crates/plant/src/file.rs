@@ -19,7 +19,7 @@ use virtual_drive::model::{self, Model};
 use virtual_drive::station::{Station, StationConfig};
 
 use crate::event::PlantEvent;
-use crate::expect::{Expectation, Scope, read_all, read_list};
+use crate::expect::{Expectation, Goal, Scope, read_all, read_goal, read_list};
 use crate::located::{Located, PlantError, line_of, located};
 use crate::plan::{Cue, DrivePlan, PlantPlan, Trigger, set};
 use crate::program::RawController;
@@ -68,12 +68,19 @@ impl PlantPlan {
     /// # Errors
     /// When it cannot be read, or when something in it is not valid.
     pub fn read(path: &Path) -> Result<Self, PlantFileError> {
-        let plant: Result<Self, PlantError> = read_text(path)?.parse();
-        let mut plant = plant.map_err(|error| PlantFileError::PlantPlan {
+        let text = read_text(path)?;
+        Self::of_text(&text, Some(path)).map_err(|error| PlantFileError::PlantPlan {
             path: path.to_owned(),
             error,
-        })?;
-        set_file(&mut plant.expectations, path);
+        })
+    }
+
+    /// Reads the text of a plant file; its expectations are those of `file`.
+    pub(crate) fn of_text(text: &str, file: Option<&Path>) -> Result<Self, PlantError> {
+        let mut plant: Self = text.parse()?;
+        if let Some(file) = file {
+            set_file(&mut plant.expectations, file);
+        }
         Ok(plant)
     }
 
@@ -93,6 +100,16 @@ impl PlantPlan {
     pub fn expectations_of(&self, text: &str) -> Result<Vec<Expectation>, PlantError> {
         let drives = &self.drives;
         read_all(text, Scope { drives })
+    }
+
+    /// Returns what a run is to wait for ([`World::run_until_met`](crate::World::run_until_met)) from a text: one inline table
+    /// with the keys of conditions and, where needed, `drive` and `for`.
+    ///
+    /// # Errors
+    /// What is wrong with it; for example that it is for more than one drive.
+    pub fn goal(&self, text: &str) -> Result<Goal, PlantError> {
+        let drives = &self.drives;
+        read_goal(text, Scope { drives })
     }
 
     /// Reads a file with more expectations, see [`expectations_of`](Self::expectations_of).
@@ -119,7 +136,7 @@ fn set_file(expectations: &mut [Expectation], path: &Path) {
 }
 
 /// Reads a text file, not more of it than one may have.
-fn read_text(path: &Path) -> Result<String, PlantFileError> {
+pub(crate) fn read_text(path: &Path) -> Result<String, PlantFileError> {
     let mut octets = Vec::new();
     // one more than is used, so that a longer file is recognized
     File::open(path)

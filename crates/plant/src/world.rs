@@ -1,6 +1,8 @@
 //! A plant in virtual time.
 
 mod controller;
+mod goal;
+mod keep;
 
 use std::convert::Infallible;
 use std::time::Duration;
@@ -15,9 +17,11 @@ use virtual_drive::model::Model;
 use virtual_drive::station::{Station, StationEvent};
 
 use controller::ControllerSeat;
+pub use goal::NotMet;
+use keep::Watchers;
 
 use crate::event::{PlantEvent, Unit};
-use crate::expect::{Expectation, ExpectationResult, Live, Monitor, revolutions};
+use crate::expect::{Expectation, ExpectationResult, Monitor, revolutions};
 use crate::plan::{DrivePlan, PlantPlan, WorldError};
 use crate::text::derived_mac;
 use crate::timeline::Timeline;
@@ -55,8 +59,8 @@ pub struct World {
     controllers: Vec<ControllerSeat>,
     sample: Option<(Duration, Instant)>,
     observer: Option<Box<dyn FnMut(Event) + Send>>,
-    /// Checks what is expected of the drives.
-    monitor: Option<Box<Monitor>>,
+    watchers: Watchers,
+    seed: u64,
 }
 
 impl std::fmt::Debug for World {
@@ -122,7 +126,8 @@ impl World {
             controllers,
             sample: plant.sample.map(|sample| (sample, Instant::ZERO + sample)),
             observer: None,
-            monitor: None,
+            watchers: Watchers::default(),
+            seed: plant.seed,
         })
     }
 
@@ -134,34 +139,20 @@ impl World {
     /// Checks these expectations from now on, at each tick of the drives; the time of an expectation counts from the start of
     /// the plant. Replaces those before.
     pub fn expect(&mut self, expectations: &[Expectation], seed: u64) {
-        self.monitor = Some(Box::new(Monitor::new(expectations, self.drives.len(), seed)));
-        self.check(self.now());
+        let monitor = Monitor::new(expectations, self.drives.len(), seed);
+        let watchers = self.shown(Watchers {
+            monitor: Some(Box::new(monitor)),
+            ..Watchers::default()
+        });
+        self.watchers.monitor = watchers.monitor;
     }
 
     /// Ends the checks at the present time; returns what came of each expectation for each of its drives.
     pub fn finish_expectations(&mut self) -> Vec<ExpectationResult> {
         let end = self.now() - Instant::ZERO;
-        let monitor = self.monitor.take();
+        let monitor = self.watchers.monitor.take();
         let name = |drive: usize| self.drives.get(drive).map_or("", |seat| &seat.name);
         monitor.map_or_else(Vec::new, |monitor| monitor.finish(end, name))
-    }
-
-    /// Shows all drives to the monitor.
-    fn check(&mut self, now: Instant) {
-        let Some(mut monitor) = self.monitor.take() else {
-            return;
-        };
-        for (number, seat) in self.drives.iter().enumerate() {
-            if let Some(unit) = self.medium.segment().station::<Unit>(seat.id) {
-                let drive = unit.inner().endpoint().drive();
-                let live = Live {
-                    drive,
-                    connected: seat.connected,
-                };
-                monitor.observe(number, now - Instant::ZERO, &live);
-            }
-        }
-        self.monitor = Some(monitor);
     }
 
     /// Sets how time passes while a client carries the plant.
@@ -279,9 +270,7 @@ impl World {
             };
             for played in seat.line.play(now, unit) {
                 let event = Event::at(now, &seat.name, played.into());
-                if let Some(monitor) = &mut self.monitor {
-                    monitor.note(number, &event);
-                }
+                self.watchers.note(number, &event);
                 record(event);
             }
         }
@@ -292,11 +281,10 @@ impl World {
                     break;
                 };
                 if let Some(text) = seat.act(now, host.endpoint_mut()) {
-                    record(Event::at(
-                        now,
-                        drive,
-                        EventKind::note(&format!("controller: {text}")),
-                    ));
+                    let kind = EventKind::note(&format!("controller: {text}"));
+                    let event = Event::at(now, drive, kind);
+                    self.watchers.note(seat.drive, &event);
+                    record(event);
                 }
             }
         }
@@ -304,10 +292,12 @@ impl World {
             && *at <= now
         {
             *at += *period;
-            for seat in &self.drives {
+            for (number, seat) in self.drives.iter().enumerate() {
                 if let Some(unit) = self.medium.segment().station::<Unit>(seat.id) {
                     let sample = sample(seat.status, unit.inner().endpoint().drive());
-                    record(Event::at(now, &seat.name, EventKind::Sample(sample)));
+                    let event = Event::at(now, &seat.name, EventKind::Sample(sample));
+                    self.watchers.note(number, &event);
+                    record(event);
                 }
             }
         }
@@ -320,7 +310,7 @@ impl World {
             self.look_at_drive(number, now, record);
         }
         self.look_at_controllers(now, record);
-        self.check(now);
+        self.show_drives();
     }
 
     fn look_at_drive(&mut self, number: usize, now: Instant, record: &mut dyn FnMut(Event)) {
@@ -329,9 +319,7 @@ impl World {
         };
         let mut record = |seat: &Seat, kind: EventKind| {
             let event = Event::at(now, &seat.name, kind);
-            if let Some(monitor) = &mut self.monitor {
-                monitor.note(number, &event);
-            }
+            self.watchers.note(number, &event);
             record(event);
         };
         let Some(unit) = self.medium.segment().station::<Unit>(seat.id) else {
@@ -380,11 +368,10 @@ impl World {
             };
             while let Some(event) = host.endpoint_mut().poll_event() {
                 if let Some(text) = seat.take(now, event, host.endpoint_mut()) {
-                    record(Event::at(
-                        now,
-                        drive,
-                        EventKind::note(&format!("controller: {text}")),
-                    ));
+                    let kind = EventKind::note(&format!("controller: {text}"));
+                    let event = Event::at(now, drive, kind);
+                    self.watchers.note(seat.drive, &event);
+                    record(event);
                 }
             }
         }

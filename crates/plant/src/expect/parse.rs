@@ -12,6 +12,7 @@ use virtual_drive::drive::Drive;
 
 use super::condition::{Bounds, Condition, Flag, Quantity, Source, Test};
 use super::expectation::{After, Expectation, Rule, Target};
+use super::goal::Goal;
 use super::value::{
     Value, duration, entries, get, number, numbers, states, table, text, tolerance, word, wrong,
 };
@@ -66,6 +67,35 @@ pub(crate) fn read_all(text: &str, scope: Scope<'_>) -> Result<Vec<Expectation>,
         })?;
     }
     Ok(found)
+}
+
+/// Reads the conditions of a run that waits for them, one inline table.
+pub(crate) fn read_goal(text: &str, scope: Scope<'_>) -> Result<Goal, PlantError> {
+    let error = |message: String| PlantError { line: 1, message };
+    if text.len() > LONGEST {
+        return Err(error(format!("the text is longer than {LONGEST} octets")));
+    }
+    let whole = format!("goal = {text}");
+    let wrong_text = |Located(span, message): Located| PlantError {
+        line: line_of(&whole, span.start),
+        message,
+    };
+    let parsed = DeTable::parse(&whole).map_err(|wrong| error(wrong.message().to_owned()))?;
+    let mut entries_of_text = parsed.get_ref().iter();
+    let (Some((_, value)), None) = (entries_of_text.next(), entries_of_text.next()) else {
+        return Err(error("a goal is one table: { drive = .., CONDITION .. }".into()));
+    };
+    let table = table(value).map_err(wrong_text)?;
+    check_keys(table, &["drive", "for"]).map_err(wrong_text)?;
+    let rule = Rule::At(Duration::ZERO);
+    let expectation = conditions(table, &value.span(), scope, rule).map_err(wrong_text)?;
+    let several = || error("a goal has one drive: name it with `drive`".into());
+    Goal::of(Expectation {
+        name: "goal".into(),
+        line: 1,
+        ..expectation
+    })
+    .ok_or_else(several)
 }
 
 /// Reads the value of the key `expect`.
@@ -143,6 +173,24 @@ fn read(
         &["name", "at", "within", "after", "always", "never", "drive", "for"],
     )?;
     let rule = rule(table, span, scope)?;
+    let name = match get(table, "name") {
+        Some(value) => text(value)?.to_owned(),
+        None => format!("expectation {number}"),
+    };
+    Ok(Expectation {
+        name,
+        line: line_of(whole, span.start),
+        ..conditions(table, span, scope, rule)?
+    })
+}
+
+/// Reads what each expectation has, beside its name and its place.
+fn conditions(
+    table: &DeTable<'_>,
+    span: &Range<usize>,
+    scope: Scope<'_>,
+    rule: Rule,
+) -> Result<Expectation, Located> {
     let lasts = match get(table, "for") {
         Some(value) if matches!(rule, Rule::Whole { .. }) => {
             return Err(wrong(
@@ -156,14 +204,10 @@ fn read(
         None => (0..scope.drives.len()).collect(),
         Some(value) => drives(value, scope)?,
     };
-    let name = match get(table, "name") {
-        Some(value) => text(value)?.to_owned(),
-        None => format!("expectation {number}"),
-    };
     Ok(Expectation {
         file: None,
-        name,
-        line: line_of(whole, span.start),
+        name: String::new(),
+        line: 1,
         rule,
         lasts,
         targets: targets(table, span, scope, &drives)?,

@@ -2,6 +2,7 @@
 
 mod description;
 mod failure;
+mod judgement;
 mod report;
 mod virtual_time;
 
