@@ -30,10 +30,23 @@ pub fn session(interface: &Interface, need: Need, output: &Output) -> Result<Liv
 
 /// Returns which drives are meant.
 pub fn selector(target: &Target, output: &Output) -> Result<Selector, Failure> {
-    // without a group no machine file is read: a file that is not valid must not keep a drive from being stopped
-    let machine = match target.drive.contains('@') {
-        true => machine(&target.options, output)?,
-        false => None,
+    let is_all = |part: &str| part.trim().eq_ignore_ascii_case("all");
+    // where no drive of it is meant no machine file is read: a file that is not valid must not keep a drive from being stopped
+    let machine = if target.drive.contains('@') {
+        machine(&target.options, output)?
+    } else if target.drive.split(',').any(is_all) {
+        machine(&target.options, output).unwrap_or_else(|failure| {
+            static SAID: std::sync::Once = std::sync::Once::new();
+            SAID.call_once(|| {
+                output.warn(&format!(
+                    "{}; drives of it that do not answer are not shown",
+                    failure.message
+                ));
+            });
+            None
+        })
+    } else {
+        None
     };
     Selector::of(&target.drive, machine.as_ref()).map_err(|error| Failure::explained(&error))
 }

@@ -13,17 +13,17 @@ pub enum Action {
     /// Make a device show itself.
     Blink {
         /// How the device is addressed, where a name would not identify it.
-        device: Option<&'static str>,
+        device: Option<String>,
     },
     /// Give a device a name.
     SetName {
         /// How the device is addressed, where a name would not identify it.
-        device: Option<&'static str>,
+        device: Option<String>,
     },
     /// Give a device an IP address.
     SetAddress {
         /// How the device is addressed, where a name would not identify it.
-        device: Option<&'static str>,
+        device: Option<String>,
     },
     /// Identity and plugged modules.
     Info,
@@ -177,7 +177,7 @@ impl Action {
     /// The action that `name` and its arguments stand for: `read VBUS.VALUE`, `write 930=1`, `choose model`.
     fn named(name: &str, arguments: &[&str]) -> Option<Self> {
         let first = || arguments.first().copied().unwrap_or_default();
-        let device = (first() == "MAC").then_some("MAC");
+        let device = (!first().is_empty()).then(|| first().to_owned());
         Some(match name {
             "scan" => Self::Scan,
             "blink" => Self::Blink { device },
@@ -225,7 +225,7 @@ impl Action {
     pub fn arguments(&self) -> Vec<String> {
         let all = match self {
             Self::Blink { device } | Self::SetName { device } | Self::SetAddress { device } => {
-                vec![device.unwrap_or_default().to_owned()]
+                vec![device.clone().unwrap_or_default()]
             }
             Self::Read { parameters } => parameters.clone(),
             Self::Write { parameter, value } => vec![format!("{parameter}={value}")],

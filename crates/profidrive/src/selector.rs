@@ -20,7 +20,7 @@ use crate::machine::{Machine, MachineDrive, UnknownGroup};
 /// | `akd-*`, `line?-feed` | the stations whose names fit; `*` is any part, `?` any character |
 /// | `model=vlt` | the stations of this model |
 /// | `vendor=danfoss` | the stations of this vendor: the beginning of its name, or its VendorID |
-/// | `all` | all stations that are no controllers |
+/// | `all` | all stations that are no controllers; with a machine file its drives too, whether they answer or not |
 /// | `@line1` | the drives of a group of the machine file: see [`Selector::of`] |
 /// | `fc:PORT/ADDRESS`, `uss:PORT/ADDRESS` | a drive at a serial line, never with another term |
 ///
@@ -233,13 +233,15 @@ impl FromStr for Selector {
 }
 
 impl Selector {
-    /// Reads a selector whose groups (`@line1`) are those of a machine file. A group stands for the names of its drives.
+    /// Reads a selector whose groups (`@line1`) are those of a machine file. A group stands for the names of its drives. With a
+    /// machine file `all` also means each of its drives by name, so that one that does not answer is not overlooked.
     ///
     /// ```
     /// use profidrive::Selector;
     /// use profidrive::machine::Machine;
     /// let machine: Machine = "[[drive]]\nname = \"feed\"\nmodel = \"akd\"\ngroups = [\"line1\"]".parse()?;
     /// assert_eq!(Selector::of("@line1,vlt-*", Some(&machine))?.to_string(), "feed,vlt-*");
+    /// assert_eq!(Selector::of("all", Some(&machine))?.to_string(), "feed,all");
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///
@@ -262,18 +264,22 @@ impl Selector {
             if part.is_empty() && text.contains(',') {
                 return Err(SelectorError::Empty { text: shown(text) });
             }
+            let mut by_name = |name: &str| {
+                let term = Term::Address(DriveAddress::Name(name.to_owned()));
+                if !terms.contains(&term) {
+                    terms.push(term);
+                }
+            };
             if let Some(group) = part.strip_prefix('@') {
                 let term = || part.chars().take(40).collect();
                 let machine = machine.ok_or_else(|| SelectorError::NoMachine { term: term() })?;
-                for name in machine.group(group)? {
-                    let term = Term::Address(DriveAddress::Name(name.to_owned()));
-                    if !terms.contains(&term) {
-                        terms.push(term);
-                    }
-                }
+                machine.group(group)?.into_iter().for_each(by_name);
                 continue;
             }
             let term = Term::parse(part)?;
+            if let (Term::Group(Group::All), Some(machine)) = (&term, machine) {
+                machine.drives.iter().for_each(|drive| by_name(&drive.name));
+            }
             if let Term::Address(DriveAddress::Line(line)) = &term {
                 return Err(SelectorError::Line {
                     line: line.to_string(),

@@ -44,9 +44,10 @@ pub(super) async fn examine(
             .push(finding.about(term).remedied(&advice, wording));
     }
     for duplicate in stations.duplicates() {
+        let first = duplicate.stations.first().cloned();
         let advice = match duplicate.what {
-            Shared::Name(_) => Action::SetName { device: Some("MAC") }.sentence(),
-            Shared::Address(_) => Action::SetAddress { device: Some("MAC") }.sentence(),
+            Shared::Name(_) => Action::SetName { device: first }.sentence(),
+            Shared::Address(_) => Action::SetAddress { device: first }.sentence(),
         };
         let finding = Finding::new(Check::Duplicates, Severity::Error, duplicate.to_string())
             .because("each of them may get the commands that are meant for another one");
@@ -103,6 +104,7 @@ fn answered(answers: &[Answer], wording: &dyn Wording) -> Finding {
 /// What keeps a station from being read, and who its neighbours are.
 fn of_station(scanned: &Scanned, wording: &dyn Wording) -> Vec<Finding> {
     let station = &scanned.station;
+    let mac = || Some(station.mac.clone());
     let label = || {
         let name = station.name.as_ref().or(station.ip.as_ref());
         name.unwrap_or(&station.mac).clone()
@@ -112,17 +114,17 @@ fn of_station(scanned: &Scanned, wording: &dyn Wording) -> Vec<Finding> {
             Remark::NoName => (
                 Severity::Note,
                 "no controller finds it",
-                Action::SetName { device: Some("MAC") }.sentence(),
+                Action::SetName { device: mac() }.sentence(),
             ),
             Remark::NoAddress => (
                 Severity::Warning,
                 "it cannot be read",
-                Action::SetAddress { device: None }.sentence(),
+                Action::SetAddress { device: mac() }.sentence(),
             ),
             Remark::OtherSubnet => (
                 Severity::Error,
                 "no answer can come to this computer",
-                Advice::from(Action::SetAddress { device: None })
+                Advice::from(Action::SetAddress { device: mac() })
                     .and(" gives it an address in the subnet of this computer"),
             ),
             Remark::Routed => (
@@ -133,7 +135,7 @@ fn of_station(scanned: &Scanned, wording: &dyn Wording) -> Vec<Finding> {
             Remark::Conflict => (
                 Severity::Error,
                 "two stations with one address answer in place of each other",
-                Action::SetAddress { device: Some("MAC") }.sentence(),
+                Action::SetAddress { device: mac() }.sentence(),
             ),
             // they are findings of their own
             Remark::NameTwice | Remark::AddressTwice => return None,

@@ -4,6 +4,8 @@ use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use std::io::{Cursor, Write as _};
 use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use client::{Error, ErrorKind};
@@ -22,6 +24,8 @@ use crate::{Explained, Part, Selector, Step, doctor};
 
 /// Octets of a capture at most.
 const MAX_CAPTURE: usize = 64 << 20;
+/// Time between two looks whether a capture is over.
+const LOOK: Duration = Duration::from_millis(50);
 /// Octets of all files that a caller adds.
 const MAX_ADDED: u64 = 256 << 20;
 
@@ -53,14 +57,22 @@ pub async fn bundle(
         .await?
         .report;
     // the traffic of the drives as they are read is in the capture too
+    let are_read = Arc::new(AtomicBool::new(false));
     let capturing = contents.capture.and_then(|time| match &examined.interface {
-        Some(interface) => Some(start_capture(interface.clone(), time, opening.stop.clone())),
+        Some(interface) => Some(start_capture(
+            interface.clone(),
+            time,
+            are_read.clone(),
+            opening.stop.clone(),
+        )),
         None => {
             notes.push("no capture: no network interface is used".to_owned());
             None
         }
     });
-    let read = read(opening, selector, wording, progress).await?;
+    let read = read(opening, selector, wording, progress).await;
+    are_read.store(true, Ordering::Relaxed);
+    let read = read?;
     let portrait = match read {
         Ok(portrait) => Some(portrait),
         Err(why) => {
@@ -154,22 +166,28 @@ fn read_all(paths: &[PathBuf]) -> Result<Vec<(&PathBuf, Vec<u8>)>, DocumentError
     Ok(all)
 }
 
-/// Captures in a thread of its own, for a time or until there is too much of it.
+/// Captures in a thread of its own: for a time, and until the drives are read, as far as it is not too much.
 fn start_capture(
     interface: String,
     time: Duration,
+    are_read: Arc<AtomicBool>,
     stop: Option<Stop>,
 ) -> oneshot::Receiver<Result<Vec<u8>, String>> {
     let (send, captured) = oneshot::channel();
     let work = move || {
-        let _ = send.send(capture(&interface, time, stop));
+        let _ = send.send(capture(&interface, time, &are_read, stop));
     };
     // without a thread the channel is closed, and nothing was captured
     drop(std::thread::Builder::new().name("capture".into()).spawn(work));
     captured
 }
 
-fn capture(interface: &str, time: Duration, stop: Option<Stop>) -> Result<Vec<u8>, String> {
+fn capture(
+    interface: &str,
+    time: Duration,
+    are_read: &AtomicBool,
+    stop: Option<Stop>,
+) -> Result<Vec<u8>, String> {
     let words = |error: &dyn std::error::Error| error.to_string();
     let stop = stop.map_or_else(Stop::new, Ok).map_err(|error| words(&error))?;
     let mut capture = Capture::open(interface, stop.clone()).map_err(|error| words(&error))?;
@@ -179,9 +197,9 @@ fn capture(interface: &str, time: Duration, stop: Option<Stop>) -> Result<Vec<u8
         let mut writer =
             Writer::new(&mut traffic, interface, Duration::ZERO).map_err(|error| words(&error))?;
         let begin = Instant::now();
-        while begin.elapsed() < time && octets < MAX_CAPTURE && !stop.is_stopped() {
-            let left = time.saturating_sub(begin.elapsed());
-            if let Some((at, frame)) = capture.next(left).map_err(|error| words(&error))? {
+        let goes_on = || begin.elapsed() < time || !are_read.load(Ordering::Relaxed);
+        while goes_on() && octets < MAX_CAPTURE && !stop.is_stopped() {
+            if let Some((at, frame)) = capture.next(LOOK).map_err(|error| words(&error))? {
                 octets += frame.len() + 32;
                 let at = u64::try_from(at.as_nanos()).unwrap_or_default();
                 let at = profinet::Instant::from_nanos(at);
