@@ -22,6 +22,10 @@ use crate::live_plot::LivePlot;
 use crate::output::Output;
 use crate::render::table::Table as TextTable;
 
+/// What the second signal does to a recording.
+const CLOSES_NOW: &str =
+    "second signal: the connections are closed now; a third one ends this program at once";
+
 pub fn run(args: &Record, target: &Target, output: &Output) -> Result<(), Failure> {
     let request = request(args)?;
     let form = args.output.as_deref().map(form).transpose()?;
@@ -30,7 +34,7 @@ pub fn run(args: &Record, target: &Target, output: &Output) -> Result<(), Failur
         Every::Interval(_) => Need::Records,
         Every::Cycle { .. } => Need::Cyclic,
     };
-    let (mut session, found) = connect::drives(target, need, output)?;
+    let (mut session, found) = connect::drives_with(target, need, CLOSES_NOW, output)?;
     let names: Vec<&str> = found.members.iter().map(|member| member.name.as_str()).collect();
     if need == Need::Cyclic {
         output.say(&format!(

@@ -38,7 +38,7 @@ impl<'o> Taken<'o> {
                 News::Row(row) if broken.is_none() => {
                     if let Err(error) = self.take(&row) {
                         // the connections are closed in order all the same
-                        recording.stop();
+                        recording.stop_handle().stop_once();
                         broken = Some(error);
                     }
                 }
@@ -131,7 +131,7 @@ impl<'o> Taken<'o> {
                 ),
             ),
             News::Waits { drive, reaction } => {
-                let end = if self.live.is_some() { "q once more" } else { "Ctrl-C" };
+                let end = if self.live.is_some() { "q once more" } else { "a second Ctrl-C" };
                 self.remark(
                     true,
                     format!(
