@@ -39,7 +39,7 @@ pub fn run(args: &Record, target: &Target, output: &Output) -> Result<(), Failur
     if need == Need::Cyclic {
         output.say(&format!(
             "opens the cyclic connection of {}; it commands nothing, and no controller can connect as long as it lasts",
-            each::listed(&names)
+            profidrive::listed(&names)
         ));
     }
     let sources = ready(prepare(&session, found.members, &request).wait(), output)?;
@@ -240,7 +240,10 @@ fn beginning(recording: &Recording, args: &Record, request: &Request) -> String 
     } else {
         ""
     };
-    format!("records {signals} of {}{to}{wait}{end}", each::listed(&names))
+    format!(
+        "records {signals} of {}{to}{wait}{end}",
+        profidrive::listed(&names)
+    )
 }
 
 impl From<RecordingError> for Failure {

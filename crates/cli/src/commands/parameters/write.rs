@@ -194,7 +194,7 @@ fn report_all_saved(rows: &[Row<Written>], output: &Output) {
         }
     }
     for (remark, drives) in remarks {
-        lasting::print(&remark, &format!("{}: ", each::listed(&drives)), output);
+        lasting::print(&remark, &format!("{}: ", profidrive::listed(&drives)), output);
     }
 }
 
