@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use client::{Drive, ErrorKind, Wait};
 use network::system::{Error as NetworkError, ForcedExit, Stop};
 use profidrive::fleet::Fleet;
-use profidrive::machine::{Machine, MachineError};
+use profidrive::machine::Machine;
 use profidrive::{DescriptionError, DriveError, FindEvent, Network, OpenError, Opening, Selector};
 
 use crate::args::{DriveOptions, Interface, Kind, Target};
@@ -54,12 +54,6 @@ pub fn machine(options: &DriveOptions, output: &Output) -> Result<Option<Machine
     };
     output.detail(&format!("machine file: {}", path.display()));
     Ok(Some(Machine::read(&path)?))
-}
-
-impl From<MachineError> for Failure {
-    fn from(error: MachineError) -> Self {
-        Self::new(error.kind(), clean(&error.to_string()))
-    }
 }
 
 /// Opens the network or the serial line of a drive and finds the drive.

@@ -280,7 +280,7 @@ fn the_end_of_a_recording_does_not_stop_a_motor() {
     );
     for (script, ends_itself) in [
         (format!("exec {line}"), false),
-        (format!("{line} | head -60"), true),
+        (format!("{line} | head -500"), true),
     ] {
         let mut recording = lab.spawn(Side::Controller, "sh", ["-c", script.as_str()]);
         recording.wait_for("records 1 signal", SHORT);
