@@ -350,6 +350,14 @@ fn a_connection_whose_end_would_stop_a_motor_is_closed_at_rest_or_when_the_calle
         while let Some(news) = recording.next().wait().unwrap() {
             if let News::Waits { .. } = news {
                 waits += 1;
+                let remarks = news.remarks(recording.table());
+                let sentence = &remarks[0].sentence;
+                assert!(
+                    remarks.len() == 1
+                        && remarks[0].is_warning
+                        && sentence.starts_with("akd-1: the recording"),
+                    "{remarks:?}"
+                );
                 assert!(speed(&network) > 290.0);
                 match ends {
                     _ if !insists => {}

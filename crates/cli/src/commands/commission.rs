@@ -11,7 +11,7 @@ use profidrive::report::{BackupReport, CommissionReport, Drives};
 use profidrive::{Opening, Selector, listed, settings};
 
 use super::each::{self, Row};
-use super::lasting;
+use super::remark;
 use crate::advice::Commands;
 use crate::args::{Commission, DriveOptions, Replace};
 use crate::confirm::{Question, confirm};
@@ -91,7 +91,7 @@ fn from(
         left_out: found.left_out,
     });
     for remark in &read.remarks {
-        lasting::print(remark, "", output);
+        remark::print(remark, "", output);
     }
     let problems = each::ended(&rows, None, output).err().into_iter();
     let problems = match read.written {

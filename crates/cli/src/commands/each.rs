@@ -297,7 +297,7 @@ fn summary<D>(rows: &[Row<D>], matter: Option<&str>) -> Option<Failure> {
         .iter()
         .flat_map(|row| &row.problems)
         .map(|problem| problem.kind);
-    let kind = kinds.max_by_key(|kind| weight(*kind))?;
+    let kind = fleet::kind_of(kinds)?;
     let interrupted = |row: &&Row<D>| row.problems.iter().any(is_interrupted);
     let mut parts = Vec::new();
     let count = rows.iter().filter(interrupted).count();
@@ -317,21 +317,6 @@ fn summary<D>(rows: &[Row<D>], matter: Option<&str>) -> Option<Failure> {
         }
     }
     Some(Failure::new(kind, parts.join("; ")))
-}
-
-/// Of several kinds the one with the highest number decides how a command ends.
-const fn weight(kind: ErrorKind) -> u8 {
-    match kind {
-        ErrorKind::Interrupted => 9,
-        ErrorKind::Safety => 8,
-        ErrorKind::Lost => 7,
-        ErrorKind::Unreachable => 6,
-        ErrorKind::Refused => 5,
-        ErrorKind::Usage => 4,
-        ErrorKind::Partial => 2,
-        ErrorKind::Difference => 1,
-        _ => 3,
-    }
 }
 
 #[cfg(test)]
