@@ -179,4 +179,7 @@ fn a_file_that_is_not_a_machine_file_is_not_replaced() {
     );
     std::fs::write(folder.file(), "").unwrap();
     assert!(MachineFile::at(&folder.file(), true).is_ok());
+    // nothing is read for a file that cannot be written
+    let error = MachineFile::at(&folder.0.join("sub/machine.toml"), true).unwrap_err();
+    assert!(error.to_string().contains("there is no folder"), "{error}");
 }

@@ -41,12 +41,16 @@ impl MachineFile {
     /// Checks that a machine file may be written there: it replaces another one only with `force`.
     ///
     /// # Errors
-    /// [`CommissionError::Exists`]. [`CommissionError::Machine`] when what is there is not a valid machine file: its limits could not be
+    /// [`CommissionError::Exists`]; a folder that does not exist. [`CommissionError::Machine`] when what is there is not a valid machine file: its limits could not be
     /// kept.
     pub fn at(path: &Path, force: bool) -> Result<Self, CommissionError> {
         let exists = std::fs::symlink_metadata(path).is_ok();
         if exists && !force {
             return Err(CommissionError::Exists(path.to_owned()));
+        }
+        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+        if let Some(folder) = folder.filter(|folder| !folder.is_dir()) {
+            return Err(FileError::NoFolder(folder.to_owned()).into());
         }
         let is_empty = std::fs::metadata(path).is_ok_and(|file| file.is_file() && file.len() == 0);
         let (old, kept) = if exists && !is_empty {
