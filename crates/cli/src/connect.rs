@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use client::{Drive, ErrorKind, Wait};
 use network::system::{Error as NetworkError, ForcedExit, Stop};
 use profidrive::fleet::Fleet;
-use profidrive::machine::{Machine, MachineError};
+use profidrive::machine::Machine;
 use profidrive::{DescriptionError, DriveError, FindEvent, Network, OpenError, Opening, Selector};
 
 use crate::args::{DriveOptions, Interface, Kind, Target};
@@ -25,7 +25,7 @@ pub type Live = Network;
 pub fn session(interface: &Interface, need: Need, output: &Output) -> Result<Live, Failure> {
     let (opening, stop) = opening(interface, need)?;
     let session = opening.open().map_err(without_permission)?;
-    Ok(attended(session, &stop, output))
+    Ok(attended(session, &stop, QUICK_STOP, output))
 }
 
 /// Returns which drives are meant.
@@ -69,12 +69,6 @@ pub fn machine(options: &DriveOptions, output: &Output) -> Result<Option<Machine
     Ok(Some(Machine::read(&path)?))
 }
 
-impl From<MachineError> for Failure {
-    fn from(error: MachineError) -> Self {
-        Self::new(error.kind(), clean(&error.to_string()))
-    }
-}
-
 /// Opens the network or the serial line of a drive and finds the drive.
 pub fn drive(target: &Target, need: Need, output: &Output) -> Result<(Live, Drive), Failure> {
     let selector = selector(target, output)?;
@@ -86,7 +80,7 @@ pub fn drive(target: &Target, need: Need, output: &Output) -> Result<(Live, Driv
     })?;
     let (opening, stop) = opening_for(target, need)?;
     let session = opening.open_to(address).map_err(without_permission)?;
-    let mut session = attended(session, &stop, output);
+    let mut session = attended(session, &stop, QUICK_STOP, output);
     let mut shown = None;
     let mut observer = |event: FindEvent<'_>| match event {
         FindEvent::UdpAlone => output.say("no raw socket can be opened: going by UDP alone"),
@@ -116,8 +110,20 @@ pub fn drive(target: &Target, need: Need, output: &Output) -> Result<(Live, Driv
 
 /// Opens the network and finds the drives that are meant.
 pub fn drives(target: &Target, need: Need, output: &Output) -> Result<(Live, Fleet), Failure> {
+    drives_with(target, need, QUICK_STOP, output)
+}
+
+/// The same; `hurried` is printed with the second signal.
+pub fn drives_with(
+    target: &Target,
+    need: Need,
+    hurried: &'static str,
+    output: &Output,
+) -> Result<(Live, Fleet), Failure> {
     let selector = selector(target, output)?;
-    let (opening, mut session) = network(target, &selector, need, output)?;
+    let (opening, stop) = opening_for(target, need)?;
+    let session = opening.open_for(&selector).map_err(without_permission)?;
+    let mut session = attended(session, &stop, hurried, output);
     let spinner = spinner(output, format!("looking for {selector}"));
     let found = opening.select(&mut session, &selector).wait();
     spinner.finish_and_clear();
@@ -137,7 +143,7 @@ pub fn network(
 ) -> Result<(Opening, Live), Failure> {
     let (opening, stop) = opening_for(target, need)?;
     let session = opening.open_for(selector).map_err(without_permission)?;
-    Ok((opening, attended(session, &stop, output)))
+    Ok((opening, attended(session, &stop, QUICK_STOP, output)))
 }
 
 /// Returns how to open the network for a verb that opens it itself.
@@ -179,8 +185,12 @@ fn opening(interface: &Interface, need: Need) -> Result<(Opening, Stop), Failure
     Ok((opening, stop))
 }
 
-/// The same with the wishes of the person at the keyboard.
-fn attended(mut session: Live, stop: &Stop, output: &Output) -> Live {
+/// What the second signal does to a motion.
+const QUICK_STOP: &str =
+    "second signal: quick stop (OFF3) in place of the ramp; a third one ends this program at once";
+
+/// The same with the wishes of the person at the keyboard. A closed output is a wish to stop as the first signal is.
+fn attended(mut session: Live, stop: &Stop, hurried: &'static str, output: &Output) -> Live {
     let (flag, urgent, printer) = (stop.clone(), stop.clone(), output.clone());
     let details = output.clone();
     session.follow_routes(move |drive, notice| details.detail(&clean(&format!("{drive}: {notice}"))));
@@ -189,7 +199,7 @@ fn attended(mut session: Live, stop: &Stop, output: &Output) -> Live {
     session.hurry_with(move || {
         let now = urgent.is_urgent();
         if now {
-            printer.say("second signal: quick stop (OFF3) in place of the ramp; a third one ends this program at once");
+            printer.say(hurried);
         }
         now
     });

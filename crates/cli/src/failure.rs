@@ -116,6 +116,8 @@ explained!(
     client::Error,
     profidrive::OpenError,
     profidrive::addressing::AddressingError,
+    profidrive::commissioning::CommissionError,
+    profidrive::machine::MachineError,
     profidrive::monitor::MonitorError,
     profidrive::parameters::ParameterError,
     profidrive::recording::OverlayError,

@@ -105,8 +105,8 @@ impl Screen {
         while !self.ended.load(Ordering::Acquire) && !PANICKED.load(Ordering::Acquire) {
             let drawn = self.terminal.draw(|frame| locked(&self.scroll).draw(frame));
             if drawn.is_err() || self.read_keys().is_err() {
-                // the terminal is gone
-                self.stop.stop();
+                // the terminal is gone, which is no wish to stop a motor
+                self.stop.stop_once();
                 break;
             }
         }

@@ -8,8 +8,10 @@ use profile::notation::setting::Cause;
 
 use crate::addressing::AddressingError;
 use crate::carrier::CarrierError;
+use crate::commissioning::CommissionError;
 use crate::drive::DriveError;
 use crate::fleet::StopError;
+use crate::machine::MachineError;
 use crate::monitor::MonitorError;
 use crate::motion::{End, MotionError};
 use crate::open::OpenError;
@@ -392,6 +394,47 @@ fn wrong(cause: &Cause) -> Advice {
         _ => "",
     }
     .into()
+}
+
+impl Explained for MachineError {
+    fn kind(&self) -> ErrorKind {
+        Self::kind(self)
+    }
+}
+
+impl Explained for CommissionError {
+    fn kind(&self) -> ErrorKind {
+        Self::kind(self)
+    }
+
+    fn passed_on(&self) -> Option<&dyn Explained> {
+        Some(match self {
+            Self::Drive(error) => error,
+            Self::Addressing(error) => error,
+            Self::Restore(error) => error,
+            Self::File(error) => error,
+            Self::Client(error) => error,
+            Self::Machine(error) => error,
+            _ => return None,
+        })
+    }
+
+    fn advice(&self) -> Advice {
+        match self {
+            Self::NotFound { .. } => "{scan} lists who answers".into(),
+            Self::Setting { problem, .. } => Explained::advice(&**problem),
+            Self::Exists(_) => {
+                "{choose force} replaces it; groups, limits and units of the load are kept".into()
+            }
+            Self::NotInFile { .. } => "{name}".into(),
+            Self::NotRead { .. } => {
+                "remove the drives that are gone from the file, or choose another file; what was read is in \
+                                     the backups"
+                    .into()
+            }
+            other => other.passed_on().map_or_else(Advice::default, Explained::advice),
+        }
+    }
 }
 
 impl Explained for CompareError {

@@ -28,6 +28,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod kind;
 mod write;
 
 use std::cmp::Ordering;
@@ -43,6 +44,7 @@ use crate::motion::{self, MotionError, StopReport};
 use crate::open::{Access, Caller, Network, OpenError, Opening, Transport};
 use crate::selector::{Group, Selector, Term};
 
+pub use kind::kind_of;
 pub use write::{WritePlan, WrittenMembers, plan_write};
 
 /// Drives that are worked on at the same time. Each has a connection of its own; the others wait for their turn.

@@ -3,13 +3,15 @@
 #![allow(clippy::unwrap_used, clippy::panic)]
 #![cfg(all(feature = "simulate", feature = "recording"))]
 
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::time::Duration;
 
 use profidrive::client::axis::Purpose;
 use profidrive::client::{AxisSettings, ErrorKind, WriteMode};
 use profidrive::fleet::Selected;
 use profidrive::recording::{Absence, Every, News, Recording, RecordingError, Request, Row, Value, prepare};
-use profidrive::{Access, Explained, Network, Opening, Transport, Wait};
+use profidrive::{Access, Caller, Explained, Network, Opening, Transport, Wait};
 
 const MS: Duration = Duration::from_millis(1);
 
@@ -62,7 +64,10 @@ fn until(recording: &mut Recording, time: Duration) {
 }
 
 fn write(network: &Network, assignments: &[&str]) {
-    let mut caller = (**network).clone();
+    write_by((**network).clone(), assignments);
+}
+
+fn write_by(mut caller: Caller, assignments: &[&str]) {
     let mut drive = caller.find(&"10.0.0.1".parse().unwrap()).wait().expect("there");
     for assignment in assignments {
         let assignment = assignment.parse().expect("an assignment");
@@ -305,28 +310,69 @@ fn samples_that_are_not_taken_are_bounded() {
     );
 }
 
-/// The time of the recording is over while the motor turns.
+/// How a recording ends while a motor turns.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Ends {
+    Time,
+    Stop,
+    Interrupted,
+}
+
+/// The end of its time, a first stop and a first wish of the caller to stop are the normal end of a recording.
 #[test]
-fn a_connection_whose_end_would_stop_a_motor_is_closed_at_rest_or_on_request() {
-    for insists in [false, true] {
-        let (network, members) =
+fn a_connection_whose_end_would_stop_a_motor_is_closed_at_rest_or_when_the_caller_insists() {
+    for (ends, insists) in [
+        (Ends::Time, false),
+        (Ends::Time, true),
+        (Ends::Stop, false),
+        (Ends::Stop, true),
+        (Ends::Interrupted, false),
+        (Ends::Interrupted, true),
+    ] {
+        let (mut network, members) =
             open("name = \"akd-1\"\nevent = [{ at = \"9s\", do = \"hardware-disable=on\" }]");
-        let mut recording = begin(&network, members, &cyclic(&["ZSW1"], 3)).unwrap();
+        let (other, interrupted, hurried) = ((*network).clone(), flag(), flag());
+        let (first, second) = (Arc::clone(&interrupted), Arc::clone(&hurried));
+        network.interrupt_with(move || first.load(Relaxed));
+        network.hurry_with(move || second.load(Relaxed));
+        let mut request = cyclic(&["ZSW1"], 3);
+        request.time = request.time.filter(|_| ends == Ends::Time);
+        let mut recording = begin(&network, members, &request).unwrap();
         until(&mut recording, MS * 1000);
-        write(&network, &["DRV.CMDSOURCE=0", "DRV.EN=1", "VL.CMDU=300rpm"]);
-        let mut waits = false;
+        write_by(other, &["DRV.CMDSOURCE=0", "DRV.EN=1", "VL.CMDU=300rpm"]);
+        until(&mut recording, MS * 2500);
+        match ends {
+            Ends::Time => {}
+            Ends::Stop => recording.stop(),
+            Ends::Interrupted => interrupted.store(true, Relaxed),
+        }
+        let mut waits = 0;
         while let Some(news) = recording.next().wait().unwrap() {
             if let News::Waits { .. } = news {
-                waits = true;
+                waits += 1;
+                let remarks = news.remarks(recording.table());
+                let sentence = &remarks[0].sentence;
+                assert!(
+                    remarks.len() == 1
+                        && remarks[0].is_warning
+                        && sentence.starts_with("akd-1: the recording"),
+                    "{remarks:?}"
+                );
                 assert!(speed(&network) > 290.0);
-                if insists {
-                    recording.stop();
+                match ends {
+                    _ if !insists => {}
+                    Ends::Interrupted => hurried.store(true, Relaxed),
+                    Ends::Time | Ends::Stop => recording.stop(),
                 }
             }
         }
-        assert!(waits);
+        assert_eq!(waits, 1, "{ends:?} {insists}");
         let ended = recording.elapsed();
-        assert_eq!(ended < MS * 6000, insists, "{ended:?}");
+        assert_eq!(ended < MS * 6000, insists, "{ends:?}: {ended:?}");
         assert!(recording.counts()[0].rows < 200, "nothing is recorded meanwhile");
     }
+}
+
+fn flag() -> Arc<AtomicBool> {
+    Arc::default()
 }

@@ -267,6 +267,45 @@ fn a_step_is_measured_drawn_and_compared() {
     assert!(page.contains("before: speed") && page.contains("akd-1 speed"));
 }
 
+/// A motor that is operated meanwhile goes on turning when the recording ends, whether by Ctrl-C or because nobody reads its output.
+#[test]
+fn the_end_of_a_recording_does_not_stop_a_motor() {
+    let lab = Lab::new("record-end");
+    let _drive = simulate(&lab, &["--name", "akd-1", "--ip", "192.168.77.50/24"]);
+    let program = built("profidrive");
+    let line = format!(
+        "{} record akd-1 ZSW1 --every cycle -i {} -o -",
+        program.display(),
+        Side::Controller.interface()
+    );
+    for (script, ends_itself) in [
+        (format!("exec {line}"), false),
+        (format!("{line} | head -500"), true),
+    ] {
+        let mut recording = lab.spawn(Side::Controller, "sh", ["-c", script.as_str()]);
+        recording.wait_for("records 1 signal", SHORT);
+        client(
+            &lab,
+            &["write", "akd-1", "DRV.CMDSOURCE=0", "DRV.EN=1", "VL.CMDU=300rpm"],
+        )
+        .ok();
+        recording.wait_for("its power stage is on", SHORT);
+        if !ends_itself {
+            recording.signal("INT");
+        }
+        recording.wait_for("a second Ctrl-C closes it now", SHORT);
+        let read = client(&lab, &["read", "akd-1", "VL.FB", "--json"]).ok();
+        let speed = read.json_lines()[0]["parameters"][0]["value"].as_f64();
+        assert!(speed.is_some_and(|speed| speed > 290.0), "{read:?}");
+        client(&lab, &["write", "akd-1", "DRV.DIS=1"]).ok();
+        let done = recording.finish(SHORT);
+        assert!(
+            done.code == Some(0) && !done.err.contains("second signal"),
+            "{done:?}"
+        );
+    }
+}
+
 /// The program draws on a pseudo terminal and gives it back with `q` and with Ctrl-C.
 #[test]
 fn a_recording_is_drawn_on_a_terminal_that_is_restored() {

@@ -24,37 +24,6 @@ pub fn rpm(quantity: &Quantity, what: &str) -> Result<f64, Failure> {
     in_unit(quantity, "rpm", what)
 }
 
-/// A speed of the command line.
-#[derive(Debug, Clone, Copy)]
-pub enum Speed {
-    /// In rpm.
-    Rpm(f64),
-    /// Output frequency of a frequency converter.
-    Hertz(f64),
-}
-
-impl Speed {
-    pub fn of(quantity: &Quantity, what: &str) -> Result<Self, Failure> {
-        match quantity.in_hertz() {
-            Some(hertz) => Ok(Self::Hertz(hertz)),
-            None => rpm(quantity, what).map(Self::Rpm),
-        }
-    }
-
-    /// Returns the speed in rpm; a frequency is converted by the motor data of the drive.
-    pub fn in_rpm(
-        self,
-        session: &mut Live,
-        drive: &mut Drive,
-        observer: &Observer,
-    ) -> Result<f64, MotionError> {
-        match self {
-            Self::Rpm(rpm) => Ok(rpm),
-            Self::Hertz(hertz) => motion::speed_at(session, drive, hertz, observer).wait(),
-        }
-    }
-}
-
 pub fn in_unit(quantity: &Quantity, unit: &str, what: &str) -> Result<f64, Failure> {
     quantity
         .in_unit(unit)

@@ -4,7 +4,6 @@ use client::{ErrorKind, Wait};
 use profidrive::report::{DoctorReport, Finding, Severity};
 use profidrive::{Reported, doctor};
 
-use super::each::listed;
 use crate::advice::Commands;
 use crate::args::{Doctor, DriveOptions};
 use crate::connect::{self, Need};
@@ -36,7 +35,10 @@ fn ended(kind: ErrorKind, report: &DoctorReport) -> Failure {
         .filter(|one| one.severity == Severity::Error);
     let mut names: Vec<&str> = of_errors.map(|one| one.check.name()).collect();
     names.dedup();
-    Failure::new(kind, format!("not as it should be: {}", listed(&names)))
+    Failure::new(
+        kind,
+        format!("not as it should be: {}", profidrive::listed(&names)),
+    )
 }
 
 impl Page for DoctorReport {

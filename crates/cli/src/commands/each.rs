@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use client::{Drive, ErrorKind, Session, Wait};
 use profidrive::fleet::{self, Member};
 use profidrive::report::{self, Drives, OfDrive};
-use profidrive::{Part, Sum};
+use profidrive::{Part, Sum, listed};
 use serde::Serialize;
 
 use crate::advice::Commands;
@@ -268,13 +268,12 @@ pub fn table<'a, V: Shown>(
 }
 
 /// Prints the messages of the problems and returns how the command ends. With `matter` the table has shown what is the matter
-/// with drives that answered.
+/// with drives that answered. Drives that were not done because of Ctrl-C are counted, not listed.
 pub fn ended<D>(rows: &[Row<D>], matter: Option<&str>, output: &Output) -> Result<(), Failure> {
-    let troubled = || rows.iter().filter(|row| !row.problems.is_empty());
     let shown = |row: &Row<D>| matter.is_some() && row.done.is_some();
-    for row in troubled().filter(|row| !shown(row)) {
+    for row in rows.iter().filter(|row| !shown(row)) {
         let output = output.clone().about(Some(&row.name));
-        for problem in &row.problems {
+        for problem in row.problems.iter().filter(|problem| !is_interrupted(problem)) {
             let named = problem.message.contains(&row.name);
             let message = if named {
                 problem.message.clone()
@@ -285,63 +284,71 @@ pub fn ended<D>(rows: &[Row<D>], matter: Option<&str>, output: &Output) -> Resul
             output.error(&Failure { message, ..problem });
         }
     }
-    let kinds = troubled()
+    summary(rows, matter).map_or(Ok(()), Err)
+}
+
+fn is_interrupted(problem: &Failure) -> bool {
+    problem.kind == ErrorKind::Interrupted
+}
+
+/// Returns how many drives have which kind of problem; `None` without any.
+fn summary<D>(rows: &[Row<D>], matter: Option<&str>) -> Option<Failure> {
+    let kinds = rows
+        .iter()
         .flat_map(|row| &row.problems)
         .map(|problem| problem.kind);
-    let Some(kind) = kinds.max_by_key(|kind| weight(*kind)) else {
-        return Ok(());
-    };
+    let kind = fleet::kind_of(kinds)?;
+    let interrupted = |row: &&Row<D>| row.problems.iter().any(is_interrupted);
     let mut parts = Vec::new();
+    let count = rows.iter().filter(interrupted).count();
+    if count > 0 {
+        parts.push(format!("interrupted: {count} of {} drives not done", rows.len()));
+    }
     for (answered, what) in [(false, "failed"), (true, matter.unwrap_or("with problems"))] {
-        let names: Vec<&str> = troubled()
+        let names: Vec<&str> = rows
+            .iter()
+            .filter(|row| !row.problems.is_empty() && !interrupted(row))
             .filter(|row| row.done.is_some() == answered)
             .map(|row| row.name.as_str())
             .collect();
         if !names.is_empty() {
-            parts.push(format!(
-                "{what}: {} ({} of {})",
-                listed(&names),
-                names.len(),
-                rows.len()
-            ));
+            let (names, count) = (listed(&names), names.len());
+            parts.push(format!("{what}: {names} ({count} of {})", rows.len()));
         }
     }
-    Err(Failure::new(kind, parts.join("; ")))
-}
-
-/// The first few names.
-pub fn listed(names: &[&str]) -> String {
-    const SHOWN: usize = 8;
-    let (shown, more) = names.split_at(names.len().min(SHOWN));
-    match more.len() {
-        0 => shown.join(", "),
-        more => format!("{} and {more} more", shown.join(", ")),
-    }
-}
-
-/// Of several kinds the one with the highest number decides how a command ends.
-const fn weight(kind: ErrorKind) -> u8 {
-    match kind {
-        ErrorKind::Interrupted => 9,
-        ErrorKind::Safety => 8,
-        ErrorKind::Lost => 7,
-        ErrorKind::Unreachable => 6,
-        ErrorKind::Refused => 5,
-        ErrorKind::Usage => 4,
-        ErrorKind::Partial => 2,
-        ErrorKind::Difference => 1,
-        _ => 3,
-    }
+    Some(Failure::new(kind, parts.join("; ")))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    /// A person who presses Ctrl-C reads one line, whatever the number of drives.
     #[test]
-    fn long_lists_of_names_are_cut() {
-        let names = ["a", "b", "c", "d", "e", "f", "g", "h", "i", "j"];
-        assert_eq!(listed(&names[..2]), "a, b");
-        assert_eq!(listed(&names), "a, b, c, d, e, f, g, h and 2 more");
+    fn interrupted_drives_are_counted_once() {
+        let row = |name: &str, problems: Vec<ErrorKind>| Row {
+            name: name.to_owned(),
+            drive: None,
+            done: problems.is_empty().then_some(()),
+            problems: problems
+                .into_iter()
+                .map(|kind| Failure::new(kind, "why"))
+                .collect(),
+        };
+        let rows = [
+            row("a", vec![]),
+            row("b", vec![ErrorKind::Interrupted]),
+            row("c", vec![ErrorKind::Interrupted]),
+            row("d", vec![ErrorKind::Refused]),
+        ];
+        let ended = summary(&rows, None).unwrap_or_else(|| Failure::silent(ErrorKind::Internal));
+        assert_eq!(
+            (ended.kind, ended.message.as_str()),
+            (
+                ErrorKind::Interrupted,
+                "interrupted: 2 of 4 drives not done; failed: d (1 of 4)"
+            )
+        );
+        assert_eq!(summary(&rows[..1], None), None);
     }
 }

@@ -2,9 +2,9 @@
 
 use client::axis::Jog as Setpoint;
 use client::{Drive, Wait};
-use profidrive::motion::{self, JogPlan, MotionError, Observer, RealTimeJog};
+use profidrive::motion::{self, JogPlan, MotionError, Observer, RealTimeJog, Speed};
 
-use super::axis::{self, Speed};
+use super::axis;
 use super::recorded::Recorder;
 use crate::args::{Jog, Target};
 use crate::connect::{Live, Need};
@@ -93,10 +93,10 @@ impl Speeds {
         observer: &Observer,
     ) -> Result<(Option<f64>, f64), MotionError> {
         let speed = match self.speed {
-            Some(speed) => Some(speed.in_rpm(session, drive, observer)?),
+            Some(speed) => Some(speed.in_rpm(session, drive, observer).wait()?),
             None => None,
         };
-        let limit = self.limit.in_rpm(session, drive, &Observer::default())?;
+        let limit = self.limit.in_rpm(session, drive, &Observer::default()).wait()?;
         Ok((speed, limit.abs()))
     }
 }

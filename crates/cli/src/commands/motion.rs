@@ -141,7 +141,7 @@ pub fn monitor(args: &args::Monitor, target: &Target, output: &Output) -> Result
     let width = names.iter().map(|name| name.len()).max().unwrap_or_default();
     output.say(&format!(
         "watching {}, reads only; Ctrl-C ends",
-        each::listed(&names)
+        profidrive::listed(&names)
     ));
     let members = fleet::each(&session, found.members, async |session, drive| {
         watching.watch(session, drive, width).await

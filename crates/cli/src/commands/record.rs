@@ -22,6 +22,10 @@ use crate::live_plot::LivePlot;
 use crate::output::Output;
 use crate::render::table::Table as TextTable;
 
+/// What the second signal does to a recording.
+const CLOSES_NOW: &str =
+    "second signal: the connections are closed now; a third one ends this program at once";
+
 pub fn run(args: &Record, target: &Target, output: &Output) -> Result<(), Failure> {
     let request = request(args)?;
     let form = args.output.as_deref().map(form).transpose()?;
@@ -30,12 +34,12 @@ pub fn run(args: &Record, target: &Target, output: &Output) -> Result<(), Failur
         Every::Interval(_) => Need::Records,
         Every::Cycle { .. } => Need::Cyclic,
     };
-    let (mut session, found) = connect::drives(target, need, output)?;
+    let (mut session, found) = connect::drives_with(target, need, CLOSES_NOW, output)?;
     let names: Vec<&str> = found.members.iter().map(|member| member.name.as_str()).collect();
     if need == Need::Cyclic {
         output.say(&format!(
             "opens the cyclic connection of {}; it commands nothing, and no controller can connect as long as it lasts",
-            each::listed(&names)
+            profidrive::listed(&names)
         ));
     }
     let sources = ready(prepare(&session, found.members, &request).wait(), output)?;
@@ -236,7 +240,10 @@ fn beginning(recording: &Recording, args: &Record, request: &Request) -> String 
     } else {
         ""
     };
-    format!("records {signals} of {}{to}{wait}{end}", each::listed(&names))
+    format!(
+        "records {signals} of {}{to}{wait}{end}",
+        profidrive::listed(&names)
+    )
 }
 
 impl From<RecordingError> for Failure {

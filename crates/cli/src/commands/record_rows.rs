@@ -1,9 +1,6 @@
 //! The rows of a recording on their way to files, plots and the terminal, and what happens meanwhile.
 
-use profidrive::lasting;
-use profidrive::recording::{
-    Absence, CsvLines, News, Recording, RecordingFile, Row, Scope, Sink, Table, WriteError,
-};
+use profidrive::recording::{CsvLines, News, Recording, RecordingFile, Row, Scope, Sink, Table, WriteError};
 
 use crate::failure::Failure;
 use crate::live_plot::LivePlot;
@@ -38,19 +35,20 @@ impl<'o> Taken<'o> {
                 News::Row(row) if broken.is_none() => {
                     if let Err(error) = self.take(&row) {
                         // the connections are closed in order all the same
-                        recording.stop();
+                        recording.stop_handle().stop_once();
                         broken = Some(error);
                     }
                 }
-                News::Ended { drive, error } => {
-                    let failure = Failure::from(error);
-                    if recording.table().drives.len() > 1 {
-                        let name = named(recording, drive);
-                        self.remark(true, format!("{name} is no longer recorded: {}", failure.message));
+                other => {
+                    // the only drive ends the command with its error
+                    let only = recording.table().drives.len() == 1;
+                    if !only || !matches!(other, News::Ended { .. }) {
+                        self.say(&other, recording);
                     }
-                    problems.push(failure);
+                    if let News::Ended { error, .. } = other {
+                        problems.push(Failure::from(error));
+                    }
                 }
-                other => self.say(&other, recording),
             }
         }
         if let Some(error) = broken {
@@ -98,65 +96,17 @@ impl<'o> Taken<'o> {
 
     /// Says what happens while drives are recorded.
     fn say(&mut self, news: &News, recording: &Recording) {
-        match news {
-            News::Away { drive, absence, .. } => {
-                let why = match absence {
-                    Absence::Controlled => "has another controller",
-                    Absence::InUse => {
-                        "is operated: its cyclic connection is closed, so that it cannot stop the motor"
-                    }
-                    _ => "does not answer",
-                };
-                self.remark(true, format!("{} {why}; retrying", named(recording, *drive)));
-            }
-            News::Back {
-                drive,
-                outage,
-                faults,
-            } => {
-                let name = named(recording, *drive);
-                self.remark(
-                    false,
-                    format!("{name} is recorded again after {}", lasting(*outage)),
-                );
-                for fault in faults {
-                    self.remark(true, format!("{name}: {fault}"));
+        for remark in news.remarks(recording.table()) {
+            let text = match (news, &self.live) {
+                (News::Waits { .. }, Some(_)) => format!("{}; q once more closes it now", remark.sentence),
+                (News::Waits { .. }, None) => {
+                    format!("{}; a second Ctrl-C closes it now", remark.sentence)
                 }
-            }
-            News::PowerOn { drive, reaction } => self.remark(
-                true,
-                format!(
-                    "{}: its power stage is on; the cyclic connection stays open, because when it ends, {reaction}",
-                    named(recording, *drive)
-                ),
-            ),
-            News::Waits { drive, reaction } => {
-                let end = if self.live.is_some() { "q once more" } else { "Ctrl-C" };
-                self.remark(
-                    true,
-                    format!(
-                        "{}: the recording has ended, and the connection is closed once the power stage is off, because then \
-                         {reaction}; {end} closes it now",
-                        named(recording, *drive)
-                    ),
-                );
-            }
-            News::Triggered(triggered) => self.remark(
-                false,
-                format!(
-                    "{} of {} after {}",
-                    triggered.trigger,
-                    named(recording, triggered.drive),
-                    lasting(triggered.time)
-                ),
-            ),
-            _ => {}
+                _ => remark.sentence,
+            };
+            self.remark(remark.is_warning, text);
         }
     }
-}
-
-fn named(recording: &Recording, drive: usize) -> &str {
-    recording.table().drives.get(drive).map_or("", String::as_str)
 }
 
 /// Where rows go.

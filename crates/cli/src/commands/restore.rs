@@ -8,7 +8,7 @@ use profidrive::report::RestoreReport;
 use profidrive::settings::{self, RestoreError, Shortfall};
 use profile::value::Reading;
 
-use super::lasting;
+use super::remark;
 use crate::advice::Commands;
 use crate::args::{Restore, Target};
 use crate::connect::{self, Need};
@@ -233,7 +233,7 @@ fn report(set: &ChangeSet, file: Option<&Path>, drive: &Drive, output: &Output) 
         output.say(&set.summary());
     }
     for remark in settings::lasting(set) {
-        lasting::print(&remark, "", output);
+        remark::print(&remark, "", output);
     }
     if let Some(file) = file {
         output.say(&format!(

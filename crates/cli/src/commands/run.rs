@@ -1,9 +1,7 @@
 //! `profidrive run`
 
 use client::Wait;
-use client::axis::SpeedUnit;
-use profidrive::motion::{self, Frequency, RunPlan};
-use profile::notation::Quantity;
+use profidrive::motion::{self, RunPlan};
 
 use super::axis;
 use super::recorded::Recorder;
@@ -48,42 +46,14 @@ pub fn run(args: &Run, target: &Target, output: &Output) -> Result<(), Failure> 
 
 /// The requested speed, in one unit.
 fn wanted(args: &Run) -> Result<motion::Run, Failure> {
-    let unit = match args.velocity.unit.as_deref() {
-        Some("%") => SpeedUnit::Percent,
-        _ => SpeedUnit::Rpm,
-    };
-    let symbol = unit.symbol();
-    let hertz = args.velocity.in_hertz();
-    let speed = match hertz {
-        Some(_) => 0.0,
-        None => axis::in_unit(&args.velocity, symbol, "--velocity")?,
-    };
-    let usual = match unit {
-        SpeedUnit::Rpm => motion::Run::at(speed),
-        SpeedUnit::Percent => motion::Run::at_percent(speed),
-    };
-    let frequency_limit = args
-        .limit
-        .as_ref()
-        .and_then(Quantity::in_hertz)
-        .filter(|_| hertz.is_some());
-    let limit = args.limit.as_ref().filter(|_| frequency_limit.is_none());
-    let limit = limit
-        .map(|limit| axis::in_unit(limit, symbol, "--limit"))
-        .transpose()?;
     let reference = args.reference_speed.as_ref();
     let reference = reference.map(|speed| axis::rpm(speed, "--reference-speed"));
     let wanted = motion::Run {
-        limit: limit.map_or(usual.limit, f64::abs),
-        frequency: hertz.map(|hertz| Frequency {
-            hertz,
-            limit: frequency_limit.map(f64::abs),
-        }),
         reference_speed: reference.transpose()?,
         telegram: args.telegram,
         time: args.time,
         control: axis::in_mode(&args.control)?,
-        ..usual
+        ..motion::Run::of(&args.velocity, args.limit.as_ref())?
     };
     wanted.check()?;
     Ok(wanted)

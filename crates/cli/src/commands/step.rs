@@ -4,12 +4,10 @@ use std::path::Path;
 use std::time::Duration;
 
 use client::Wait;
-use client::axis::SpeedUnit;
 use profidrive::lasting;
 use profidrive::motion::{self, Response, StepPoint, Stepped};
 use profidrive::recording::{EarlierStep, overlay};
 use profidrive::report::{self, StepReport};
-use profile::notation::Quantity;
 
 use super::axis;
 use super::record::{check_plot, draw};
@@ -102,57 +100,18 @@ fn plot_of(
 /// The requested step, in one unit.
 fn wanted(args: &Step) -> Result<motion::Step, Failure> {
     let (from, to) = &args.velocity;
-    let (from, run) = match from.in_hertz().zip(to.in_hertz()) {
-        Some((from, to)) => (from, in_hertz(to, args.limit.as_ref())?),
-        None => in_speeds(from, to, args.limit.as_ref())?,
-    };
+    let step = motion::Step::of(from, to, args.limit.as_ref())?;
     let wanted = motion::Step {
-        from,
         run: motion::Run {
             time: Some(args.time),
             control: axis::in_mode(&args.control)?,
-            ..run
+            ..step.run
         },
         band: axis::in_unit(&args.band, "%", "--band")? / 100.0,
+        ..step
     };
     wanted.check()?;
     Ok(wanted)
-}
-
-/// The run after a step between output frequencies.
-fn in_hertz(hertz: f64, limit: Option<&Quantity>) -> Result<motion::Run, Failure> {
-    let usual = motion::Run::at_frequency(hertz);
-    let Some(limit) = limit else { return Ok(usual) };
-    if let Some(limit) = limit.in_hertz() {
-        let limit = Some(limit.abs());
-        let frequency = Some(motion::Frequency { hertz, limit });
-        return Ok(motion::Run { frequency, ..usual });
-    }
-    let limit = axis::rpm(limit, "--limit")?.abs();
-    Ok(motion::Run { limit, ..usual })
-}
-
-/// The speed before a step between speeds, and the run after it.
-fn in_speeds(
-    from: &Quantity,
-    to: &Quantity,
-    limit: Option<&Quantity>,
-) -> Result<(f64, motion::Run), Failure> {
-    let percent = [from, to].iter().any(|speed| speed.unit.as_deref() == Some("%"));
-    let unit = if percent {
-        SpeedUnit::Percent
-    } else {
-        SpeedUnit::Rpm
-    };
-    let speed = |quantity, what| axis::in_unit(quantity, unit.symbol(), what);
-    let to = speed(to, "--velocity")?;
-    let usual = match unit {
-        SpeedUnit::Rpm => motion::Run::at(to),
-        SpeedUnit::Percent => motion::Run::at_percent(to),
-    };
-    let limit = limit.map(|limit| speed(limit, "--limit")).transpose()?;
-    let limit = limit.map_or(usual.limit, f64::abs);
-    Ok((speed(from, "--velocity")?, motion::Run { limit, ..usual }))
 }
 
 fn show(report: &StepReport, unit: &str, cycle: Duration, output: &Output) {

@@ -6,11 +6,11 @@ use profidrive::motion::{self, StopReport};
 
 use super::axis;
 use super::each::{self, Row, Shown};
+use super::remark;
 use crate::args::{Stop, Target};
 use crate::connect::{self, Need};
 use crate::failure::Failure;
 use crate::output::Output;
-use crate::render::table::clean;
 
 pub fn run(args: &Stop, target: &Target, output: &Output) -> Result<(), Failure> {
     let way = if args.disable {
@@ -67,19 +67,8 @@ impl Shown for Stop {
 
 /// What is to be known beside how a drive was stopped.
 fn remarks(report: &StopReport, output: &Output) {
-    let label = &report.drive;
-    if let Some(cause) = &report.unread {
-        output.warn(&format!(
-            "parameters of {label} cannot be read ({}): what they say was not taken into account",
-            clean(cause)
-        ));
-    }
-    let controller = report.controller.as_ref().filter(|one| one.connected);
-    if let Some(controller) = controller.filter(|_| report.sent.is_some()) {
-        output.warn(&format!(
-            "controller \"{}\" goes on commanding {label}: what it sends next may move the axis again",
-            clean(controller.name.as_deref().unwrap_or_default())
-        ));
+    for remark in report.remarks() {
+        remark::print(&remark, "", output);
     }
 }
 

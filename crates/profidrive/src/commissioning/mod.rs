@@ -2,7 +2,8 @@
 //!
 //! [`plan`] reads only and returns all objections of all drives. [`carry_out`] gives names and addresses, writes the settings,
 //! saves them and reads everything back. A run that was killed is finished by the next one: a note beside the machine file stays
-//! until a drive is verified, and the values before are in files that [`settings::plan`] restores from.
+//! until a drive is verified, and the values before are in files that [`settings::plan`] restores from. [`from_drives`] is the other
+//! way: it writes the file of the drives that are there.
 //!
 //! ```
 //! # #[cfg(feature = "simulate")] {
@@ -21,6 +22,7 @@
 //! ```
 
 mod error;
+mod from_drives;
 mod station;
 mod wanted;
 
@@ -33,6 +35,7 @@ use client::{Drive, DriveAddress, Session};
 use futures::{StreamExt, stream};
 
 pub use error::CommissionError;
+pub use from_drives::{FromDrives, MachineFile, from_drives};
 pub use wanted::PlannedSettings;
 
 use crate::drive::DriveError;

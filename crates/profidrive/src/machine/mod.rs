@@ -22,6 +22,7 @@
 //! ```
 
 mod file;
+mod kept;
 mod user_unit;
 mod write;
 
@@ -36,6 +37,7 @@ use profinet::{IpSuite, MacAddress};
 
 use crate::Selector;
 
+pub(crate) use kept::Kept;
 pub use user_unit::UserUnit;
 
 /// Octets of a machine file at most.
@@ -157,6 +159,10 @@ impl Machine {
     /// # Errors
     /// When it cannot be read, or something in it is not valid.
     pub fn read(path: &Path) -> Result<Self, MachineError> {
+        Self::read_with_text(path).map(|(machine, _)| machine)
+    }
+
+    fn read_with_text(path: &Path) -> Result<(Self, String), MachineError> {
         let unreadable = |source| MachineError::Read {
             path: path.to_owned(),
             source,
@@ -172,10 +178,8 @@ impl Machine {
             path: path.to_owned(),
             problem,
         })?;
-        Ok(Self {
-            path: Some(path.to_owned()),
-            ..machine
-        })
+        let path = Some(path.to_owned());
+        Ok((Self { path, ..machine }, text))
     }
 
     /// Returns the drive of this name.

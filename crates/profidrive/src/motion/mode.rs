@@ -38,6 +38,9 @@ pub(super) async fn enter(
 }
 
 /// Carries out a motion in the mode that it needs. Mode and telegram are put back, whatever became of it.
+///
+/// [`hold`](super::hold) and [`step`](super::step) enter and leave by themselves: a held axis keeps the mode beyond the call, and a step
+/// returns samples beside its report, also when it fails.
 pub(super) async fn during<W>(
     (session, drive): (&mut Session, &mut Drive),
     (needed, control): (Mode, &Control),

@@ -65,7 +65,10 @@ impl Start {
         Some(match self {
             Self::Hold | Self::Acknowledge => return None,
             Self::Run { speed, time } => format!("turns at {}", for_time(speed, *time)),
-            Self::Step { from, to } => format!("steps from {} to {} {}", from.value, to.value, to.unit),
+            Self::Step { from, to } => {
+                let (from, speed) = (figures(from.value), figures(to.value));
+                format!("steps from {from} to {speed} {}", to.unit)
+            }
             Self::Jog { speed, time } => {
                 format!("jogs at {} for {} s", value::full(speed), time.as_secs_f64())
             }
@@ -93,7 +96,7 @@ fn for_time(speed: &Quantity, time: Option<Duration>) -> String {
         || "until it is stopped".to_owned(),
         |time| format!("for {} s", time.as_secs_f64()),
     );
-    format!("{} {} {time}", speed.value, speed.unit)
+    format!("{} {} {time}", figures(speed.value), speed.unit)
 }
 
 /// What the axis would do, behind its name: `turn at 60 rpm for 1 s, telegram 9 -> 1 (PNU 922)`.
@@ -120,5 +123,31 @@ impl fmt::Display for Telegrams {
             (Some(before), Some(now)) if before != now => write!(f, ", telegram {before} -> {now} (PNU 922)"),
             (_, Some(now)) => write!(f, ", telegram {now}"),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use client::axis::SpeedUnit;
+
+    use super::*;
+
+    /// 33.3 Hz of a motor with 1500 rpm at 50 Hz is 998.9999999999999 rpm in floating point.
+    #[test]
+    fn a_speed_that_was_converted_is_rounded_in_a_sentence() {
+        let speed = |value| Quantity::speed(value, SpeedUnit::Rpm);
+        let run = Start::Run {
+            speed: speed(33.3 * 60.0 / 2.0),
+            time: None,
+        };
+        assert_eq!(
+            run.sentence(1).as_deref(),
+            Some("turns at 999 rpm until it is stopped")
+        );
+        let step = Start::Step {
+            from: speed(0.1 + 0.2),
+            to: speed(33.3 * 60.0 / 2.0),
+        };
+        assert_eq!(step.sentence(1).as_deref(), Some("steps from 0.3 to 999 rpm"));
     }
 }

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use client::axis::{AxisSignal, Sample, Seen};
-use client::{Axis, Error, Samples};
+use client::{Axis, Error, Samples, Session};
 use profinet::Instant;
 
 use super::error::RecordingError;
@@ -80,14 +80,15 @@ pub(super) async fn observe(
     }
 }
 
-/// Keeps the connection of a recording that has ended until its end does not stop the motor, or the caller insists.
+/// Keeps the connection of a recording that has ended until its end does not stop the motor, or the caller insists. A first wish to
+/// stop is the normal end of a recording without a time, and does not end the wait.
 async fn wait_for_rest(producer: &mut Producer, axis: &mut Axis, samples: &mut Samples) {
     let mut reported = false;
     let mut seen = axis.status().and_then(|status| status.view.seen);
     loop {
         let lost = axis.status().is_none_or(|status| status.lost);
         let stays = seen.is_some_and(|seen| matches!(use_of(seen, axis), Use::Stay));
-        let insists = producer.is_stopped_at_once() || producer.session.glance().is_err();
+        let insists = producer.is_stopped_at_once() || producer.session.hurry_requested();
         if lost || !stays || insists {
             return;
         }
@@ -96,7 +97,9 @@ async fn wait_for_rest(producer: &mut Producer, axis: &mut Axis, samples: &mut S
             producer.waits(axis.loss_reaction());
             producer.flush().await;
         }
-        if producer.session.pass(TAKEN).await.is_err() {
+        let session = &mut producer.session;
+        let passed = session.uninterrupted(async |session: &mut Session| session.pass(TAKEN).await);
+        if passed.await.is_err() {
             return;
         }
         while let Some(sample) = samples.take() {

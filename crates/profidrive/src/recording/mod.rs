@@ -45,6 +45,7 @@ mod overlay;
 mod plot;
 mod poll;
 mod producer;
+mod remark;
 mod run;
 mod samples;
 mod scope;

@@ -135,8 +135,8 @@ impl RecordingStop {
             .fetch_update(Ordering::AcqRel, Ordering::Acquire, |count| count.checked_add(1));
     }
 
-    /// Ends it; further calls change nothing.
-    pub(super) fn stop_once(&self) {
+    /// Ends it; further calls change nothing. For an end that is no wish of a person: no room for the rows, a terminal that is gone.
+    pub fn stop_once(&self) {
         let _ = self.0.compare_exchange(0, 1, Ordering::AcqRel, Ordering::Acquire);
     }
 

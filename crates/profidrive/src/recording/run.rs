@@ -27,7 +27,9 @@ const ROOM: usize = 4096;
 /// Interval at which the end is checked.
 const BEAT: Duration = Duration::from_millis(50);
 
-/// A recording under way. It ends by its time, by [`stop`](Self::stop) or when the caller of the session requests a stop.
+/// A recording under way. It ends by its time, by [`stop`](Self::stop) or when the caller of the session requests a stop
+/// ([`Session::interrupt_with`]). Each of them keeps a connection whose end would stop a motor until that is at rest
+/// ([`News::Waits`]).
 ///
 /// Dropping it closes its cyclic connections, as the drop of an [`Axis`](client::Axis) does.
 pub struct Recording {
@@ -94,7 +96,7 @@ pub enum News {
         reaction: Box<LossReaction>,
     },
     /// The recording has ended, and the connection of a drive stays open until its power stage is off. A second
-    /// [`stop`](Recording::stop) or a wish of the caller to stop closes it at once.
+    /// [`stop`](Recording::stop) closes it at once, or the caller who insists ([`Session::hurry_with`]).
     Waits {
         /// Its index.
         drive: usize,

@@ -3,10 +3,7 @@
 use client::change::{Change, ChangeSet, Kept, Persistence};
 use client::{Action, Choice};
 
-use crate::Remark;
-
-/// Most values that are named one by one.
-const MOST_NAMED: usize = 6;
+use crate::{Remark, listed};
 
 /// Returns which of the values that were written are lost at the next power cycle, and which are not.
 #[must_use]
@@ -96,20 +93,10 @@ fn of_most(values: &[String], only: bool, persistence: Persistence) -> Remark {
     }
 }
 
-/// `DRV.ACC is`, `DRV.ACC and DRV.DEC are`.
+/// `DRV.ACC is`, `DRV.ACC, DRV.DEC are`.
 fn with_verb(names: &[String]) -> String {
     let verb = if names.len() == 1 { "is" } else { "are" };
     format!("{} {verb}", listed(names))
-}
-
-/// `922`, `922 and HOME.V`, `922, 930 and HOME.V`, `12 values`.
-fn listed(names: &[String]) -> String {
-    match names {
-        [] => String::new(),
-        [one] => one.clone(),
-        names if names.len() > MOST_NAMED => format!("{} values", names.len()),
-        [first @ .., last] => format!("{} and {last}", first.join(", ")),
-    }
 }
 
 #[cfg(test)]
@@ -122,17 +109,17 @@ mod tests {
         let remark = |names, only, persistence| of_most(names, only, persistence).sentence;
         assert_eq!(
             remark(&names, false, Persistence::NotAsPlanned),
-            "not saved: the save command was not sent because not every value is as planned, 922 and HOME.V are lost at \
+            "not saved: the save command was not sent because not every value is as planned, 922, HOME.V are lost at \
              the next power cycle"
         );
         assert_eq!(
             remark(&names[..1], false, Persistence::NotRequested),
             "not saved: 922 is lost at the next power cycle"
         );
-        let many: Vec<String> = (0..7).map(|number| number.to_string()).collect();
+        let many: Vec<String> = (0..10).map(|number| number.to_string()).collect();
         assert_eq!(
             remark(&many, false, Persistence::EveryWrite),
-            "saved in the drive: 7 values (it saves every write)"
+            "saved in the drive: 0, 1, 2, 3, 4, 5, 6, 7 and 2 more (it saves every write)"
         );
     }
 }

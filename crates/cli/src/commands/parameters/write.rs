@@ -6,18 +6,18 @@ use profidrive::Remark;
 use profidrive::fleet::{self, WritePlan};
 use profidrive::parameters::{self, Write as Wanted, Written};
 use profidrive::report::WriteReport;
-use profile::value::{Assignment, Content};
+use profile::value::Assignment;
 
 use super::super::each::{self, Row, Shown};
-use super::super::lasting;
+use super::super::remark;
 use crate::advice::Commands;
 use crate::args::{Target, Write};
 use crate::confirm::{Question, confirm};
 use crate::connect::{self, Need};
 use crate::failure::Failure;
 use crate::output::Output;
-use crate::render::table::{Table, clean};
-use crate::render::{number, value};
+use crate::render::table::Table;
+use crate::render::value;
 
 pub fn write(args: &Write, target: &Target, output: &Output) -> Result<(), Failure> {
     let assignments: Vec<Assignment> = args
@@ -36,19 +36,17 @@ pub fn write(args: &Write, target: &Target, output: &Output) -> Result<(), Failu
     let written = parameters::write(&mut session, &mut drive, &assignments, wanted).wait()?;
     session.close().wait()?;
     let verb = Writing {
-        assignments: &assignments,
         planned: args.dry_run,
     };
     each::shown_alone(&verb, &written, &drive, output)
 }
 
 /// How a write is shown, or a plan of it.
-struct Writing<'a> {
-    assignments: &'a [Assignment],
+struct Writing {
     planned: bool,
 }
 
-impl Shown for Writing<'_> {
+impl Shown for Writing {
     type Done = Written;
     type Report = WriteReport;
     const COLUMNS: &'static [&'static str] = &COLUMNS;
@@ -58,7 +56,7 @@ impl Shown for Writing<'_> {
     }
 
     fn show(&self, done: &Written, _: &Drive, output: &Output) {
-        remark(self.assignments, done, output);
+        say_values(done, output);
         let mut table = Table::new(&COLUMNS);
         for change in done.changes() {
             table.row(row(change, self.planned));
@@ -69,7 +67,7 @@ impl Shown for Writing<'_> {
             return;
         }
         for remark in done.lasting() {
-            lasting::print(&remark, "", output);
+            remark::print(&remark, "", output);
         }
     }
 
@@ -119,9 +117,9 @@ fn many(
     if !output.json()
         && let Some(first) = plan.plans().next()
     {
-        remark(assignments, first, output);
+        say_values(first, output);
     }
-    let show = |planned| Writing { assignments, planned };
+    let show = |planned| Writing { planned };
     if ends_here {
         let closed = session.close().wait();
         let shown = each::shown(&show(true), plan.into_members(), left_out, output);
@@ -160,24 +158,15 @@ fn many(
 
 /// A controller whose motion the new values change.
 fn warn(written: &Written, drive: &Drive, output: &Output) {
-    if let Some(name) = written.affected_controller() {
-        output.warn(&format!(
-            "controller \"{}\" is connected to {}: what was written counts for its motion at once",
-            clean(name),
-            drive.label(),
-        ));
+    if let Some(remark) = written.of_controller(&drive.label()) {
+        remark::print(&remark, "", output);
     }
 }
 
 /// What becomes of values on the way to the drive.
-fn remark(assignments: &[Assignment], written: &Written, output: &Output) {
-    for (assignment, change) in assignments.iter().zip(written.set.changes()) {
-        let remark = raw_note(assignment, change)
-            .or_else(|| rounded(assignment, change))
-            .or_else(|| blanks_lost(assignment, change));
-        if let Some(remark) = remark {
-            output.say(&remark);
-        }
+fn say_values(written: &Written, output: &Output) {
+    for remark in written.of_values() {
+        remark::print(&remark, "", output);
     }
 }
 
@@ -194,46 +183,8 @@ fn report_all_saved(rows: &[Row<Written>], output: &Output) {
         }
     }
     for (remark, drives) in remarks {
-        lasting::print(&remark, &format!("{}: ", each::listed(&drives)), output);
+        remark::print(&remark, &format!("{}: ", profidrive::listed(&drives)), output);
     }
-}
-
-/// A number in hexadecimal is the one on the wire: what that is in the unit of the parameter.
-fn raw_note(assignment: &Assignment, change: &Change) -> Option<String> {
-    let raw = assignment.value.raw()?;
-    let unit = change.rounding?.unit;
-    (!unit.is_empty()).then(|| {
-        let (label, value) = (change.label(), value::value(&change.new));
-        format!("{label}: 0x{raw:04X} is the raw value, that is {value} {unit}")
-    })
-}
-
-/// That a text is written without the blanks in front of it, and how to write them.
-fn blanks_lost(assignment: &Assignment, change: &Change) -> Option<String> {
-    let Content::Text(text) = &change.new.content else {
-        return None;
-    };
-    assignment.value.has_lost_blanks().then(|| {
-        let label = change.label();
-        let text = clean(text);
-        format!(
-            "{label}: blanks before the text are left out; to write them use quotation marks: \" {text}\""
-        )
-    })
-}
-
-/// What becomes of a value between two that the drive can hold.
-fn rounded(assignment: &Assignment, change: &Change) -> Option<String> {
-    let value = change.rounding?;
-    let asked = assignment.value.number()?;
-    let unit = asked.unit.as_deref().unwrap_or(value.unit);
-    let (asked, written) = (number(asked.number.as_f64()), value::value(&change.new));
-    let shown = unit != value.unit || asked != written;
-    (value.is_rounded() && shown).then(|| {
-        let label = change.label();
-        let line = format!("{label}: {asked} {unit} -> {written} {}", value.unit);
-        format!("{}, rounded to the nearest representable value", line.trim_end())
-    })
 }
 
 fn row(change: &Change, dry_run: bool) -> [String; 7] {
