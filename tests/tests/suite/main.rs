@@ -9,6 +9,7 @@ mod corpus;
 mod decode;
 mod docs;
 mod examples;
+mod expected_on_wire;
 mod fleet;
 mod frames;
 mod full_disk;

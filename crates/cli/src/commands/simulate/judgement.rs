@@ -41,7 +41,12 @@ impl ReportFile {
         Ok(Some(Self {
             path: path.clone(),
             file,
-            plant: args.plant.as_deref().unwrap_or(Path::new("")).display().to_string(),
+            plant: args
+                .plant
+                .as_deref()
+                .unwrap_or(Path::new(""))
+                .display()
+                .to_string(),
         }))
     }
 
