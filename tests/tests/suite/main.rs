@@ -10,6 +10,7 @@ mod decode;
 mod docs;
 mod doctor;
 mod examples;
+mod expected_on_wire;
 mod fleet;
 mod frames;
 mod full_disk;
