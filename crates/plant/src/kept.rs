@@ -82,10 +82,10 @@ pub struct DriveTrace<'a> {
 }
 
 impl Trace {
-    /// A limit for usual runs, in octets: minutes of a few drives that move, hours at rest.
+    /// A limit for usual runs, about so many octets: minutes of a few drives that move, hours at rest.
     pub const USUAL_LIMIT: usize = 256 << 20;
 
-    /// Creates a trace at the start of a run; `limit` is the most that it takes, in octets.
+    /// Creates a trace at the start of a run; `limit` is about the most that it takes, in octets.
     pub(crate) fn new<'a>(seed: u64, names: impl Iterator<Item = &'a str>, limit: usize) -> Self {
         let drives = names.map(|name| Kept {
             name: name.to_owned(),
@@ -108,7 +108,7 @@ impl Trace {
         if self.cut {
             return;
         }
-        // names and texts of an event are short; an octet more or less decides nothing
+        // other texts of an event are short, a name at most
         self.used += size_of::<(usize, Event)>() + event.drive.len();
         self.events.push((self.ticks.len(), event.clone()));
     }

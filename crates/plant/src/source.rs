@@ -1,6 +1,5 @@
 //! The text of a plant, and changes of it.
 
-use std::fmt;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
@@ -234,12 +233,6 @@ impl FromStr for PlantSource {
             text: text.to_owned(),
             file: None,
         })
-    }
-}
-
-impl fmt::Display for PlantSource {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.text)
     }
 }
 

@@ -37,7 +37,7 @@ impl Watchers {
 }
 
 impl World {
-    /// Keeps what happens from now on as a [`Trace`] of at most `limit` octets, [`Trace::USUAL_LIMIT`] for usual runs.
+    /// Keeps what happens from now on as a [`Trace`] of about `limit` octets at most, [`Trace::USUAL_LIMIT`] for usual runs.
     /// Replaces the trace before.
     pub fn keep_trace(&mut self, limit: usize) {
         let names = self.drives.iter().map(|seat| seat.name.as_str());
