@@ -89,6 +89,7 @@ fn option(choice: Choice) -> String {
         Choice::Force => "--force",
         Choice::WayBack => "--way-back PATH",
         Choice::Save => "--save",
+        Choice::Settings => "--only",
         Choice::Machine => "--machine FILE, PROFIDRIVE_MACHINE, or machine.toml in the current folder",
         _ => "another option",
     };

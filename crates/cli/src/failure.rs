@@ -124,6 +124,7 @@ explained!(
     profidrive::recording::PlotError,
     profidrive::recording::WriteError,
     profidrive::settings::CompareError,
+    profidrive::settings::Shortfall,
 );
 
 impl From<profile::value::ParameterProblem> for Failure {

@@ -111,10 +111,12 @@ pub enum Choice {
     Save,
     /// The machine file.
     Machine,
+    /// Which settings of a file.
+    Settings,
 }
 
 /// Every choice with its stable name.
-const CHOICES: [(&str, Choice); 15] = [
+const CHOICES: [(&str, Choice); 16] = [
     ("description", Choice::Description),
     ("model", Choice::Model),
     ("cycle", Choice::Cycle),
@@ -130,6 +132,7 @@ const CHOICES: [(&str, Choice); 15] = [
     ("way-back", Choice::WayBack),
     ("save", Choice::Save),
     ("machine", Choice::Machine),
+    ("settings", Choice::Settings),
 ];
 
 impl Choice {

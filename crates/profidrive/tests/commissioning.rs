@@ -432,7 +432,7 @@ fn a_run_that_is_killed_at_any_moment_is_finished_or_taken_back() {
                     settings::carry_out(network, &mut drive, &before, &request, &mut plan, &again, |_| {});
                 carried.wait().unwrap();
                 assert_eq!(
-                    settings::shortfall(&plan, &request),
+                    settings::shortfall(&plan, &drive, &request),
                     None,
                     "{name} after {after:?}"
                 );

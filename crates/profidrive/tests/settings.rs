@@ -7,7 +7,7 @@ use profidrive::client::{Drive, ErrorKind, WriteMode};
 use profidrive::settings::{
     self, BackupFile, CompareError, Comparison, FileError, Restore, RestoreError, Shortfall, carry_out,
 };
-use profidrive::{Network, Outcome, Wait};
+use profidrive::{Explained, Network, Outcome, Wait};
 
 const PLANT: &str = r#"
 [[drive]]
@@ -99,7 +99,8 @@ fn a_changed_setting_is_found_restored_and_brought_back() {
         .wait()
         .expect("it fits");
     assert_eq!(plan.set.total(), 1);
-    assert_eq!(settings::shortfall(&plan, &wanted), Some(Shortfall::Differs));
+    let short = settings::shortfall(&plan, &drive, &wanted);
+    assert!(matches!(short, Some(Shortfall::Differs { .. })), "{short:?}");
     let way_back = settings::way_back(&path).expect("a place");
     // a way back is never over a file: nothing is written then
     std::fs::write(&way_back, "precious").expect("written");
@@ -135,7 +136,7 @@ fn a_changed_setting_is_found_restored_and_brought_back() {
     )
     .wait()
     .expect("written");
-    assert_eq!(settings::shortfall(&plan, &wanted), None);
+    assert_eq!(settings::shortfall(&plan, &drive, &wanted), None);
     let restored = saved(&mut network, &mut drive);
     assert_eq!(
         Comparison::new(&read, &restored).unwrap().outcome(),
@@ -198,10 +199,11 @@ fn a_controller_keeps_settings_from_being_restored() {
         ..Restore::default()
     };
     let mut looked_at = plan(&mut network, &mut drive, &looked).expect("a look only");
-    assert_eq!(
-        settings::shortfall(&looked_at, &looked),
-        Some(Shortfall::Unwritable),
-        "without its motion tasks"
+    let short = settings::shortfall(&looked_at, &drive, &looked).expect("without its motion tasks");
+    assert_eq!(short.kind(), ErrorKind::Difference);
+    assert!(
+        short.to_string().contains("the motion tasks are left out ("),
+        "{short}"
     );
     // a plan that was made without the check is not carried out without it
     let folder = folder("controlled");

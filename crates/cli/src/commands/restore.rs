@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use client::change::{Change, ChangeSet, Choice, Plan, Skip, Skipped, Step};
 use client::{Drive, Wait};
 use profidrive::report::RestoreReport;
-use profidrive::settings::{self, RestoreError, Shortfall};
+use profidrive::settings::{self, RestoreError};
 use profile::value::Reading;
 
 use super::remark;
@@ -191,9 +191,6 @@ fn left_out_row(first: &Skipped, rest: &[&Skipped]) -> [String; 5] {
     ]
 }
 
-/// Most names in a message.
-const MOST_NAMED: usize = 4;
-
 const fn kept(change: &Change) -> &'static str {
     match change.storable {
         Some(true) | None => "",
@@ -262,48 +259,7 @@ fn failed(error: RestoreError, set: &ChangeSet, file: Option<&Path>, drive: &Dri
 }
 
 fn ended(plan: &Plan, drive: &Drive, request: &settings::Restore) -> Result<(), Failure> {
-    let (set, label) = (&plan.set, drive.label());
-    let Some(shortfall) = settings::shortfall(plan, request) else {
-        return Ok(());
-    };
-    let failure = |message| Failure::new(shortfall.kind(), message);
-    Err(match shortfall {
-        Shortfall::Refused => {
-            let refused = set.count(Step::is_refused);
-            failure(format!("{label} refused {refused} of {} values", set.total()))
-        }
-        Shortfall::Differs => failure(format!("{label} is not as the file says: {}", set.summary()))
-            .hint("the drive may round, limit or change values by itself"),
-        Shortfall::Unwritable => failure(unwritable(plan, &label)).hint(
-            "the lines `left out` say why; take them out of the file, or choose with --only, where that is meant",
-        ),
-    })
-}
-
-/// A file of which the drive cannot have everything is not restored, whatever else was.
-fn unwritable(plan: &Plan, drive: &str) -> String {
-    let mut missing = Vec::new();
-    match plan.refused() {
-        0 => {}
-        1 => missing.push("1 value of the file cannot be written".to_owned()),
-        count => missing.push(format!("{count} values of the file cannot be written")),
-    }
-    if let Some(why) = &plan.tasks_left_out {
-        missing.push(format!("the motion tasks are left out ({why})"));
-    }
-    let names: Vec<&str> = plan
-        .skipped
-        .iter()
-        .filter(|skipped| skipped.why.is_refusal())
-        .filter_map(|skipped| skipped.reading.name)
-        .take(MOST_NAMED)
-        .collect();
-    let named = match names.len() {
-        0 => String::new(),
-        count if count < plan.refused() => format!(" ({}, ..)", names.join(", ")),
-        _ => format!(" ({})", names.join(", ")),
-    };
-    format!("{drive} is not as the file says: {}{named}", missing.join("; "))
+    settings::shortfall(plan, drive, request).map_or(Ok(()), |shortfall| Err(shortfall.into()))
 }
 
 fn document(drive: &Drive, args: &Restore, plan: &Plan, file: Option<&Path>) -> RestoreReport {

@@ -362,7 +362,7 @@ async fn write(
         ..request.clone()
     };
     let after = settings::plan(session, drive, wanted, &compare).await?;
-    if after.set.total() > 0 || settings::shortfall(plan, request).is_some() {
+    if after.set.total() > 0 || settings::shortfall(plan, drive, request).is_some() {
         return Err(CommissionError::Differs {
             drive: name.clone(),
             count: after.set.total(),

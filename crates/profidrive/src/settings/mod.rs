@@ -18,7 +18,7 @@
 //! // nothing has changed since, so there is nothing to write
 //! let wanted = Restore::default();
 //! let plan = settings::plan(&mut network, &mut drive, &saved.report, &wanted).wait()?;
-//! assert_eq!((plan.set.total(), settings::shortfall(&plan, &wanted)), (0, None));
+//! assert_eq!((plan.set.total(), settings::shortfall(&plan, &drive, &wanted)), (0, None));
 //! # }
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -27,12 +27,13 @@ mod backup;
 mod comparison;
 mod file;
 mod lasting;
+mod shortfall;
 
 use std::fs::File;
 use std::path::{Path, PathBuf};
 
 use client::backup::Backup;
-use client::change::{ChangeSet, Choice, Plan, Saved, Step};
+use client::change::{ChangeSet, Choice, Plan, Step};
 use client::{Drive, Error, ErrorKind, Session, describe};
 use network::files::StateFile;
 
@@ -40,6 +41,7 @@ pub use backup::{Missing, MissingSettings, backup, missing, outcome};
 pub use comparison::{CompareError, Comparison, as_in};
 pub use file::{BackupFile, FileError, file_in, make_folder, read};
 pub use lasting::lasting;
+pub use shortfall::{Shortfall, shortfall};
 
 /// Most ways back beside one file.
 const MOST_WAYS_BACK: u32 = 9_999;
@@ -148,43 +150,6 @@ pub async fn plan(
         return Err(RestoreError::Nothing);
     }
     Ok(plan)
-}
-
-/// What keeps a drive from being as a file says.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Shortfall {
-    /// The drive refused a value, or to save.
-    Refused,
-    /// A value reads back differently, or is not saved though that was requested.
-    Differs,
-    /// The file has values or motion tasks that cannot be written; all others are written.
-    Unwritable,
-}
-
-impl Shortfall {
-    /// The kind of error that it is.
-    #[must_use]
-    pub const fn kind(self) -> ErrorKind {
-        match self {
-            Self::Refused => ErrorKind::Refused,
-            Self::Differs | Self::Unwritable => ErrorKind::Difference,
-        }
-    }
-}
-
-/// What a plan, carried out or not, leaves different from its file; `None` where the drive is as the file says.
-#[must_use]
-pub fn shortfall(plan: &Plan, wanted: &Restore) -> Option<Shortfall> {
-    let set = &plan.set;
-    if !wanted.dry_run {
-        if set.count(Step::is_refused) > 0 || matches!(set.saved(), Saved::Refused(_)) {
-            return Some(Shortfall::Refused);
-        }
-        if !set.is_done() || (wanted.save && set.saved() != Saved::Yes) {
-            return Some(Shortfall::Differs);
-        }
-    }
-    (plan.refused() > 0 || plan.tasks_left_out.is_some()).then_some(Shortfall::Unwritable)
 }
 
 /// Returns a path beside the file of a backup for the values before: `FILE.before-1`, `-2`, .., the first that does not
