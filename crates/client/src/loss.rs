@@ -50,7 +50,7 @@ pub struct LossReaction {
     pub action: LossAction,
     /// The parameter that decides, as its vendor writes it. `None` where no parameter decides.
     pub parameter: Option<String>,
-    /// The setting of that parameter.
+    /// The setting of that parameter; `None` where the drive did not report it.
     pub setting: Option<String>,
     /// Time from the last control word until the drive reacts, where a parameter sets it.
     pub after: Option<Duration>,
@@ -91,20 +91,21 @@ impl LossReaction {
         remedy: None,
     };
 
-    /// Whether the axis may run on after the loss of its controller by a setting of the drive. False where nothing is known
-    /// of the drive: no setting could be named that changes it.
+    /// Whether the axis may run on after the loss of its controller by a setting of the drive, known or not. False where no
+    /// parameter is known that decides: no setting could be named that makes it stop.
     #[must_use]
     pub const fn runs_on(&self) -> bool {
         !self.action.stops() && self.parameter.is_some()
     }
 
-    /// Returns the setting that decides: `8-04 is Off`; empty where no parameter decides.
+    /// Returns the setting that decides: `8-04 is Off`, `8-04 cannot be read`; empty where no parameter decides.
     #[must_use]
     pub fn named(&self) -> String {
-        let named = self.parameter.as_ref().zip(self.setting.as_ref());
-        named.map_or_else(String::new, |(parameter, setting)| {
-            format!("{parameter} is {setting}")
-        })
+        match (&self.parameter, &self.setting) {
+            (Some(parameter), Some(setting)) => format!("{parameter} is {setting}"),
+            (Some(parameter), None) => format!("{parameter} cannot be read"),
+            (None, _) => String::new(),
+        }
     }
 
     /// Whether the loss of a controller that commanded nothing may begin or keep up a motion, by a setting of the drive: it jogs,

@@ -41,7 +41,8 @@ impl Session {
     /// Reads what the drive does when its controller is lost. Reads only.
     ///
     /// Sources: `loss-` and `lost-controller` rows of the tables of each model (VLT 8-03 and 8-04, Vacon ID 733 and
-    /// ID 506, FAULT702.ACTION of the AKD). What no table contains is [`LossAction::Unknown`].
+    /// ID 506, FAULT702.ACTION of the AKD). What no table contains is [`LossAction::Unknown`], as is a setting that the drive does
+    /// not report.
     ///
     /// # Errors
     /// When the drive cannot be reached.
@@ -52,25 +53,24 @@ impl Session {
         let readings = match self.ask(drive, &PARTS).await {
             Ok(readings) => readings,
             Err(Error::Refused { .. } | Error::Record { .. } | Error::Channel { .. }) => {
-                return Ok(LossReaction::UNKNOWN);
+                return Ok(unread(tables, drive));
             }
             Err(error) => return Err(error),
         };
-        Ok(reaction(tables, drive.is_on_line(), &readings))
+        Ok(reaction(tables, drive, &readings))
     }
 }
 
 /// What the values of [`PARTS`] come down to.
-pub(super) fn reaction(tables: &Catalogue, on_line: bool, readings: &Readings) -> LossReaction {
-    // without a time of its own the reaction belongs to the watchdog of the network; a serial line has none
-    if on_line && tables.part(Part::LossTime).is_none() {
+pub(super) fn reaction(tables: &Catalogue, drive: &Drive, readings: &Readings) -> LossReaction {
+    if !decides(tables, drive) {
         return LossReaction::UNKNOWN;
     }
     let (Some(reading), Some(raw)) = (
         readings.find(Part::LostController),
         readings.raw(Part::LostController),
     ) else {
-        return LossReaction::UNKNOWN;
+        return unread(tables, drive);
     };
     let means = |part: Part, raw: i64| tables.part_values(part).contains(&raw);
     let row = REACTIONS.iter().find(|(part, _)| means(*part, raw));
@@ -84,17 +84,11 @@ pub(super) fn reaction(tables: &Catalogue, on_line: bool, readings: &Readings) -
         None => LossAction::Unknown,
     };
     let parameter = reading.shown().to_string();
-    let stops = tables.part_values(Part::LostController).last();
-    let remedy = stops.filter(|_| !action.stops()).map(|&value| Remedy {
-        action: Action::Write {
-            parameter: parameter.clone(),
-            value: value.to_string(),
-        },
-        meaning: tables
-            .part(Part::LostController)
-            .and_then(|parameter| parameter.choice(value)),
-    });
     LossReaction {
+        remedy: match action.stops() {
+            true => None,
+            false => remedy(tables, &parameter),
+        },
         action,
         setting: Some(reading.choice.map_or_else(|| raw.to_string(), str::to_owned)),
         after: readings
@@ -102,8 +96,40 @@ pub(super) fn reaction(tables: &Catalogue, on_line: bool, readings: &Readings) -
             .and_then(|seconds| Duration::try_from_secs_f64(seconds).ok()),
         parameter: Some(parameter),
         commands: row.is_some() && !means(Part::LossNone, raw),
-        remedy,
     }
+}
+
+/// Whether the drive has a setting for its reaction. Without a time of its own the reaction belongs to the watchdog of the network;
+/// a serial line has none.
+fn decides(tables: &Catalogue, drive: &Drive) -> bool {
+    !drive.is_on_line() || tables.part(Part::LossTime).is_some()
+}
+
+/// The drive does not report the setting that decides: whatever it is, it may be one with which the axis runs on.
+fn unread(tables: &Catalogue, drive: &Drive) -> LossReaction {
+    let deciding = drive.named(&[Part::LostController]).into_iter().next();
+    let Some(parameter) = deciding.filter(|_| decides(tables, drive)) else {
+        return LossReaction::UNKNOWN;
+    };
+    LossReaction {
+        remedy: remedy(tables, &parameter),
+        parameter: Some(parameter),
+        ..LossReaction::UNKNOWN
+    }
+}
+
+/// The setting of the deciding parameter with which the drive stops.
+fn remedy(tables: &Catalogue, parameter: &str) -> Option<Remedy> {
+    let value = *tables.part_values(Part::LostController).last()?;
+    Some(Remedy {
+        action: Action::Write {
+            parameter: parameter.to_owned(),
+            value: value.to_string(),
+        },
+        meaning: tables
+            .part(Part::LostController)
+            .and_then(|parameter| parameter.choice(value)),
+    })
 }
 
 #[cfg(test)]
@@ -133,6 +159,15 @@ mod tests {
         assert_eq!(
             LossReaction::UNKNOWN.to_string(),
             "it is not known whether the drive stops"
+        );
+        let unread = LossReaction {
+            parameter: Some("8-04".into()),
+            ..LossReaction::UNKNOWN
+        };
+        assert!(unread.runs_on() && !LossReaction::UNKNOWN.runs_on());
+        assert_eq!(
+            unread.to_string(),
+            "it is not known whether the drive stops (8-04 cannot be read)"
         );
     }
 }

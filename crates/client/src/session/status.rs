@@ -132,7 +132,7 @@ impl Session {
             loss: drive
                 .model
                 .catalogue
-                .map(|tables| loss::reaction(tables, drive.is_on_line(), &parts)),
+                .map(|tables| loss::reaction(tables, drive, &parts)),
             position: turns(Part::Position),
             following_error: turns(Part::FollowingError),
         })
