@@ -2,7 +2,7 @@
 
 use client::{Drive, Session, describe};
 use profidrive::inspection;
-use profidrive::report::{Controller, Identity, InfoReport, Module, Parameter, Word};
+use profidrive::report::{Controller, Identity, InfoReport, Module, ProfileIdentity, Word};
 use profile::model::PROFIDRIVE_API;
 
 use super::each::{self, Each, Progress, Shown};
@@ -123,9 +123,21 @@ fn lines(report: &InfoReport) -> Vec<String> {
             line(name, text);
         }
     }
-    for (pnu, name) in [(964, "unit (964)"), (965, "profile (965)"), (975, "object (975)")] {
-        line(name, page(report, pnu));
-    }
+    let ProfileIdentity {
+        drive_unit,
+        profile,
+        drive_object,
+    } = &report.identification;
+    let text = |found: Option<&dyn ToString>| found.map(ToString::to_string).unwrap_or_default();
+    line("unit (964)", text(drive_unit.as_ref().map(|unit| unit as _)));
+    line(
+        "profile (965)",
+        text(profile.as_ref().map(|profile| profile as _)),
+    );
+    line(
+        "object (975)",
+        text(drive_object.as_ref().map(|object| object as _)),
+    );
     for (pnu, name) in [(922, "telegram"), (930, "mode")] {
         if let Some(parameter) = report.parameters.iter().find(|parameter| parameter.pnu == pnu) {
             line(name, format!("{} ({})", parameter.full(), parameter.number));
@@ -248,65 +260,6 @@ fn given(text: &str) -> String {
     }
 }
 
-/// One of the identification parameters in words.
-fn page(report: &InfoReport, pnu: u16) -> String {
-    let values: Vec<&Parameter> = report
-        .parameters
-        .iter()
-        .filter(|parameter| parameter.pnu == pnu)
-        .collect();
-    if values.is_empty() {
-        return String::new();
-    }
-    let raw = |value: &&Parameter| value.raw.as_ref()?.as_i64();
-    let numbers: Vec<i64> = values.iter().filter_map(raw).collect();
-    let hex = values.iter().filter_map(|value| value.hex.as_deref());
-    let octets: Vec<u8> = hex
-        .flat_map(str::split_whitespace)
-        .filter_map(|octet| u8::from_str_radix(octet, 16).ok())
-        .collect();
-    match (pnu, numbers.as_slice(), octets.as_slice()) {
-        (964, [vendor, kind, version, year, day_month, ..], _) => format!(
-            "manufacturer {vendor} (0x{vendor:04X}), type {kind}, software {}.{:02}, {}",
-            version / 100,
-            version % 100,
-            date(*year, *day_month)
-        ),
-        (975, [vendor, kind, version, year, day_month, rest @ ..], _) => {
-            let class = match rest.first() {
-                Some(1) => ", axis",
-                Some(5) => ", encoder",
-                _ => "",
-            };
-            let id = rest.get(2).map_or_else(String::new, |id| format!(", DO-ID {id}"));
-            format!(
-                "manufacturer {vendor}, type {kind}, software {}.{:02}, {}{class}{id}",
-                version / 100,
-                version % 100,
-                date(*year, *day_month)
-            )
-        }
-        (965, _, [profile, version, ..]) => {
-            let name = if *profile == 3 {
-                "PROFIdrive"
-            } else {
-                "other profile"
-            };
-            format!("{profile} {name}, version {}.{}", version / 10, version % 10)
-        }
-        _ => values
-            .iter()
-            .filter_map(|value| value.text.clone())
-            .collect::<Vec<_>>()
-            .join(", "),
-    }
-}
-
-/// Year as YYYY, day and month as DDMM.
-fn date(year: i64, day_month: i64) -> String {
-    format!("{year:04}-{:02}-{:02}", day_month % 100, day_month / 100)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -320,11 +273,5 @@ mod tests {
         let lines = identity_lines(&identity);
         assert!(lines.contains(&("function", "-".into())), "{lines:?}");
         assert!(lines.contains(&("location", "hall 3".into())), "{lines:?}");
-    }
-
-    #[test]
-    fn dates_as_the_profile_writes_them() {
-        assert_eq!(date(2017, 110), "2017-10-01");
-        assert_eq!(date(2010, 1705), "2010-05-17");
     }
 }

@@ -10,7 +10,9 @@ use serde::Serialize;
 
 use crate::monitor::Observation;
 
-use super::{Controller, DriveWords, Fault, Parameter, Quantity, Station, Warning, Wording, parameter};
+use super::{
+    Controller, DriveWords, Fault, Parameter, ProfileIdentity, Quantity, Station, Warning, Wording, parameter,
+};
 
 /// Who a drive is and in which state.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -37,6 +39,8 @@ pub struct InfoReport {
     pub modules: Vec<Module>,
     /// How its records were read: `device access`, `implicit reads`, `connection as IO controller`.
     pub route: Option<&'static str>,
+    /// What its identification parameters (PNU 964, 965 and 975) say.
+    pub identification: ProfileIdentity,
     /// The parameters that identify it.
     pub parameters: Vec<Parameter>,
     /// Its fault buffer.
@@ -158,6 +162,7 @@ impl InfoReport {
             neighbours: neighbours.collect(),
             modules: modules.collect(),
             route: info.route.map(client::Route::name),
+            identification: ProfileIdentity::of(&info.readings),
             parameters: info.readings.iter().map(Parameter::from).collect(),
             faults: faults.iter().map(Fault::from).collect(),
             refused: info.refused.clone(),

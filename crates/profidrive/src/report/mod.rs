@@ -20,6 +20,7 @@ mod doctor;
 mod drive;
 mod drives;
 mod gsdml;
+mod profile_identity;
 mod record;
 mod scan;
 #[cfg(feature = "schema")]
@@ -63,6 +64,7 @@ pub use gsdml::{
     GsdmlAccessPoint, GsdmlCheckReport, GsdmlExportReport, GsdmlItem, GsdmlModule, GsdmlProblem,
     GsdmlShowReport, GsdmlSubmodule, GsdmlSystemSubmodule,
 };
+pub use profile_identity::{DriveObject, ProfileIdentity, ProfileVersion, Software};
 pub use record::{RecordReport, RecordTrigger, RecordedDrive, RecordedSignal, StepReport};
 pub use scan::{Change, Duplicate, Remark, ScanReport, Scanned, Shared, StationChange};
 pub use shapes::{
