@@ -111,6 +111,7 @@ macro_rules! explained {
 }
 
 explained!(
+    plant::PlantFileError,
     network::system::Error,
     network::serial::Error,
     client::Error,

@@ -55,7 +55,7 @@ pub enum LinkFault {
     Jitter(Duration),
 }
 
-/// The text is nothing that can happen.
+/// The text is no event.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PlantEventError {

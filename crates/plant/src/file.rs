@@ -37,7 +37,7 @@ const MOST_CUES: usize = 10_000;
 #[non_exhaustive]
 pub enum PlantFileError {
     /// It cannot be read.
-    #[error("{}: {source}", path.display())]
+    #[error("cannot read {}: {source}", path.display())]
     Read {
         /// The file.
         path: PathBuf,

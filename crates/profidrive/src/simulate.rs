@@ -1,6 +1,7 @@
 //! A plant in memory, opened like a network.
 
 mod clock;
+mod explained;
 
 use std::path::Path;
 use std::sync::Arc;

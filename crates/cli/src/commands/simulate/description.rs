@@ -1,6 +1,5 @@
 //! The device description that simulated drives have towards others.
 
-use client::ErrorKind;
 use plant::PlantPlan;
 use plant::host::{DescriptionError, ForeignDescription};
 
@@ -48,21 +47,15 @@ pub fn read(
 }
 
 fn failure(name: &str, error: &DescriptionError) -> Failure {
+    let failure = Failure::explained(error);
+    let failure = Failure {
+        message: clean(&format!("{name}: {}", failure.message)),
+        ..failure
+    };
     match error {
-        DescriptionError::NotInPlant(vendor) => {
-            let message = format!("{name} is of vendor 0x{vendor:04X}; no drive of the plant is");
-            Failure::new(ErrorKind::Local, message)
-        }
-        DescriptionError::NoModel {
-            vendor,
-            name: vendor_name,
-        } => Failure::usage(format!(
-            "{name} is of vendor 0x{vendor:04X} ({}), of which no drive is simulated",
-            clean(vendor_name)
-        ))
-        .hint("{choose model} says what the drive is inside; to others it is that of the file"),
-        _ => Failure::new(ErrorKind::Local, format!("{name}: {}", clean(&error.to_string()))).hint(format!(
+        DescriptionError::Import(_) => failure.hint(format!(
             "`profidrive gsdml show {name}` shows access points and modules"
         )),
+        _ => failure,
     }
 }
