@@ -144,7 +144,7 @@ pub enum Error {
         what: &'static str,
     },
     /// A drive at a serial line was requested on a network, or the other way about.
-    #[error("{drive} is not to be reached this way")]
+    #[error("{drive} cannot be reached this way")]
     OtherWire {
         /// Who was requested.
         drive: DriveAddress,

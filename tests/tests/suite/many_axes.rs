@@ -155,6 +155,7 @@ impl Moments {
 enum End {
     Interrupted,
     Terminated,
+    Quit,
     Panic,
     Return,
     Aborted,
@@ -162,9 +163,10 @@ enum End {
 }
 
 impl End {
-    const ALL: [Self; 6] = [
+    const ALL: [Self; 7] = [
         Self::Interrupted,
         Self::Terminated,
+        Self::Quit,
         Self::Panic,
         Self::Return,
         Self::Aborted,
@@ -173,7 +175,7 @@ impl End {
 
     const fn argument(self) -> &'static str {
         match self {
-            Self::Interrupted | Self::Terminated | Self::Killed => "wait",
+            Self::Interrupted | Self::Terminated | Self::Quit | Self::Killed => "wait",
             Self::Panic => "panic",
             Self::Return => "return",
             Self::Aborted => "abort",
@@ -193,6 +195,7 @@ impl End {
         let signal = match self {
             Self::Interrupted => Some("INT"),
             Self::Terminated => Some("TERM"),
+            Self::Quit => Some("QUIT"),
             Self::Killed => Some("KILL"),
             Self::Panic | Self::Return | Self::Aborted => None,
         };
@@ -202,7 +205,7 @@ impl End {
         }
         let finished = program.finish(SHORT);
         let code = match self {
-            Self::Interrupted | Self::Terminated => Some(130),
+            Self::Interrupted | Self::Terminated | Self::Quit => Some(130),
             Self::Panic => Some(101),
             Self::Return => Some(0),
             // the tool around it ends by the same signal, or reports it by its code

@@ -13,7 +13,7 @@ pub enum ErrorKind {
     Usage,
     /// The drive or the device refused.
     Refused,
-    /// The drive, the network or the right to use it is not there.
+    /// The drive or the network cannot be reached, or the permission to use it is missing.
     Unreachable,
     /// A connection that was there is gone, while an axis was under control.
     Lost,

@@ -157,7 +157,7 @@ impl Session {
     async fn exchange_data(&mut self, drive: &Drive, ar: ArId) -> Result<(), Error> {
         if !self.engine.discovers() {
             self.release(ar.into()).await?;
-            let reason = "the device wants cyclic data, which takes raw frames and not UDP alone".into();
+            let reason = "the device accepts a connection with cyclic data only, which needs raw frames, not UDP alone".into();
             self.close_route(drive, Route::Controller, reason);
             return Err(self.no_route(drive));
         }

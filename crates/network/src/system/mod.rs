@@ -3,7 +3,7 @@
 //!
 //! | wish | type |
 //! |---|---|
-//! | a client without the right to raw sockets: records only, no discovery, no cyclic data | [`UdpMedium`] |
+//! | a client without permission for raw sockets: records only, no discovery, no cyclic data | [`UdpMedium`] |
 //! | what interfaces there are | [`InterfaceInfo`] |
 //! | Ctrl-C | [`Stop`] |
 //! | what decides how well this computer works as a controller | [`Permissions`], [`Link`], [`PortHolder`], [`lateness`] |

@@ -134,7 +134,7 @@ pub enum DcpError {
     #[error("malformed DCP answer: {0}")]
     Malformed(#[from] DecodeError),
     /// The answer lacks the requested option.
-    #[error("the DCP answer does not say anything about {0}")]
+    #[error("the DCP answer has no result for {0}")]
     Missing(DcpOption),
 }
 

@@ -57,7 +57,7 @@ pub enum Rejected {
 /// Statistics of a [`Consumer`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct CyclicStatistics {
-    /// Frames taken.
+    /// Frames accepted.
     pub received: u64,
     /// Frames missing between received ones, by the cycle counter.
     pub missed: u64,

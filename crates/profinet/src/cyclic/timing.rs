@@ -36,7 +36,7 @@ pub enum IocrError {
     #[error("data hold factor {0} is outside 1 to {1}, the highest with this update time (at most 1.92 s)")]
     DataHoldFactor(u16, u16),
     /// No API, or an API without any object.
-    #[error("number of APIs")]
+    #[error("no API, or an API without an object")]
     NumberOfApis,
     /// An API that no expected submodule has.
     #[error("API 0x{0:X} has no expected submodule")]

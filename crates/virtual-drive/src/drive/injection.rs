@@ -100,7 +100,7 @@ pub enum InjectionError {
         text: String,
     },
     /// Nothing happens under this name.
-    #[error("`{key}` is nothing that can happen to a drive; keys: {}", key_list())]
+    #[error("`{key}` is no event of a drive; keys: {}", key_list())]
     UnknownKey {
         /// The key as given.
         key: String,
@@ -243,10 +243,7 @@ mod tests {
         for (text, words) in [
             ("fault", "write KEY=VALUE"),
             ("", "keys: fault, warning"),
-            (
-                "fire=on",
-                "`fire` is nothing that can happen to a drive; keys: fault, ",
-            ),
+            ("fire=on", "`fire` is no event of a drive; keys: fault, "),
             ("fault=x", "a number from 1 to 65535"),
             ("fault=0", "a number from 1 to 65535"),
             ("clear=439!", "`!` goes with faults only"),
