@@ -12,7 +12,7 @@ use profinet::{Instant, Medium};
 /// A way to drives.
 #[derive(Debug)]
 pub enum Carrier {
-    /// A network interface with the right to raw frames: everything.
+    /// A network interface with permission for raw frames: everything.
     Packet(Box<PacketMedium>),
     /// Records only.
     Udp(Box<UdpMedium>),

@@ -4,7 +4,7 @@ use std::net::Ipv4Addr;
 use std::ops::{Deref, DerefMut};
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use client::{Client, ErrorKind, LineAddress, LineConfig, Session};
+use client::{BoundedDrive, Client, ErrorKind, LineAddress, LineConfig, Session};
 use network::ethernet::{self, PacketMedium};
 use network::serial::{self, Line, Port};
 use network::system::{Error as NetworkError, InterfaceInfo, ServerPort, Stop, UdpMedium};
@@ -14,6 +14,7 @@ use profinet::{IpSuite, MacAddress};
 
 use crate::carrier::{Carrier, serial_settings};
 use crate::driver::Threaded;
+use crate::machine::Machine;
 
 /// The drives of a real network, of a serial line or of a plant in memory, with what carries the bytes to them: a thread of
 /// its own, or the calls that wait for a plant in virtual time.
@@ -38,7 +39,7 @@ pub struct Caller {
 /// What carries a network.
 #[derive(Debug, Clone)]
 pub enum Transport {
-    /// A network interface with the right to raw frames, as it was when opened: everything.
+    /// A network interface with permission for raw frames, as it was when opened: everything.
     Packet(InterfaceInfo),
     /// UDP alone: records only.
     Udp,
@@ -181,11 +182,13 @@ pub enum OpenError {
 impl OpenError {
     /// What kind of error it is.
     #[must_use]
-    pub const fn kind(&self) -> ErrorKind {
+    pub fn kind(&self) -> ErrorKind {
         match self {
             Self::NoInterface { .. } => ErrorKind::Usage,
             #[cfg(feature = "simulate")]
-            Self::PlantFile(_) | Self::Plant(_) => ErrorKind::Usage,
+            Self::PlantFile(error) => crate::Explained::kind(error),
+            #[cfg(feature = "simulate")]
+            Self::Plant(_) => ErrorKind::Usage,
             _ => ErrorKind::Unreachable,
         }
     }
@@ -208,10 +211,10 @@ impl OpenError {
     }
 }
 
-/// Opens a network interface for everything: discovery, records and cyclic data. Needs the right to raw sockets.
+/// Opens a network interface for everything: discovery, records and cyclic data. Needs permission for raw sockets (CAP_NET_RAW).
 ///
 /// # Errors
-/// When there is no such interface, it is down, has no address, or the right is missing.
+/// When there is no such interface, it is down, has no address, or the permission is missing.
 pub fn open(interface: &str) -> Result<Network, OpenError> {
     Opening::new(Access::default()).on(interface).open()
 }
@@ -235,6 +238,7 @@ pub struct Opening {
     by_ip: bool,
     pub(crate) stop: Option<Stop>,
     pub(crate) model: Option<Model>,
+    bounds: Vec<BoundedDrive>,
     #[cfg(feature = "simulate")]
     pub(crate) real_time: bool,
     #[cfg(feature = "gsdml")]
@@ -261,6 +265,7 @@ impl Opening {
             by_ip: false,
             stop: None,
             model: None,
+            bounds: Vec::new(),
             #[cfg(feature = "simulate")]
             real_time: false,
             #[cfg(feature = "gsdml")]
@@ -306,11 +311,25 @@ impl Opening {
         self
     }
 
+    /// The drives of this machine: no motion is faster than its limits permit.
+    #[must_use]
+    pub fn on_machine(mut self, machine: &Machine) -> Self {
+        self.bounds = machine.bounds();
+        self
+    }
+
     /// Opens it, a plant where one was given. That UDP alone had to be enough shows in its [`Caller::transport`].
     ///
     /// # Errors
-    /// When there is no such interface, it is down, has no address, or the right is missing.
-    pub fn open(self) -> Result<Network, OpenError> {
+    /// When there is no such interface, it is down, has no address, or the permission is missing.
+    pub fn open(mut self) -> Result<Network, OpenError> {
+        let bounds = std::mem::take(&mut self.bounds);
+        let mut network = self.open_place()?;
+        network.bound_speeds(bounds);
+        Ok(network)
+    }
+
+    fn open_place(self) -> Result<Network, OpenError> {
         let name = match &self.place {
             #[cfg(feature = "simulate")]
             Place::Plant(plant) => return crate::simulate::join(plant, self.real_time, self.stop),
@@ -368,7 +387,7 @@ impl Opening {
 /// Opens the serial line of a drive.
 ///
 /// # Errors
-/// When there is no such port, another program has it, or the right is missing.
+/// When there is no such port, another program has it, or the permission is missing.
 pub fn open_line(at: &LineAddress, stop: Option<Stop>) -> Result<Network, OpenError> {
     let mut line = Line::new(Port::open(&at.port, serial_settings(at.baud, at.parity))?);
     if let Some(stop) = &stop {

@@ -489,12 +489,13 @@ fn a_run_that_is_killed_at_any_moment_is_finished_or_taken_back() {
 fn the_limit_of_the_machine_counts_for_every_motion() {
     let text = "[[drive]]\nname = \"akd-1\"\nmodel = \"akd\"\nmax-speed = \"100rpm\"\n";
     let mut bench = Bench::new("limits", text);
-    bench.opening = Opening::new(Access::Cyclic).in_plant(PLANT.parse().unwrap());
+    bench.opening = Opening::new(Access::Cyclic)
+        .in_plant(PLANT.parse().unwrap())
+        .on_machine(&bench.machine);
     bench.network = bench.opening.clone().open().unwrap();
     let mut drive = bench.find("akd-1");
     let control = Control {
         set_mode: true,
-        bound: bench.machine.bound_of(&drive),
         ..Control::default()
     };
     let (network, observer) = (&mut bench.network, Observer::default());

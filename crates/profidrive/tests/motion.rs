@@ -13,7 +13,7 @@ use network::host::{Host, StationId};
 use network::segment::{Pace, Segment, SegmentMedium};
 use profidrive::Wait;
 use profidrive::motion::{
-    self, Control, Event, Home, Jog, MotionError, Move, Observer, Report, Run, Setting,
+    self, Control, Event, Home, Jog, MotionError, Move, Observer, Report, Run, Setting, Speed,
 };
 use profile::state::Mode;
 use profinet::controller::ControllerConfig;
@@ -261,7 +261,7 @@ fn a_jog_speed_is_put_back_after_a_failure_too() {
     let mut plant = Plant::new(&model::AKD);
     let before = plant.value("1004");
     let wanted = Jog {
-        speed: Some(90.0),
+        speed: Some(Speed::Rpm(90.0)),
         ..Jog::lasting(SECOND)
     };
     let (observer, events) = kept();
@@ -314,7 +314,7 @@ fn a_motion_after_which_a_setting_is_not_put_back_did_not_go_well() {
     let mut plant = Plant::new(&model::AKD);
     let before = plant.value("1004");
     let wanted = Jog {
-        speed: Some(90.0),
+        speed: Some(Speed::Rpm(90.0)),
         ..Jog::lasting(SECOND)
     };
     let observer = refusing(&plant);
@@ -432,7 +432,7 @@ async fn changing(session: &mut client::Session, drive: &mut Drive, motion: usiz
         }
         2 => {
             let wanted = Jog {
-                speed: Some(90.0),
+                speed: Some(Speed::Rpm(90.0)),
                 ..Jog::lasting(SECOND)
             };
             motion::jog(session, drive, &wanted, observer).await

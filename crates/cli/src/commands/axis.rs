@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use client::axis::Room;
 use client::{Drive, Wait};
-use profidrive::machine::{SpeedBound, UserUnit};
+use profidrive::machine::{Machine, UserUnit};
 use profidrive::motion::{self, Control, End, Event, Message, MotionError, Observer, Remark};
 use profile::notation::Quantity;
 use profinet::cyclic::Timing;
@@ -120,19 +120,19 @@ fn shown(quantity: &Quantity) -> String {
     format!("{} {unit}", number(quantity.number.as_f64()))
 }
 
-/// Connects to a drive and moves it. `work` gets the limit that the machine file has for the speed of the drive.
+/// Connects to a drive and moves it, within the limit that the machine file has for its speed.
 pub fn moving<T>(
     target: &Target,
     need: Need,
     output: &Output,
-    work: impl FnOnce((&mut Live, &mut Drive), Option<SpeedBound>, Observer) -> Result<T, MotionError>,
+    work: impl FnOnce((&mut Live, &mut Drive), Observer) -> Result<T, MotionError>,
 ) -> Result<T, Failure> {
     let machine = connect::machine(&target.options, output)?;
     let mut of_machine = false;
     let done = with_drive(target, need, output, |session, drive| {
-        let bound = machine.as_ref().and_then(|machine| machine.bound_of(drive));
+        session.bound_speeds(machine.as_ref().map_or_else(Vec::new, Machine::bounds));
         let observer = observer(&drive.label(), output);
-        let done = work((session, drive), bound, observer);
+        let done = work((session, drive), observer);
         of_machine = matches!(
             done,
             Err(MotionError::AboveBound { .. } | MotionError::NotBounded { .. })

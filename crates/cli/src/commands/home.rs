@@ -10,13 +10,12 @@ use crate::failure::Failure;
 use crate::output::Output;
 
 pub fn run(args: &Home, target: &Target, output: &Output) -> Result<(), Failure> {
-    let mut wanted = motion::Home {
+    let wanted = motion::Home {
         timeout: args.timeout,
         control: axis::in_mode(&args.control)?,
     };
     let mut recorder = Recorder::of(args.recorded.record.as_deref())?;
-    let (_, recorded) = recorder.moving(target, output, |(session, drive), bound, observer| {
-        wanted.control.bound = bound;
+    let (_, recorded) = recorder.moving(target, output, |(session, drive), observer| {
         motion::home(session, drive, &wanted, observer).wait()
     })?;
     recorded

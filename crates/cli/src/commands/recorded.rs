@@ -3,7 +3,6 @@
 use std::path::{Path, PathBuf};
 
 use client::Drive;
-use profidrive::machine::SpeedBound;
 use profidrive::motion::{MotionError, Observer};
 use profidrive::recording::{Form, MotionRecorder, RecordingFile};
 
@@ -41,17 +40,12 @@ impl Recorder {
         &mut self,
         target: &Target,
         output: &Output,
-        work: impl FnOnce((&mut Live, &mut Drive), Option<SpeedBound>, &Observer) -> Result<T, MotionError>,
+        work: impl FnOnce((&mut Live, &mut Drive), &Observer) -> Result<T, MotionError>,
     ) -> Result<(T, Result<(), Failure>), Failure> {
-        let done = axis::moving(
-            target,
-            Need::Cyclic,
-            output,
-            |(session, drive), bound, observer| {
-                let observer = self.tap(observer, session);
-                work((session, drive), bound, &observer)
-            },
-        );
+        let done = axis::moving(target, Need::Cyclic, output, |(session, drive), observer| {
+            let observer = self.tap(observer, session);
+            work((session, drive), &observer)
+        });
         let finished = self.recorder.as_ref().map_or(Ok(None), MotionRecorder::finish);
         let recorded = finished.map_err(Failure::from).map(|recorded| {
             if let Some(recorded) = recorded {

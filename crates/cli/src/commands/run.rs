@@ -14,23 +14,16 @@ pub fn run(args: &Run, target: &Target, output: &Output) -> Result<(), Failure> 
     let mut args = args.clone();
     let quantities = std::iter::once(&mut args.velocity).chain(&mut args.limit);
     let unit = axis::in_motor_units(target, quantities, output)?;
-    let mut wanted = wanted(&args)?;
+    let wanted = wanted(&args)?;
     let mut recorder = Recorder::of(args.recorded.record.as_deref())?;
     if args.dry_run {
-        let plan = axis::moving(
-            target,
-            Need::Records,
-            output,
-            |(session, drive), bound, observer| {
-                wanted.control.bound = bound;
-                motion::plan_run(session, drive, &wanted, &observer).wait()
-            },
-        )?;
+        let plan = axis::moving(target, Need::Records, output, |(session, drive), observer| {
+            motion::plan_run(session, drive, &wanted, &observer).wait()
+        })?;
         show(&plan, output);
         return Ok(());
     }
-    let (report, recorded) = recorder.moving(target, output, |(session, drive), bound, observer| {
-        wanted.control.bound = bound;
+    let (report, recorded) = recorder.moving(target, output, |(session, drive), observer| {
         motion::run(session, drive, &wanted, observer).wait()
     })?;
     axis::show_travel(unit.as_ref(), &report, output);

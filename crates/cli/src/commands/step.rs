@@ -26,8 +26,7 @@ pub fn run(args: &Step, target: &Target, output: &Output) -> Result<(), Failure>
     if let Some(before) = before.as_ref().filter(|_| wanted.run.frequency.is_none()) {
         before.check_same(&wanted)?;
     }
-    let (stepped, recorded) = recorder.moving(target, output, |(session, drive), bound, observer| {
-        wanted.run.control.bound = bound;
+    let (stepped, recorded) = recorder.moving(target, output, |(session, drive), observer| {
         wanted = wanted.in_rpm(session, drive, observer).wait()?;
         match before
             .as_ref()

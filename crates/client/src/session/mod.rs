@@ -45,7 +45,9 @@ use uss::ReceiverStatistics;
 
 use crate::axis::Goal;
 use crate::engine::{Interest, NextTurn, Touched};
-use crate::{AxisView, Client, Connection, Drive, Engine, Error, Link, LossReaction, RouteNotice};
+use crate::{
+    AxisView, BoundedDrive, Client, Connection, Drive, Engine, Error, Link, LossReaction, RouteNotice,
+};
 
 use manner::Manner;
 
@@ -124,6 +126,8 @@ pub struct Session {
     under_control: Option<(String, Box<LossReaction>)>,
     /// What it looks at while it waits for more than one thing.
     interest: Interest,
+    /// Highest speeds of drives on their machine.
+    pub(crate) bounds: Arc<[BoundedDrive]>,
 }
 
 /// Asks the caller something, now and then while a call waits.
@@ -174,6 +178,7 @@ impl Clone for Session {
             silence: None,
             under_control: self.under_control.clone(),
             interest: self.interest,
+            bounds: Arc::clone(&self.bounds),
         }
     }
 }
@@ -198,6 +203,7 @@ impl Session {
             silence: None,
             under_control: None,
             interest: Interest::Anything,
+            bounds: Arc::default(),
         }
     }
 

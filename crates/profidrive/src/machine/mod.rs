@@ -30,13 +30,14 @@ use std::io::{self, Read as _};
 use std::net::Ipv4Addr;
 use std::path::{Path, PathBuf};
 
-use client::{Drive, ErrorKind};
+use client::{BoundedDrive, ErrorKind};
 use profile::model::Model;
 use profile::value::Assignment;
 use profinet::{IpSuite, MacAddress};
 
 use crate::Selector;
 
+pub use client::SpeedBound;
 pub(crate) use kept::Kept;
 pub use user_unit::UserUnit;
 
@@ -84,15 +85,6 @@ pub struct MachineDrive {
     pub parameters: Vec<(usize, Assignment)>,
 }
 
-/// Highest speed of a motion of a drive on this machine.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SpeedBound {
-    /// The speed, rpm.
-    pub rpm: f64,
-    /// Line of the machine file, from 1.
-    pub line: usize,
-}
-
 /// What is wrong in a machine file, and where.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("line {line}: {message}")]
@@ -108,7 +100,7 @@ pub struct MachineProblem {
 #[non_exhaustive]
 pub enum MachineError {
     /// It cannot be read.
-    #[error("{}: {source}", path.display())]
+    #[error("cannot read {}: {source}", path.display())]
     Read {
         /// The file.
         path: PathBuf,
@@ -232,17 +224,18 @@ impl Machine {
         bounds.min_by(|a, b| a.rpm.total_cmp(&b.rpm))
     }
 
-    /// Returns the limit for the speed of a drive that was found: that of its name or of its MAC address, the lower one.
+    /// Returns the limits for the speeds of its drives, as a network takes them: see
+    /// [`Opening::on_machine`](crate::Opening::on_machine).
     #[must_use]
-    pub fn bound_of(&self, drive: &Drive) -> Option<SpeedBound> {
-        let station = &drive.station;
-        let means = |one: &&MachineDrive| one.name == station.name || one.mac == Some(station.mac);
-        let bounds = self
-            .drives
-            .iter()
-            .filter(means)
-            .filter_map(|one| self.bound(&one.name));
-        bounds.min_by(|a, b| a.rpm.total_cmp(&b.rpm))
+    pub fn bounds(&self) -> Vec<BoundedDrive> {
+        let bounded = |drive: &MachineDrive| {
+            Some(BoundedDrive {
+                name: drive.name.clone(),
+                mac: drive.mac,
+                bound: self.bound(&drive.name)?,
+            })
+        };
+        self.drives.iter().filter_map(bounded).collect()
     }
 
     /// Returns the unit of the load of a drive, by its name, MAC address or IP address.

@@ -5,7 +5,7 @@ use crate::machine::SpeedBound;
 use client::axis::Trouble;
 use client::status::{Cause, Diagnosis, Note, Verdict, diagnose, switched_off_beside};
 use client::{Action, Advice, Choice, Drive, Error, ErrorKind, FaultEntry, Session};
-use profile::notation::{UnitMismatch, figures};
+use profile::notation::{NoPosition, UnitMismatch, figures};
 
 /// Why a tap of a motion cannot receive samples.
 pub type TapError = Box<dyn std::error::Error + Send + Sync>;
@@ -145,6 +145,9 @@ pub enum MotionError {
         /// What is wrong.
         problem: UnitMismatch,
     },
+    /// The target of a move is not a position.
+    #[error("target: {0}")]
+    NoPosition(NoPosition),
     /// A fault is present that no command clears.
     #[error("{drive}: no command clears what is present")]
     NeedsRestart {
@@ -210,7 +213,9 @@ impl MotionError {
             Self::Held { .. } => ErrorKind::Refused,
             Self::NeedsRestart { .. } | Self::FaultsStay { .. } => ErrorKind::Fault,
             Self::NoClearParameter { .. } => ErrorKind::Unsupported,
-            Self::NoPpo { .. } | Self::Invalid { .. } | Self::Unit { .. } => ErrorKind::Usage,
+            Self::NoPpo { .. } | Self::Invalid { .. } | Self::Unit { .. } | Self::NoPosition(_) => {
+                ErrorKind::Usage
+            }
             Self::NotAtRest { .. } => ErrorKind::NotReached,
         }
     }
@@ -245,7 +250,7 @@ impl MotionError {
             Self::AboveLimit { by, .. } => {
                 let parameter = by.as_ref()?.replace(' ', "");
                 let describe = Advice::from(Action::Describe { parameter });
-                Some(describe.and(" shows it; ask for a speed within it"))
+                Some(describe.and(" shows it; choose a speed within it"))
             }
             Self::Held { diagnosis, .. } => diagnosis.next.clone(),
             Self::NotPutBack { report, .. } => {
@@ -255,7 +260,7 @@ impl MotionError {
                 let value = value.replace(' ', "");
                 Some(Advice::from(Action::Write { parameter, value }).and(" puts it back"))
             }
-            Self::AboveBound { .. } => Some("ask for a speed within it".into()),
+            Self::AboveBound { .. } => Some("choose a speed within it".into()),
             Self::NotBounded { .. } => Some("set a limit of the drive itself, or give a speed in rpm".into()),
             Self::NoPpo { .. } => Some("use the number of a telegram".into()),
             Self::NeedsRestart { .. } => Some("remove the cause, then switch the drive off and on".into()),
@@ -273,9 +278,11 @@ impl MotionError {
             Self::NotAtRest { .. } => Some(
                 "stop it at its controller or with its safety circuit; this is not an emergency stop".into(),
             ),
-            Self::Stopped { .. } | Self::Invalid { .. } | Self::Unit { .. } | Self::NotRecorded { .. } => {
-                None
-            }
+            Self::Stopped { .. }
+            | Self::Invalid { .. }
+            | Self::Unit { .. }
+            | Self::NoPosition(_)
+            | Self::NotRecorded { .. } => None,
         }
     }
 

@@ -108,6 +108,10 @@ pub async fn hold(
     wanted: &Hold,
     observer: &Observer,
 ) -> Result<HeldAxis, MotionError> {
+    let wanted = &Hold {
+        control: wanted.control.on(session, drive),
+        ..*wanted
+    };
     check_controller_loss(session, drive, &wanted.control, observer).await?;
     let change = mode::enter(session, drive, wanted.mode(), &wanted.control, observer).await?;
     let settings = AxisSettings {

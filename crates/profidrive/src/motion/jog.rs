@@ -16,6 +16,7 @@ use super::leftover::{Leftover, NoteFile, UnreadableNote};
 use super::limit::{self, within};
 use super::plan::{JogChange, JogPlan};
 use super::report::{MotionResult, Report};
+use super::speed::Speed;
 use super::start::Start;
 use super::{Control, SPEED_LIMIT};
 use crate::report;
@@ -25,12 +26,12 @@ use crate::report;
 pub struct Jog {
     /// Which jog setpoint of the drive: STW1 bit 8 or bit 9.
     pub setpoint: Setpoint,
-    /// Jog speed for this time, rpm: the parameter of the drive is set and put back. When `None` the drive keeps its own.
-    pub speed: Option<f64>,
+    /// Jog speed for this time: the parameter of the drive is set and put back. When `None` the drive keeps its own.
+    pub speed: Option<Speed>,
     /// How long to jog.
     pub time: Duration,
-    /// Any speed above this is refused, rpm.
-    pub limit: f64,
+    /// Any speed above this is refused.
+    pub limit: Speed,
     /// What all motions have in common.
     pub control: Control,
 }
@@ -38,12 +39,12 @@ pub struct Jog {
 /// A jog at a speed of the telegram (real-time jogging, STW1 bits 12 and 13). No parameter of the drive is changed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RealTimeJog {
-    /// Speed, rpm.
-    pub speed: f64,
+    /// Speed.
+    pub speed: Speed,
     /// How long to jog.
     pub time: Duration,
-    /// Any speed above this is refused, rpm.
-    pub limit: f64,
+    /// Any speed above this is refused.
+    pub limit: Speed,
     /// What all motions have in common.
     pub control: Control,
 }
@@ -56,7 +57,7 @@ impl Jog {
             setpoint: Setpoint::One,
             speed: None,
             time,
-            limit: SPEED_LIMIT,
+            limit: Speed::Rpm(SPEED_LIMIT),
             control: Control::default(),
         }
     }
@@ -66,19 +67,33 @@ impl Jog {
     /// # Errors
     /// A speed above the limit.
     pub fn check(&self) -> Result<(), MotionError> {
-        let within = |speed| within(speed, self.limit, SpeedUnit::Rpm, &self.control);
-        self.speed.map_or(Ok(()), within)
+        self.speed
+            .map_or(Ok(()), |speed| known(speed, self.limit, &self.control))
+    }
+
+    async fn in_rpm(
+        &self,
+        session: &mut Session,
+        drive: &mut Drive,
+        observer: &Observer,
+    ) -> Result<InRpm, MotionError> {
+        let speed = match self.speed {
+            Some(speed) => Some(speed.in_rpm(session, drive, observer).await?),
+            None => None,
+        };
+        let limit = limit_in_rpm(self.limit, session, drive).await?;
+        Ok(InRpm { speed, limit })
     }
 }
 
 impl RealTimeJog {
-    /// At a speed in rpm, up to [`SPEED_LIMIT`].
+    /// At a speed, up to [`SPEED_LIMIT`].
     #[must_use]
-    pub fn at(speed: f64, time: Duration) -> Self {
+    pub fn at(speed: Speed, time: Duration) -> Self {
         Self {
             speed,
             time,
-            limit: SPEED_LIMIT,
+            limit: Speed::Rpm(SPEED_LIMIT),
             control: Control::default(),
         }
     }
@@ -88,8 +103,42 @@ impl RealTimeJog {
     /// # Errors
     /// A speed above the limit.
     pub fn check(&self) -> Result<(), MotionError> {
-        within(self.speed, self.limit, SpeedUnit::Rpm, &self.control)
+        known(self.speed, self.limit, &self.control)
     }
+
+    /// Returns the same with the speeds in rpm, checked.
+    async fn in_rpm(
+        &self,
+        session: &mut Session,
+        drive: &mut Drive,
+        observer: &Observer,
+    ) -> Result<(f64, f64), MotionError> {
+        let speed = self.speed.in_rpm(session, drive, observer).await?;
+        let limit = limit_in_rpm(self.limit, session, drive).await?;
+        within(speed, limit, SpeedUnit::Rpm, &self.control)?;
+        Ok((speed, limit))
+    }
+}
+
+/// The speeds of a [`Jog`] in rpm.
+#[derive(Clone, Copy)]
+struct InRpm {
+    speed: Option<f64>,
+    limit: f64,
+}
+
+/// Checks a speed where its relation to the limit is known without the drive.
+fn known(speed: Speed, limit: Speed, control: &Control) -> Result<(), MotionError> {
+    match (speed, limit) {
+        (Speed::Rpm(speed), Speed::Rpm(limit)) => within(speed, limit.abs(), SpeedUnit::Rpm, control),
+        _ => Ok(()),
+    }
+}
+
+/// The motor data that convert it are reported with the speed.
+async fn limit_in_rpm(limit: Speed, session: &mut Session, drive: &mut Drive) -> Result<f64, MotionError> {
+    let silent = Observer::default();
+    Ok(limit.in_rpm(session, drive, &silent).await?.abs())
 }
 
 /// Jogs by the jog function of the drive. A jog speed that is set for the time is put back, whatever happened; the value
@@ -104,6 +153,10 @@ pub async fn jog(
     wanted: &Jog,
     observer: &Observer,
 ) -> Result<Report, MotionError> {
+    let wanted = &Jog {
+        control: wanted.control.on(session, drive),
+        ..*wanted
+    };
     wanted.check()?;
     let setting = session.jog_speed(drive, wanted.setpoint).await?;
     // dropped after the axis: a change of the speed is put back once that is at rest
@@ -138,22 +191,27 @@ pub async fn jog_in_real_time(
     wanted: &RealTimeJog,
     observer: &Observer,
 ) -> Result<Report, MotionError> {
+    let wanted = &RealTimeJog {
+        control: wanted.control.on(session, drive),
+        ..*wanted
+    };
     wanted.check()?;
     check_controller_loss(session, drive, &wanted.control, observer).await?;
+    let (speed, limit) = wanted.in_rpm(session, drive, observer).await?;
     let facts = session.motion_facts(drive).await?;
-    report_switch(wanted.speed, &facts, observer);
-    real_time_speed(session, drive, wanted, observer).await?;
-    let settings = wanted.control.settings(Purpose::RealTimeJog, wanted.limit);
+    report_switch(speed, &facts, observer);
+    real_time_speed(session, drive, (speed, limit), observer).await?;
+    let settings = wanted.control.settings(Purpose::RealTimeJog, limit);
     let start = Start::RealTimeJog {
-        speed: wanted.speed,
+        speed,
         time: wanted.time,
     };
     let axis = session.take_axis(drive, settings).await?;
     let mut taken = Taken::begin(axis, End::Time, start, false, observer).await?;
     let mut found = MotionResult::default();
     let motion = async |enabled: &mut Enabled<'_>| {
-        enabled.jog_at(wanted.speed).await?;
-        keep(enabled, wanted.speed, wanted.time, &mut found, observer).await
+        enabled.jog_at(speed).await?;
+        keep(enabled, speed, wanted.time, &mut found, observer).await
     };
     let result = taken.move_by(motion).await;
     found.speed = taken.speed();
@@ -171,9 +229,14 @@ pub async fn plan_jog(
     wanted: &Jog,
     observer: &Observer,
 ) -> Result<JogPlan, MotionError> {
+    let wanted = &Jog {
+        control: wanted.control.on(session, drive),
+        ..*wanted
+    };
     wanted.check()?;
     check_controller_loss(session, drive, &wanted.control, observer).await?;
-    let settings = wanted.control.settings(Purpose::Jog, wanted.limit);
+    let InRpm { speed: asked, limit } = wanted.in_rpm(session, drive, observer).await?;
+    let settings = wanted.control.settings(Purpose::Jog, limit);
     let (_, telegrams) = checked_axis(session, drive, &settings, None, observer).await?;
     let setting = session.jog_speed(drive, wanted.setpoint).await?;
     let before = session.read_one(drive, &setting.selection).await?;
@@ -182,7 +245,7 @@ pub async fn plan_jog(
     let _ = left_over(&note, &before, observer);
     let mut speed = setting.rpm(&before).unwrap_or(0.0);
     let mut change = None;
-    if let Some(asked) = wanted.speed {
+    if let Some(asked) = asked {
         let quantity = setting.quantity(&rpm(asked));
         let value = drive
             .parameters
@@ -203,7 +266,7 @@ pub async fn plan_jog(
             })
         });
     }
-    within(speed, wanted.limit, SpeedUnit::Rpm, &wanted.control)?;
+    within(speed, limit, SpeedUnit::Rpm, &wanted.control)?;
     limit::jog(speed, &session.motion_facts(drive).await?, drive)?;
     Ok(JogPlan {
         drive: drive.label(),
@@ -225,14 +288,19 @@ pub async fn plan_jog_in_real_time(
     wanted: &RealTimeJog,
     observer: &Observer,
 ) -> Result<JogPlan, MotionError> {
+    let wanted = &RealTimeJog {
+        control: wanted.control.on(session, drive),
+        ..*wanted
+    };
     wanted.check()?;
     check_controller_loss(session, drive, &wanted.control, observer).await?;
-    let settings = wanted.control.settings(Purpose::RealTimeJog, wanted.limit);
+    let speeds = wanted.in_rpm(session, drive, observer).await?;
+    let settings = wanted.control.settings(Purpose::RealTimeJog, speeds.1);
     let (_, telegrams) = checked_axis(session, drive, &settings, None, observer).await?;
     Ok(JogPlan {
         drive: drive.label(),
         dry_run: true,
-        speed: report::Quantity::rpm(real_time_speed(session, drive, wanted, observer).await?),
+        speed: report::Quantity::rpm(real_time_speed(session, drive, speeds, observer).await?),
         time: wanted.time.as_secs_f64(),
         change: None,
         telegrams,
@@ -254,15 +322,17 @@ async fn with_setting(
     observer: &Observer,
 ) -> Result<Done, MotionError> {
     check_controller_loss(session, drive, &wanted.control, observer).await?;
+    let InRpm { speed: asked, limit } = wanted.in_rpm(session, drive, observer).await?;
     let facts = session.motion_facts(drive).await?;
-    if let Some(speed) = wanted.speed {
+    if let Some(speed) = asked {
+        within(speed, limit, SpeedUnit::Rpm, &wanted.control)?;
         limit::jog(speed, &facts, drive)?;
     }
-    let settings = wanted.control.settings(Purpose::Jog, wanted.limit);
+    let settings = wanted.control.settings(Purpose::Jog, limit);
     let mut axis = session.take_axis(drive, settings).await?;
-    let reading = prepared(&mut axis, wanted, setting, change, observer).await?;
+    let reading = prepared(&mut axis, asked, setting, change, observer).await?;
     let speed = setting.rpm(&reading).unwrap_or(0.0);
-    within(speed, wanted.limit, SpeedUnit::Rpm, &wanted.control)?;
+    within(speed, limit, SpeedUnit::Rpm, &wanted.control)?;
     limit::jog(speed, &facts, drive)?;
     report_switch(speed, &facts, observer);
     let start = Start::Jog {
@@ -300,7 +370,7 @@ fn left_over(
 /// The jog speed as it is to be, what a killed program left put back before.
 async fn prepared(
     axis: &mut Axis,
-    wanted: &Jog,
+    asked: Option<f64>,
     setting: &JogSpeed,
     change: &mut Option<SpeedChange>,
     observer: &Observer,
@@ -322,7 +392,7 @@ async fn prepared(
         }));
         speed = session.read_one(drive, &selection).await?;
     }
-    let Some(asked) = wanted.speed else {
+    let Some(asked) = asked else {
         return Ok(speed);
     };
     let mut set = plan_speed(session, drive, number, &setting.quantity(&rpm(asked))).await?;
@@ -390,11 +460,11 @@ async fn keep(
 async fn real_time_speed(
     session: &mut Session,
     drive: &mut Drive,
-    wanted: &RealTimeJog,
+    (asked, limit): (f64, f64),
     observer: &Observer,
 ) -> Result<f64, Error> {
-    let speed = session.check_jog(drive, wanted.speed, wanted.limit).await?;
-    report_rounded(wanted.speed, speed, SpeedUnit::Rpm.symbol(), observer);
+    let speed = session.check_jog(drive, asked, limit).await?;
+    report_rounded(asked, speed, SpeedUnit::Rpm.symbol(), observer);
     Ok(speed)
 }
 

@@ -284,7 +284,7 @@ mod tests {
         let mut drive = network.find(&"akd-1".parse().unwrap()).wait().unwrap();
         assert!(NoteFile::of(&network, &drive, 1004).file.is_none());
         let wanted = crate::motion::Jog {
-            speed: Some(90.0),
+            speed: Some(crate::motion::Speed::Rpm(90.0)),
             ..crate::motion::Jog::lasting(std::time::Duration::from_secs(1))
         };
         let observer = crate::motion::Observer::new(|event| {

@@ -83,8 +83,8 @@ mod tap;
 
 use std::time::Duration;
 
-use client::AxisSettings;
 use client::axis::Purpose;
+use client::{AxisSettings, Drive, Session};
 
 use crate::machine::SpeedBound;
 
@@ -120,12 +120,19 @@ pub struct Control {
     /// Put the drive into the mode that the motion needs (PNU 930), and mode and telegram (PNU 922) back afterwards.
     /// Without it a drive in another mode is refused.
     pub set_mode: bool,
-    /// Highest speed of the drive on this machine; see [`Machine::bound`](crate::machine::Machine::bound). A motion above it is
-    /// refused, whatever its own limit is.
+    /// Highest speed of the drive on this machine, beside that of the session ([`Session::speed_bound`]): the lower one counts. A
+    /// motion above it is refused, whatever its own limit is.
     pub bound: Option<SpeedBound>,
 }
 
 impl Control {
+    /// The same with the highest speed of this drive.
+    fn on(self, session: &Session, drive: &Drive) -> Self {
+        let bounds = self.bound.into_iter().chain(session.speed_bound(drive));
+        let bound = bounds.min_by(|a, b| a.rpm.total_cmp(&b.rpm));
+        Self { bound, ..self }
+    }
+
     fn settings(&self, purpose: Purpose, speed_limit: f64) -> AxisSettings {
         AxisSettings {
             purpose,

@@ -95,6 +95,10 @@ pub async fn move_to(
     wanted: &Move,
     observer: &Observer,
 ) -> Result<Report, MotionError> {
+    let wanted = &Move {
+        control: wanted.control.on(session, drive),
+        ..wanted.clone()
+    };
     wanted.check()?;
     check_mode(session, drive, &wanted.control).await?;
     let mode = (Mode::Position, &wanted.control);
@@ -105,13 +109,17 @@ pub async fn move_to(
 ///
 /// # Errors
 /// A speed above the limit, another mode, an axis that may run on without consent, and when the drive cannot be reached.
-/// What speaks against the move itself stands in the plan: [`permitted`](MovePlan::objections).
+/// What speaks against the move itself is in [`MovePlan::objections`].
 pub async fn plan_move(
     session: &mut Session,
     drive: &mut Drive,
     wanted: &Move,
     observer: &Observer,
 ) -> Result<MovePlan, MotionError> {
+    let wanted = &Move {
+        control: wanted.control.on(session, drive),
+        ..wanted.clone()
+    };
     wanted.check()?;
     drive.check_able(Some(Mode::Position))?;
     check_mode(session, drive, &wanted.control).await?;
@@ -196,6 +204,10 @@ pub async fn task(
     wanted: &Task,
     observer: &Observer,
 ) -> Result<Report, MotionError> {
+    let wanted = &Task {
+        control: wanted.control.on(session, drive),
+        ..*wanted
+    };
     limit::of_drive(session, drive, &wanted.control, "a motion task").await?;
     let mode = (Mode::Position, &wanted.control);
     mode::during((session, drive), mode, wanted, observer, carry_out).await
@@ -252,6 +264,10 @@ pub async fn home(
     wanted: &Home,
     observer: &Observer,
 ) -> Result<Report, MotionError> {
+    let wanted = &Home {
+        control: wanted.control.on(session, drive),
+        ..*wanted
+    };
     limit::of_drive(session, drive, &wanted.control, "homing").await?;
     let mode = (Mode::Position, &wanted.control);
     mode::during((session, drive), mode, wanted, observer, set_home).await

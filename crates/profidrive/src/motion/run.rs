@@ -204,6 +204,10 @@ pub async fn run(
     wanted: &Run,
     observer: &Observer,
 ) -> Result<Report, MotionError> {
+    let wanted = &Run {
+        control: wanted.control.on(session, drive),
+        ..*wanted
+    };
     wanted.check()?;
     let wanted = &wanted.in_rpm(session, drive, observer).await?;
     let mode = (Mode::Velocity, &wanted.control);
@@ -220,6 +224,10 @@ pub async fn plan_run(
     wanted: &Run,
     observer: &Observer,
 ) -> Result<RunPlan, MotionError> {
+    let wanted = &Run {
+        control: wanted.control.on(session, drive),
+        ..*wanted
+    };
     wanted.check()?;
     let wanted = &wanted.in_rpm(session, drive, observer).await?;
     permitted(session, drive, wanted, observer).await?;

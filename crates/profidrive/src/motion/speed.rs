@@ -1,11 +1,15 @@
 //! Speeds as people write them, and the requests that they make.
 
-use client::axis::SpeedUnit;
+use std::time::Duration;
+
+use client::axis::{Move as Order, SpeedUnit};
 use client::{Drive, Session};
 use profile::notation::Quantity;
 
 use super::error::MotionError;
 use super::event::Observer;
+use super::jog::{Jog, RealTimeJog};
+use super::position::Move;
 use super::run::{Frequency, Run, speed_at};
 use super::step::Step;
 
@@ -116,8 +120,102 @@ impl Step {
     }
 }
 
+impl Jog {
+    /// At a speed as a person writes it, `60rpm` or `5Hz`, or at that of the drive; a limit is in rpm or Hz, without one it is
+    /// the usual one.
+    ///
+    /// # Errors
+    /// [`MotionError::Unit`]
+    pub fn of(
+        speed: Option<&Quantity>,
+        limit: Option<&Quantity>,
+        time: Duration,
+    ) -> Result<Self, MotionError> {
+        let usual = Self::lasting(time);
+        Ok(Self {
+            speed: speed.map(|speed| Speed::of(speed, SPEED)).transpose()?,
+            limit: limit_of(limit, usual.limit)?,
+            ..usual
+        })
+    }
+}
+
+impl RealTimeJog {
+    /// As [`Jog::of`].
+    ///
+    /// # Errors
+    /// [`MotionError::Unit`]
+    pub fn of(speed: &Quantity, limit: Option<&Quantity>, time: Duration) -> Result<Self, MotionError> {
+        let usual = Self::at(Speed::of(speed, SPEED)?, time);
+        let limit = limit_of(limit, usual.limit)?;
+        Ok(Self { limit, ..usual })
+    }
+}
+
+impl Move {
+    /// To a position, or by a distance, as a person writes it: `10rev`, `90deg`, `655360` increments; at a speed in rpm. Without a
+    /// limit it is the usual one.
+    ///
+    /// ```
+    /// use profidrive::motion::Move;
+    ///
+    /// let turns = Move::of(&"10rev".parse()?, true, &"300rpm".parse()?)?;
+    /// let ramps = turns.with_ramps(Some(&"3000rpm/s".parse()?), None)?;
+    /// assert_eq!((ramps.order.relative, ramps.order.acceleration), (true, Some(3000.0)));
+    /// let error = Move::of(&"10rpm".parse()?, false, &"300rpm".parse()?).unwrap_err();
+    /// assert!(error.to_string().starts_with("target: "), "{error}");
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`MotionError::NoPosition`], [`MotionError::Unit`]; [`MotionError::Invalid`] for a frequency.
+    pub fn of(target: &Quantity, is_distance: bool, speed: &Quantity) -> Result<Self, MotionError> {
+        let target = target.position().map_err(MotionError::NoPosition)?;
+        if speed.in_hertz().is_some() {
+            return Err(MotionError::Invalid { what: NO_FREQUENCY });
+        }
+        let speed = in_unit(speed, "rpm", SPEED)?;
+        Ok(Self::by(match is_distance {
+            true => Order::by(target, speed),
+            false => Order::to(target, speed),
+        }))
+    }
+
+    /// Returns the same with ramps in rpm/s; `None` is the ramp of the drive.
+    ///
+    /// # Errors
+    /// [`MotionError::Unit`]
+    pub fn with_ramps(
+        self,
+        acceleration: Option<&Quantity>,
+        deceleration: Option<&Quantity>,
+    ) -> Result<Self, MotionError> {
+        let ramp = |ramp: Option<&Quantity>, what| ramp.map(|ramp| in_unit(ramp, "rpm/s", what)).transpose();
+        let order = self.order.with_ramps(
+            ramp(acceleration, "acceleration")?,
+            ramp(deceleration, "deceleration")?,
+        );
+        Ok(Self { order, ..self })
+    }
+
+    /// Returns the same with a limit of the speed in rpm.
+    ///
+    /// # Errors
+    /// [`MotionError::Unit`]
+    pub fn limited_to(self, limit: &Quantity) -> Result<Self, MotionError> {
+        let limit = in_unit(limit, "rpm", LIMIT)?.abs();
+        Ok(Self { limit, ..self })
+    }
+}
+
 const SPEED: &str = "speed";
+const NO_FREQUENCY: &str = "speed: an output frequency is the speed of a frequency converter, which does not position; a move has its \
+    speed in rpm";
 const LIMIT: &str = "limit of the speed";
+
+fn limit_of(limit: Option<&Quantity>, usual: Speed) -> Result<Speed, MotionError> {
+    limit.map_or(Ok(usual), |limit| Speed::of(limit, LIMIT))
+}
 
 /// Percent where one of the speeds is in percent.
 fn unit_of(speeds: &[&Quantity]) -> SpeedUnit {

@@ -126,6 +126,12 @@ pub async fn step(
     wanted: &Step,
     observer: &Observer,
 ) -> Result<Stepped, MotionError> {
+    let control = wanted.run.control.on(session, drive);
+    let run = Run {
+        control,
+        ..wanted.run
+    };
+    let wanted = &Step { run, ..*wanted };
     wanted.check()?;
     let wanted = &wanted.in_rpm(session, drive, observer).await?;
     let change = mode::enter(session, drive, Mode::Velocity, &wanted.run.control, observer).await?;
