@@ -1,5 +1,6 @@
 //! A plant in virtual time.
 
+use std::collections::BTreeMap;
 use std::convert::Infallible;
 use std::time::Duration;
 
@@ -95,8 +96,8 @@ struct ControllerSeat {
     ar: Option<ArId>,
     /// When it connects next; `None` while it has a connection or is not to have one.
     connect_at: Option<Instant>,
-    steps: std::vec::IntoIter<Step>,
-    next: Option<Step>,
+    /// What it does, by the time after the start and the place in the program.
+    steps: BTreeMap<(Duration, usize), Step>,
     outputs: Vec<u8>,
     /// Subslot of the telegram.
     subslot: u16,
@@ -275,10 +276,7 @@ impl World {
     }
 
     fn next_step(&self) -> Option<Instant> {
-        let next = |seat: &ControllerSeat| {
-            let step = seat.next.as_ref().map(|step| Instant::ZERO + step.at);
-            Instant::earliest([step, seat.connect_at])
-        };
+        let next = |seat: &ControllerSeat| Instant::earliest([seat.next_step(), seat.connect_at]);
         self.controllers.iter().filter_map(next).min()
     }
 
@@ -553,7 +551,7 @@ impl ControllerSeat {
         connect.resolve = Resolve::Check;
         connect.watchdog_factor = plan.watchdog;
         connect.data_hold_factor = plan.watchdog;
-        let mut steps = plan.steps.clone().into_iter();
+        let steps = plan.steps.iter().cloned().enumerate();
         Self {
             id,
             drive: plan.drive,
@@ -568,19 +566,19 @@ impl ControllerSeat {
             connect,
             ar: None,
             connect_at: Some(Instant::ZERO),
-            next: steps.next(),
-            steps,
+            steps: steps.map(|(number, step)| ((step.at, number), step)).collect(),
             outputs: vec![0; usize::from(outputs)],
             subslot: device.layout.telegram,
         }
     }
 
+    fn next_step(&self) -> Option<Instant> {
+        let (at, _) = self.steps.first_key_value()?.0;
+        Some(Instant::ZERO + *at)
+    }
+
     fn is_due(&self, now: Instant) -> bool {
-        self.connect_at.is_some_and(|at| at <= now)
-            || self
-                .next
-                .as_ref()
-                .is_some_and(|step| Instant::ZERO + step.at <= now)
+        Instant::earliest([self.next_step(), self.connect_at]).is_some_and(|at| at <= now)
     }
 
     /// Executes one due action. Returns the resulting message.
@@ -593,7 +591,10 @@ impl ControllerSeat {
             }
             return None;
         }
-        let step = std::mem::replace(&mut self.next, self.steps.next())?;
+        let ((at, number), step) = self.steps.pop_first()?;
+        if let Some(every) = step.every {
+            self.steps.insert((at + every, number), step.clone());
+        }
         match step.action {
             Action::Send(signals) => {
                 for (field, value) in signals {
