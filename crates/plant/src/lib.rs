@@ -34,4 +34,4 @@ pub use plan::{Action, ControllerPlan, Cue, DrivePlan, PlantPlan, Step, Trigger,
 pub use text::derived_mac;
 pub use timeline::{Played, Timeline};
 pub use trace::{DriveMessage, Event, EventKind, Sample};
-pub use world::World;
+pub use world::{Shaft, World};

@@ -14,7 +14,7 @@ use profinet::controller::{
 use profinet::cyclic::Timing;
 use profinet::device::ModuleDescription;
 use profinet::wire::block::ModuleState;
-use profinet::{Endpoint, Instant, IpSuite, Medium};
+use profinet::{Endpoint, Instant, IpSuite, MacAddress, Medium};
 use virtual_drive::description::Description;
 use virtual_drive::drive::Drive;
 use virtual_drive::model::Model;
@@ -74,10 +74,24 @@ impl std::fmt::Debug for World {
     }
 }
 
+/// The shaft of a drive of a plant.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Shaft<'w> {
+    /// What the plant calls the drive.
+    pub name: &'w str,
+    /// Its Ethernet address.
+    pub mac: MacAddress,
+    /// Its position in turns.
+    pub position: f64,
+    /// Its speed, rpm.
+    pub speed: f64,
+}
+
 /// A drive in its place.
 struct Seat {
     id: StationId,
     name: String,
+    mac: MacAddress,
     model: &'static Model,
     line: Timeline,
     status: u16,
@@ -118,6 +132,7 @@ impl World {
             drives.push(Seat {
                 id: segment.attach(Box::new(unit)),
                 name: plan.name.clone(),
+                mac: plan.mac,
                 model: plan.model,
                 line: Timeline::new(&plan.cues, Instant::ZERO),
                 status,
@@ -242,6 +257,19 @@ impl World {
     pub fn drive(&self, number: usize) -> Option<&Station> {
         let unit: &Unit = self.medium.segment().station(self.drives.get(number)?.id)?;
         Some(unit.inner().endpoint())
+    }
+
+    /// Returns where the shaft of the drive of that number is.
+    #[must_use]
+    pub fn shaft(&self, number: usize) -> Option<Shaft<'_>> {
+        let seat = self.drives.get(number)?;
+        let axis = self.drive(number)?.drive().axis();
+        Some(Shaft {
+            name: &seat.name,
+            mac: seat.mac,
+            position: revolutions(axis.position()),
+            speed: axis.speed(),
+        })
     }
 
     /// Runs from event to event until `until`; `record` receives the events.

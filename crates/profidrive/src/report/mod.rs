@@ -22,6 +22,7 @@ mod record;
 mod scan;
 #[cfg(feature = "schema")]
 pub mod schema;
+mod serve;
 mod shapes;
 mod simulation;
 mod station;
@@ -44,6 +45,7 @@ pub use gsdml::{
 };
 pub use record::{RecordReport, RecordTrigger, RecordedDrive, RecordedSignal, StepReport};
 pub use scan::{Change, Duplicate, Remark, ScanReport, Scanned, Shared, StationChange};
+pub use serve::ServeReport;
 pub use shapes::{
     Action, Controller, DriveWords, Error, Fault, LossReaction, PlainWording, Quantity, Station, Warning,
     Wording, parameter, parameter_error,

@@ -11,7 +11,8 @@ use super::{
     BackupReport, BlinkReport, CommissionReport, DemoEvent, DescribeReport, DiffReport, Drives, Error,
     FaultsReport, GsdmlCheckReport, GsdmlExportReport, GsdmlShowReport, InfoReport, InjectReport, IpReport,
     ListReport, MonitorReading, MonitorSilence, NameReport, ParametersReport, RecordReport, ResetReport,
-    RestoreReport, ScanReport, SimulationReport, StationChange, StatusReport, StepReport, WriteReport,
+    RestoreReport, ScanReport, ServeReport, SimulationReport, StationChange, StatusReport, StepReport,
+    WriteReport,
 };
 use crate::motion::{self, JogPlan, Message, MoveReport, RunPlan, StopReport};
 
@@ -45,6 +46,7 @@ const COMMANDS: &[(&str, Describe)] = &[
     ("decode", of::<DecodeReport<'_>>),
     #[cfg(feature = "simulate")]
     ("simulate", of::<SimulationReport>),
+    ("serve", of::<ServeReport>),
     ("demo", of::<DemoEvent>),
     ("inject", of::<InjectReport>),
     ("status", each::<StatusReport, StatusReport>),
