@@ -20,8 +20,10 @@ mod access;
 mod api;
 mod assets;
 mod board;
+mod problem;
 mod serve;
 mod settings;
+mod shared;
 mod words;
 
 pub use api::openapi;

@@ -23,10 +23,11 @@ use tower_http::limit::RequestBodyLimitLayer;
 use tower_http::timeout::TimeoutLayer;
 
 use crate::access::{Attempts, Places, Sessions, Tokens, guard, secure};
-use crate::api::{Shared, nothing, router};
+use crate::api::{nothing, router};
 use crate::assets;
 use crate::board::Board;
 use crate::settings::{Settings, Source};
+use crate::shared::Shared;
 
 /// Connections served at once; further ones wait in the queue of the system.
 const CONNECTIONS: usize = 256;

@@ -10,7 +10,8 @@ use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 
 use super::Role;
-use crate::api::{Problem, Shared};
+use crate::problem::Problem;
+use crate::shared::Shared;
 
 /// Who makes a request that passed.
 #[derive(Debug, Clone)]

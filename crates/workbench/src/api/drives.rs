@@ -4,17 +4,24 @@ use std::sync::Arc;
 
 use axum::Json;
 use axum::extract::{Path, State};
+use axum::http::StatusCode;
 use profidrive::client::Drive;
 use profidrive::inspection;
 use profidrive::report::{FaultsReport, InfoReport, StatusReport};
 
-use super::{Problem, Shared};
+use crate::problem::Problem;
+use crate::shared::Shared;
 use crate::words::PageWords;
 
 /// Finds a drive for a call of its own.
 async fn find(shared: &Shared, id: &str) -> Result<(profidrive::Caller, Drive), Problem> {
+    let id = id.to_lowercase();
+    if !shared.board.look(|stations| stations.known.contains_key(&id)) {
+        let detail = "no such drive has answered; /api/v1/stations lists those that did";
+        return Err(Problem::new(StatusCode::NOT_FOUND, "drive", detail));
+    }
     let mut network = shared.network.clone();
-    let drive = shared.board.find(&mut network, &id.to_lowercase()).await;
+    let drive = shared.board.find(&mut network, &id).await;
     let drive = drive.map_err(|error| Problem::of(&error))?;
     Ok((network, drive))
 }
@@ -23,6 +30,7 @@ async fn find(shared: &Shared, id: &str) -> Result<(profidrive::Caller, Drive), 
 #[utoipa::path(get, path = "/api/v1/drives/{id}/status", params(("id" = String, Path, description = "MAC address, or `ip-` with the IP address")), responses(
     (status = 200, description = "The status", body = ref("#/components/schemas/StatusReport")),
     (status = 401, description = "No session", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
+    (status = 404, description = "No such drive has answered", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
     (status = 504, description = "The drive does not answer", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
 ))]
 pub(super) async fn status(
@@ -40,6 +48,7 @@ pub(super) async fn status(
 #[utoipa::path(get, path = "/api/v1/drives/{id}/info", params(("id" = String, Path, description = "MAC address, or `ip-` with the IP address")), responses(
     (status = 200, description = "The identity", body = ref("#/components/schemas/InfoReport")),
     (status = 401, description = "No session", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
+    (status = 404, description = "No such drive has answered", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
     (status = 504, description = "The drive does not answer", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
 ))]
 pub(super) async fn info(
@@ -55,6 +64,7 @@ pub(super) async fn info(
 #[utoipa::path(get, path = "/api/v1/drives/{id}/faults", params(("id" = String, Path, description = "MAC address, or `ip-` with the IP address")), responses(
     (status = 200, description = "The faults", body = ref("#/components/schemas/FaultsReport")),
     (status = 401, description = "No session", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
+    (status = 404, description = "No such drive has answered", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
     (status = 504, description = "The drive does not answer", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
 ))]
 pub(super) async fn faults(

@@ -8,9 +8,9 @@ use axum::{Extension, Json};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::Shared;
 use crate::access::{Caller, Role};
 use crate::settings::Source;
+use crate::shared::Shared;
 
 /// What a server is.
 #[derive(Debug, Serialize, JsonSchema)]

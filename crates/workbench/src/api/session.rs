@@ -12,8 +12,9 @@ use axum::{Extension, Json};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{Problem, Shared};
 use crate::access::{Caller, IDLE, LIFETIME, Role, SESSIONS, session_of};
+use crate::problem::Problem;
+use crate::shared::Shared;
 
 /// What begins a session.
 #[derive(Debug, Deserialize, Serialize, JsonSchema)]

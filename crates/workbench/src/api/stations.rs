@@ -9,8 +9,8 @@ use profidrive::report::{Error, Scanned, StatusReport};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::Shared;
 use crate::board::Known;
+use crate::shared::Shared;
 
 /// The stations of the network. Times are in seconds.
 #[derive(Debug, Serialize, JsonSchema)]

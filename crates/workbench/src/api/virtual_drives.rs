@@ -2,14 +2,14 @@
 
 use std::sync::Arc;
 
+use crate::problem::Problem;
+use crate::shared::Shared;
 use axum::Json;
 use axum::extract::State;
 use axum::http::StatusCode;
 use profidrive::Transport;
 use schemars::JsonSchema;
 use serde::Serialize;
-
-use super::{Problem, Shared};
 
 /// The drives of a plant in memory.
 #[derive(Debug, Serialize, JsonSchema)]

@@ -7,7 +7,7 @@ import { fileURLToPath } from "node:url";
 import { test as base, expect, type Page } from "@playwright/test";
 
 const root = fileURLToPath(new URL("../../../..", import.meta.url));
-const program = process.env.PROFIDRIVE ?? join(root, "target/debug/profidrive");
+export const program = process.env.PROFIDRIVE ?? join(root, "target/debug/profidrive");
 export const pictures = join(root, "target/workbench");
 mkdirSync(pictures, { recursive: true });
 

@@ -16,7 +16,7 @@ const query = location.search;
 
 function Link({ href, icon, text }: { href: string; icon: IconName; text: string }) {
   const { path } = useLocation();
-  const here = path === href || (href === "/network" && path === "/");
+  const here = path.startsWith("/drives/") === href.startsWith("/drives/");
   return (
     <a href={href + query} aria-current={here ? "page" : undefined}>
       <Icon name={icon} />

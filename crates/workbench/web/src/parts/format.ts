@@ -24,8 +24,9 @@ export function digits(quantity: Quantity): string {
   return `${quantity.beyond ?? ""}${plain.replace("-", "\u2212")}`;
 }
 
-/** Returns what a station is called. */
+/** Returns what a station is called. Of one that was reached by its address the name is not known. */
 export function label(station: Station): string {
+  if (station.name === null && station.id.startsWith("ip-")) return station.ip ?? station.id;
   return station.name === null ? t("frame.unnamed", { mac: station.mac }) : foreign(station.name);
 }
 

@@ -1,5 +1,5 @@
 import type { Station } from "../../api";
-import { cell, foreign, product, sorted } from "../../parts/format";
+import { cell, foreign, label, product, sorted } from "../../parts/format";
 import { findings, owner, ownerName, Reason, reason, State } from "../../parts/Reason";
 import { Shaft } from "../../parts/Shaft";
 import { aged, failure, searched, server, silent, stations } from "../../store/store";
@@ -8,7 +8,8 @@ import { age, t } from "../../text";
 const dash = "\u2013";
 
 function name(station: Station): string {
-  return station.name === null ? t("network.noname") : foreign(station.name);
+  const nameless = station.name === null && !station.id.startsWith("ip-");
+  return nameless ? t("network.noname") : label(station);
 }
 
 function Row({ station, simulation }: { station: Station; simulation: boolean }) {

@@ -22,7 +22,7 @@ pub(crate) struct Problem {
 /// Why a request failed (RFC 9457).
 #[derive(Debug, Serialize, JsonSchema)]
 #[schemars(rename = "Problem")]
-pub(super) struct Body {
+pub(crate) struct Body {
     /// The status of the answer in words.
     title: &'static str,
     /// The status of the answer.
