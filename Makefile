@@ -16,7 +16,7 @@ PROPTEST_RNG_SEED ?= 1
 export PROPTEST_RNG_SEED
 
 # what has, or passes on, the feature raw-ethernet: must build without it too
-ETHERNET = -p profidrive-network -p profidrive-plant -p profidrive -p profidrive-cli -p profidrive-workbench
+ETHERNET = -p profidrive-network -p profidrive-plant -p profidrive -p profidrive-cli
 
 help: ## this list
 	@sed -n 's/^\([a-z]*\):.*## /\1\t/p' $(MAKEFILE_LIST) | expand -t 10

@@ -57,16 +57,18 @@ function Facts({ station }: { station: Station }) {
     <>
       <p class="line">
         <bdi>{product(station)}</bdi>
-        <span class="number">{station.ip ?? dash}</span>
-        <span>{status?.telegram ? t("frame.telegram", { number: status.telegram }) : t("frame.telegram.none")}</span>
+        <span class="number spare">{station.ip ?? dash}</span>
+        <span class="spare">
+          {status?.telegram ? t("frame.telegram", { number: status.telegram }) : t("frame.telegram.none")}
+        </span>
         <bdi>{owner(station)}</bdi>
       </p>
       <p class={old ? "line stale" : "line"}>
         {live ? <State station={station} /> : dash}
-        <span class="number">
+        <span class="number spare">
           <span class="muted">STW1</span> {(live && status?.stw1?.hex) || dash}
         </span>
-        <span class="number">
+        <span class="number spare">
           <span class="muted">ZSW1</span> {(live && status?.zsw1?.hex) || dash}
         </span>
         <span class="number wide">

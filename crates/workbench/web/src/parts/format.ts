@@ -2,16 +2,22 @@
 import type { Quantity, Station } from "../api";
 import { t } from "../text";
 
-/** The longest foreign text that is shown whole. */
+/** The longest text of a drive that is shown whole: of a name, and of a sentence with names in it. */
 const LONGEST = 120;
+const SENTENCE = 600;
 // control and format characters, among them those that turn the direction of text
 const UNSHOWN = /[\p{Cc}\p{Cf}]/gu;
 
 /** Returns a text of a drive as it is shown: without characters that are no text, cut with the count of the rest. */
-export function foreign(text: string): string {
+export function foreign(text: string, longest = LONGEST): string {
   const clean = Array.from(text.replace(UNSHOWN, "\u{fffd}"));
-  const more = clean.length - LONGEST;
-  return more > 0 ? `${clean.slice(0, LONGEST).join("")} .. (+${more})` : clean.join("");
+  const more = clean.length - longest;
+  return more > 0 ? `${clean.slice(0, longest).join("")} .. (+${more})` : clean.join("");
+}
+
+/** Returns a sentence about a drive, as `foreign`. */
+export function sentence(text: string): string {
+  return foreign(text, SENTENCE);
 }
 
 /** Decimals of each unit: they are fixed, so that digits do not move. */

@@ -33,7 +33,7 @@ function Row({ station, simulation }: { station: Station; simulation: boolean })
         {station.status && found.length > 0 && <span class="warn small"> {found.join(", ")}</span>}
       </th>
       <td class="number">{station.ip ?? dash}</td>
-      <td class="number mac">{known ? station.mac : dash}</td>
+      <td class="number">{known ? station.mac : dash}</td>
       <td>
         <bdi>{product(station) || dash}</bdi>
       </td>

@@ -1,7 +1,7 @@
 import { useLocation } from "preact-iso";
 import type { Quantity, Station, Status } from "../../api";
 import { selected, selectedId } from "../../app/selected";
-import { digits, foreign, label } from "../../parts/format";
+import { digits, foreign, label, sentence } from "../../parts/format";
 import { Icon } from "../../parts/Icon";
 import { findings, ownerName, sign } from "../../parts/Reason";
 import { Shaft } from "../../parts/Shaft";
@@ -14,7 +14,7 @@ import { conditions } from "./conditions";
 const STALE = 3;
 const GONE = 15;
 
-function sentence(station: Station): string {
+function whyNot(station: Station): string {
   const { status, error } = station;
   if (station.lost !== null) return findings(station)[0] ?? "";
   if (status) return status.sentence;
@@ -35,18 +35,18 @@ function Why({ station }: { station: Station }) {
         <span class="unseen">
           {label(station)} {word}.{" "}
         </span>
-        <bdi>{foreign(sentence(station))}</bdi>
+        <bdi>{sentence(whyNot(station))}</bdi>
       </p>
       {next && (
         <p class="next">
-          <b>{t("overview.next")}</b> <bdi>{foreign(next)}</bdi>
+          <b>{t("overview.next")}</b> <bdi>{sentence(next)}</bdi>
         </p>
       )}
       {name !== null && <p>{t("overview.watch", { name })}</p>}
       {station.remarks.includes("no_name") && <p>{t("overview.noname")}</p>}
       {status?.notes.map((note) => (
         <p key={note.cause} class="note">
-          <b>{t("overview.also")}</b> <bdi>{foreign(note.sentence)}</bdi>
+          <b>{t("overview.also")}</b> <bdi>{sentence(note.sentence)}</bdi>
         </p>
       ))}
     </section>
@@ -93,7 +93,7 @@ function Faults({ status }: { status: Status }) {
               </b>{" "}
               <bdi>{foreign(one.meaning ?? "")}</bdi>
             </p>
-            {one.remedy && <p class="muted">{t("overview.remedy", { text: foreign(one.remedy) })}</p>}
+            {one.remedy && <p class="muted">{t("overview.remedy", { text: sentence(one.remedy) })}</p>}
           </li>
         ))}
       </ul>
@@ -192,7 +192,7 @@ function Events({ id }: { id: string }) {
         <ul class="events">
           {own.map(({ time, text }) => (
             <li key={`${time.getTime()} ${text}`}>
-              <time class="number muted">{time.toTimeString().slice(0, 8)}</time> <bdi>{foreign(text)}</bdi>
+              <time class="number muted">{time.toTimeString().slice(0, 8)}</time> <bdi>{sentence(text)}</bdi>
             </li>
           ))}
         </ul>
