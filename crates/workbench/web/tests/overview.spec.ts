@@ -59,6 +59,10 @@ test("values come with unit, age and the last minute", async ({ entered: page })
       .evaluateAll((all) => all.map((one) => JSON.stringify(one.getBoundingClientRect())));
   const places = await boxes();
   await expect.poll(shown).not.toBe(before);
+  // and neither does it when the sentence is another one
+  const cause = () => page.locator(".why-not").getAttribute("data-cause");
+  const first = await cause();
+  await expect.poll(cause).not.toBe(first);
   expect(await boxes()).toEqual(places);
 });
 

@@ -224,8 +224,8 @@ export function Overview() {
           <bdi>{label(station)}</bdi>
         </h1>
         <Why station={station} />
-        {station.status && <Faults status={station.status} />}
         {station.status && <Conditions status={station.status} />}
+        {station.status && <Faults status={station.status} />}
       </div>
       <div>
         <Values station={station} />
