@@ -121,7 +121,10 @@ impl Known {
 #[derive(Debug)]
 pub(crate) struct Board {
     stations: Mutex<Stations>,
+    /// Somebody looks again.
     wake: Notify,
+    /// A search has ended: what it found is read at once.
+    found: Notify,
     opening: Opening,
     /// Drives given by their addresses; empty where stations are searched for.
     addresses: Vec<Ipv4Addr>,
@@ -137,6 +140,7 @@ impl Board {
         Self {
             stations: Mutex::new(stations),
             wake: Notify::new(),
+            found: Notify::new(),
             opening,
             addresses,
         }
@@ -185,12 +189,12 @@ impl Board {
                 true => self.search(&mut network).await,
                 false => Ok(self.visit(&network).await),
             };
-            let mut stations = self.stations();
             match found {
                 Ok(found) => {
-                    stations.survey(found, Instant::now());
+                    self.stations().survey(found, Instant::now());
+                    self.found.notify_one();
                 }
-                Err(error) => stations.failure = Some(error),
+                Err(error) => self.stations().failure = Some(error),
             }
         }
     }
@@ -216,37 +220,48 @@ impl Board {
     pub async fn read(self: Arc<Self>, network: Caller) {
         let mut turn = interval(STATUS);
         turn.set_missed_tick_behavior(MissedTickBehavior::Delay);
-        let mut busy = HashSet::new();
-        let mut reading = JoinSet::new();
+        let mut busy: HashSet<String> = HashSet::new();
+        let mut reading: JoinSet<Reading> = JoinSet::new();
         loop {
-            tokio::select! {
+            let is_turn = tokio::select! {
                 _ = turn.tick() => {
                     self.watched().await;
-                    for (id, drive) in self.due(&busy) {
-                        busy.insert(id.clone());
-                        reading.spawn(status(Arc::clone(&self), network.clone(), id, drive));
-                    }
+                    true
                 }
-                Some(done) = reading.join_next() => match done {
-                    Ok((id, drive, status)) => {
-                        busy.remove(&id);
-                        self.note(&id, drive, status);
+                () = self.found.notified() => {
+                    turn.reset();
+                    true
+                }
+                Some(done) = reading.join_next() => {
+                    match done {
+                        Ok((id, drive, status)) => {
+                            busy.remove(&id);
+                            self.note(&id, drive, status);
+                        }
+                        // a panic in a reading was printed; its drive is read again
+                        Err(_) => busy.clear(),
                     }
-                    // a panic in a reading was printed; its drive is read again
-                    Err(_) => busy.clear(),
-                },
+                    false
+                }
+            };
+            if !is_turn {
+                continue;
+            }
+            for (id, drive) in self.due(&busy) {
+                busy.insert(id.clone());
+                reading.spawn(status(Arc::clone(&self), network.clone(), id, drive));
             }
         }
     }
 
-    /// Returns the drives to read now.
+    /// Returns the drives to read now, those that wait longest first.
     fn due(&self, busy: &HashSet<String>) -> Vec<(String, Option<Drive>)> {
         let stations = self.stations();
-        let due = stations
-            .known
-            .iter()
-            .filter(|(id, known)| known.is_readable() && !busy.contains(*id));
-        due.take(AT_ONCE.saturating_sub(busy.len()))
+        let free = |(id, known): &(&String, &Known)| known.is_readable() && !busy.contains(*id);
+        let mut due: Vec<_> = stations.known.iter().filter(free).collect();
+        due.sort_by_key(|(_, known)| known.read);
+        due.truncate(AT_ONCE.saturating_sub(busy.len()));
+        due.into_iter()
             .map(|(id, known)| (id.clone(), known.drive.clone()))
             .collect()
     }
@@ -306,13 +321,11 @@ async fn visit(opening: Opening, mut network: Caller, address: Ipv4Addr) -> (Str
     (format!("ip-{address}"), scanned)
 }
 
+/// A drive that was read: what it is called, the drive where it is to be read again, and its status.
+type Reading = (String, Option<Drive>, Result<StatusReport, Error>);
+
 /// Reads the status of one drive.
-async fn status(
-    board: Arc<Board>,
-    mut network: Caller,
-    id: String,
-    drive: Option<Drive>,
-) -> (String, Option<Drive>, Result<StatusReport, Error>) {
+async fn status(board: Arc<Board>, mut network: Caller, id: String, drive: Option<Drive>) -> Reading {
     let found = match drive {
         Some(drive) => Ok(drive),
         None => board.find(&mut network, &id).await,
@@ -381,6 +394,32 @@ mod tests {
         stations.survey(answers(&["a"]), start + 2 * REMEMBER);
         stations.survey(answers(&["a"]), start + 3 * REMEMBER);
         assert_eq!(stations.known.len(), 1);
+    }
+
+    #[test]
+    fn each_of_many_drives_has_its_turn() {
+        let names: Vec<String> = (0..AT_ONCE + 7).map(|number| number.to_string()).collect();
+        let names: Vec<&str> = names.iter().map(String::as_str).collect();
+        let board = Board::new(
+            Opening::new(profidrive::Access::Records),
+            Vec::new(),
+            Instant::now(),
+        );
+        board.stations().survey(answers(&names), Instant::now());
+        let mut busy = HashSet::new();
+        let first: Vec<String> = board.due(&busy).into_iter().map(|(id, _)| id).collect();
+        assert_eq!(first.len(), AT_ONCE);
+        busy.extend(first.iter().cloned());
+        assert!(board.due(&busy).is_empty(), "no more at once");
+        for id in first {
+            busy.remove(&id);
+            board.stations().known.get_mut(&id).unwrap().read = Some(Instant::now());
+        }
+        let second = board.due(&busy);
+        let fresh = second
+            .iter()
+            .filter(|(id, _)| board.stations().known[id].read.is_none());
+        assert_eq!(fresh.count(), 7);
     }
 
     #[test]
