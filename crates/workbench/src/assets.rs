@@ -29,6 +29,7 @@ static ASSETS: &[Asset] = assets! {
     "/overview.js": SCRIPT,
     "/app.css": "text/css; charset=utf-8",
     "/icon.svg": "image/svg+xml",
+    "/licences.txt": "text/plain; charset=utf-8",
 };
 
 /// Answers everything that is not of the interface. A path without a file is a screen of the page.

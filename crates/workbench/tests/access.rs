@@ -423,6 +423,7 @@ fn nothing_but_the_page_is_served_and_each_answer_has_the_headers() {
         "/overview.js",
         "/app.css",
         "/icon.svg",
+        "/licences.txt",
     ] {
         let answer = server.ask("GET", path, PAGE, "");
         assert_eq!(answer.status, 200, "{path}");

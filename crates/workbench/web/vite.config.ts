@@ -1,9 +1,33 @@
+import { readFileSync } from "node:fs";
 import { gzipSync } from "node:zlib";
 import type { Plugin } from "vite";
 import { defineConfig } from "vitest/config";
 
 // a running server for `npm run dev`: PROFIDRIVE_SERVER=http://127.0.0.1:8934
 const server = process.env.PROFIDRIVE_SERVER ?? "http://127.0.0.1:8934";
+
+/** The packages that are a part of the page. */
+const LINKED = ["preact", "@preact/signals", "@preact/signals-core", "preact-iso"];
+
+/** Adds their licences, which ask to stand beside each copy; fails where another package is linked. */
+const licences: Plugin = {
+  name: "licences",
+  generateBundle(_, bundle) {
+    for (const file of Object.values(bundle)) {
+      for (const [id, { renderedLength }] of Object.entries(file.type === "chunk" ? file.modules : {})) {
+        const name = /node_modules\/((?:@[^/]+\/)?[^/]+)\//.exec(id)?.[1];
+        if (name !== undefined && renderedLength > 0 && !LINKED.includes(name)) {
+          throw new Error(`${name} is linked and not among the licences of vite.config.ts`);
+        }
+      }
+    }
+    const texts = LINKED.map((name) => {
+      const { version } = JSON.parse(readFileSync(`node_modules/${name}/package.json`, "utf8"));
+      return `${name} ${version}\n\n${readFileSync(`node_modules/${name}/LICENSE`, "utf8").trim()}\n`;
+    });
+    this.emitFile({ type: "asset", fileName: "licences.txt", source: texts.join(`\n${"-".repeat(80)}\n`) });
+  },
+};
 
 /** Limits of what a browser loads, compressed, in octets: of the first screen, and of all. */
 const FIRST = 90_000;
@@ -26,7 +50,7 @@ const limits: Plugin = {
 };
 
 export default defineConfig({
-  plugins: [limits],
+  plugins: [licences, limits],
   // names without digests: the files are committed, and browsers compare tags
   build: {
     outDir: process.env.PROFIDRIVE_ASSETS ?? "../assets",
