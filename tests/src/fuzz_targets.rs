@@ -14,6 +14,7 @@ mod host;
 mod neighbourhood;
 mod parameters;
 mod plants;
+mod recordings;
 mod records;
 mod rpc;
 mod serial;
@@ -29,6 +30,7 @@ pub use host::host;
 pub use neighbourhood::{lldp, snmp};
 pub use parameters::{description, notation, parameter_request, parameter_response, setting};
 pub use plants::plant;
+pub use recordings::earlier_step;
 pub use records::records;
 pub use rpc::{rpc, rpc_client, rpc_server};
 pub use serial::{pkw, serial};
@@ -47,6 +49,7 @@ pub const TARGETS: &[(&str, Target)] = &[
     ("dcp", dcp),
     ("description", description),
     ("drive", drive),
+    ("earlier_step", earlier_step),
     ("gsdml", gsdml),
     ("host", host),
     ("lldp", lldp),

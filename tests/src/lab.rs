@@ -207,6 +207,9 @@ impl Lab {
         let own = self.folder.strip_prefix(root()).unwrap_or(&self.folder);
         command.env("XDG_RUNTIME_DIR", own);
         command.env("XDG_STATE_HOME", self.folder.join("state"));
+        // nor are the configuration and the cache of whoever runs the tests
+        command.env("XDG_CONFIG_HOME", self.folder.join("config"));
+        command.env("XDG_CACHE_HOME", self.folder.join("cache"));
         command.arg(program).args(arguments).current_dir(root());
         command
     }

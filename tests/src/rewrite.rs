@@ -58,7 +58,7 @@ pub fn rpc(bytes: &[u8]) -> Result<Vec<u8>, DecodeError> {
         PacketType::Response => {
             NdrResponse::decode(&mut reader, header.order)?.encode(&mut stub, header.order)
         }
-        _ => stub.extend_from_slice(reader.rest()),
+        _ => stub.extend_from_slice(reader.rest("data")),
     }
     blocks(&mut reader, &mut stub)?;
     let mut out = Vec::new();
@@ -138,7 +138,7 @@ fn block(block: Block<'_>, out: &mut Vec<u8>) -> Result<(), DecodeError> {
         kind if is_control(kind) => ControlBlock::decode(kind, body)?.encode(out),
         kind => {
             let mut body = body;
-            write_block(out, kind, block.version.1, |out| out.bytes(body.rest()));
+            write_block(out, kind, block.version.1, |out| out.bytes(body.rest("data")));
         }
     }
     Ok(())

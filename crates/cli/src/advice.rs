@@ -28,7 +28,7 @@ impl Wording for Commands<'_> {
 
 /// The command line of an action; `None` for a choice, which is an option of the command that was given.
 pub fn command(action: &Action, drive: &str) -> Option<String> {
-    let of = |device: &Option<&'static str>| device.unwrap_or(drive).to_owned();
+    let of = |device: &Option<String>| device.clone().unwrap_or_else(|| drive.to_owned());
     let plain = |word: &str| word.replace(' ', "");
     let rest = match action {
         Action::Scan => "scan".to_owned(),
@@ -88,6 +88,8 @@ fn option(choice: Choice) -> String {
         Choice::Interface => "-i IFACE, or PROFIDRIVE_INTERFACE",
         Choice::Force => "--force",
         Choice::WayBack => "--way-back PATH",
+        Choice::Save => "--save",
+        Choice::Machine => "--machine FILE, PROFIDRIVE_MACHINE, or machine.toml in the current folder",
         _ => "another option",
     };
     fixed.to_owned()

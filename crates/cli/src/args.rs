@@ -3,7 +3,9 @@
 // help texts are printed as they stand: `947[0..7]` is not a link
 #![allow(rustdoc::broken_intra_doc_links)]
 
+mod doctor;
 mod drives;
+mod examples;
 mod explain;
 mod gsdml;
 mod machine;
@@ -24,6 +26,7 @@ use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{ArgMatches, Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 use profile::notation::Quantity;
 
+pub use doctor::{Bundle, Doctor, Report};
 pub use drives::{Backup, Diff, Faults, Restore, Status};
 pub use explain::{Decode, Explain, Octets, Only, Sender};
 pub use gsdml::{Gsdml, GsdmlCheck, GsdmlCommand, GsdmlExport, GsdmlShow};
@@ -45,7 +48,8 @@ pub use stations::{Blink, Ip, Name, Network, Reset, ResetMode, Scan};
     arg_required_else_help = true
 )]
 #[command(
-    after_help = "DRIVE is a station name (akd-1), an IP address (10.0.0.2) or a MAC address.\n\
+    after_help = "DRIVE is a station name (akd-1), an IP address (10.0.0.2) or a MAC address. Where several drives are possible \
+    it is also a list (akd-1,akd-2), a pattern (akd-*), model=vlt, vendor=danfoss, a group of the machine file (@line1), or all.\n\
     PARAM is a name (DRV.ACC) or a number (930, p930, r947[0], 947[0..7], 0x3A2), as the vendor writes it \
     (VLT: 1-20, Vacon: ID103).\n\
     Exit codes: 0 ok, 1 failed (also an incomplete backup), 2 usage, 3 refused by the drive, 4 not reachable, \
@@ -73,7 +77,7 @@ impl Cli {
     /// The command line, or what is wrong with it.
     pub fn read<T: Into<OsString> + Clone>(line: impl IntoIterator<Item = T>) -> Result<Self, clap::Error> {
         let line: Vec<OsString> = line.into_iter().map(Into::into).collect();
-        let mut command = with_signs(Self::command());
+        let mut command = with_signs(command());
         let matches = command.try_get_matches_from_mut(&line);
         let matches = matches.map_err(|error| with_choices(error, &command, &named(line)))?;
         let cli = Self::from_arg_matches(&matches)?;
@@ -94,6 +98,11 @@ impl Cli {
             ..cli
         })
     }
+}
+
+/// Returns the whole command line, with examples.
+pub fn command() -> clap::Command {
+    examples::completed(Cli::command())
 }
 
 /// Returns the words of the command in a line, wrong or not: `read`, `gsdml show`; empty where there is none.
@@ -157,12 +166,16 @@ fn with_signs(command: clap::Command) -> clap::Command {
 /// The network to use.
 #[derive(Debug, Clone, Default, Args)]
 pub struct Interface {
-    /// Network interface towards the drives; else that of the variable PROFIDRIVE_INTERFACE, else the only one
+    /// Network interface towards the drives; else that of the variable PROFIDRIVE_INTERFACE, else that of the configuration file,
+    /// else the only one
     #[arg(short, long, value_name = "IFACE")]
     pub interface: Option<String>,
     /// Also print how the drive is reached: which connection it accepts and which it refuses
     #[arg(short, long, conflicts_with = "quiet")]
     pub verbose: bool,
+    /// The interface of the configuration file, where neither the option nor the variable names one
+    #[arg(skip)]
+    pub configured: Option<String>,
 }
 
 impl Interface {
@@ -319,6 +332,14 @@ pub enum Command {
     /// Say in one sentence why a drive does not run; reads only (exit code 5 when something keeps it)
     #[command(mut_arg("drive", |drive| drive.required(false).default_value("all")))]
     Status(OnSelected<Status>),
+    /// Examine this computer, its network interface and the way to each drive: permissions, loss, duplicates; reads only
+    Doctor(OnDrives<Doctor>),
+    /// Collect all that describes a machine and its state in a zip file: scan, status, faults, settings, what `doctor` finds
+    #[command(mut_arg("drive", |drive| drive.required(false).default_value("all")))]
+    Bundle(OnSelected<Bundle>),
+    /// Write a page about a machine for its documentation: one HTML file
+    #[command(mut_arg("drive", |drive| drive.required(false).default_value("all")))]
+    Report(OnSelected<Report>),
     /// Acknowledge the fault of a drive (STW1 bit 7, as its controller for a moment)
     Ack(OnSelected<Ack>),
     /// Watch a drive beside its controller; reads only

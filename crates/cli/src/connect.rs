@@ -5,10 +5,8 @@ use std::path::PathBuf;
 use client::{Drive, ErrorKind, Wait};
 use network::system::{Error as NetworkError, ForcedExit, Stop};
 use profidrive::fleet::Fleet;
-use profidrive::machine::{Machine, MachineError};
-use profidrive::{
-    DescriptionError, DriveError, FindEvent, Network, OpenError, Opening, Selector, SelectorError,
-};
+use profidrive::machine::Machine;
+use profidrive::{DescriptionError, DriveError, FindEvent, Network, OpenError, Opening, Selector};
 
 use crate::args::{DriveOptions, Interface, Kind, Target};
 use crate::commands::gsdml;
@@ -16,7 +14,7 @@ use crate::failure::Failure;
 use crate::output::Output;
 use crate::render::table::clean;
 
-pub use crate::output::{bar, spinner};
+pub use crate::output::{bar, spinner, steps};
 /// What a command needs of the network.
 pub use profidrive::Access as Need;
 
@@ -27,29 +25,30 @@ pub type Live = Network;
 pub fn session(interface: &Interface, need: Need, output: &Output) -> Result<Live, Failure> {
     let (opening, stop) = opening(interface, need)?;
     let session = opening.open().map_err(without_permission)?;
-    Ok(attended(session, &stop, output))
+    Ok(attended(session, &stop, QUICK_STOP, output))
 }
 
 /// Returns which drives are meant.
 pub fn selector(target: &Target, output: &Output) -> Result<Selector, Failure> {
-    // without a group no machine file is read: a file that is not valid must not keep a drive from being stopped
-    let machine = match target.drive.contains('@') {
-        true => machine(&target.options, output)?,
-        false => None,
+    let is_all = |part: &str| part.trim().eq_ignore_ascii_case("all");
+    // where no drive of it is meant no machine file is read: a file that is not valid must not keep a drive from being stopped
+    let machine = if target.drive.contains('@') {
+        machine(&target.options, output)?
+    } else if target.drive.split(',').any(is_all) {
+        machine(&target.options, output).unwrap_or_else(|failure| {
+            static SAID: std::sync::Once = std::sync::Once::new();
+            SAID.call_once(|| {
+                output.warn(&format!(
+                    "{}; drives of it that do not answer are not shown",
+                    failure.message
+                ));
+            });
+            None
+        })
+    } else {
+        None
     };
-    Selector::of(&target.drive, machine.as_ref()).map_err(|error| {
-        let failure = Failure::usage(error.to_string());
-        if matches!(error, SelectorError::NoMachine { .. }) {
-            return failure.hint("--machine FILE, PROFIDRIVE_MACHINE, or machine.toml in the current folder");
-        }
-        if matches!(error, SelectorError::UnknownGroup(_)) {
-            return failure;
-        }
-        failure.hint(
-            "DRIVE is a station name (akd-1), an IP address, a MAC address, or fc:PORT/ADDRESS or uss:PORT/ADDRESS at a serial \
-             line; for several drives a list (akd-1,akd-2), a pattern (akd-*), model=vlt, vendor=danfoss or all",
-        )
-    })
+    Selector::of(&target.drive, machine.as_ref()).map_err(|error| Failure::explained(&error))
 }
 
 /// Returns where the machine file is: as configured, else `machine.toml` in the current folder where there is one.
@@ -70,12 +69,6 @@ pub fn machine(options: &DriveOptions, output: &Output) -> Result<Option<Machine
     Ok(Some(Machine::read(&path)?))
 }
 
-impl From<MachineError> for Failure {
-    fn from(error: MachineError) -> Self {
-        Self::new(error.kind(), clean(&error.to_string()))
-    }
-}
-
 /// Opens the network or the serial line of a drive and finds the drive.
 pub fn drive(target: &Target, need: Need, output: &Output) -> Result<(Live, Drive), Failure> {
     let selector = selector(target, output)?;
@@ -87,13 +80,13 @@ pub fn drive(target: &Target, need: Need, output: &Output) -> Result<(Live, Driv
     })?;
     let (opening, stop) = opening_for(target, need)?;
     let session = opening.open_to(address).map_err(without_permission)?;
-    let mut session = attended(session, &stop, output);
+    let mut session = attended(session, &stop, QUICK_STOP, output);
     let mut shown = None;
     let mut observer = |event: FindEvent<'_>| match event {
         FindEvent::UdpAlone => output.say("no raw socket can be opened: going by UDP alone"),
         FindEvent::LookingFor(address) => shown = Some(spinner(output, format!("looking for {address}"))),
         FindEvent::Learning { done, all } => {
-            let bar = shown.get_or_insert_with(|| bar(output, 0, "asking the drive what its parameters are"));
+            let bar = shown.get_or_insert_with(|| bar(output, 0, "reading the parameter list of the drive"));
             bar.set_length(all as u64);
             bar.set_position(done as u64);
         }
@@ -117,8 +110,20 @@ pub fn drive(target: &Target, need: Need, output: &Output) -> Result<(Live, Driv
 
 /// Opens the network and finds the drives that are meant.
 pub fn drives(target: &Target, need: Need, output: &Output) -> Result<(Live, Fleet), Failure> {
+    drives_with(target, need, QUICK_STOP, output)
+}
+
+/// The same; `hurried` is printed with the second signal.
+pub fn drives_with(
+    target: &Target,
+    need: Need,
+    hurried: &'static str,
+    output: &Output,
+) -> Result<(Live, Fleet), Failure> {
     let selector = selector(target, output)?;
-    let (opening, mut session) = network(target, &selector, need, output)?;
+    let (opening, stop) = opening_for(target, need)?;
+    let session = opening.open_for(&selector).map_err(without_permission)?;
+    let mut session = attended(session, &stop, hurried, output);
     let spinner = spinner(output, format!("looking for {selector}"));
     let found = opening.select(&mut session, &selector).wait();
     spinner.finish_and_clear();
@@ -138,7 +143,12 @@ pub fn network(
 ) -> Result<(Opening, Live), Failure> {
     let (opening, stop) = opening_for(target, need)?;
     let session = opening.open_for(selector).map_err(without_permission)?;
-    Ok((opening, attended(session, &stop, output)))
+    Ok((opening, attended(session, &stop, QUICK_STOP, output)))
+}
+
+/// Returns how to open the network for a verb that opens it itself.
+pub fn unopened(target: &Target, need: Need) -> Result<Opening, Failure> {
+    opening_for(target, need).map(|(opening, _)| opening)
 }
 
 fn opening_for(target: &Target, need: Need) -> Result<(Opening, Stop), Failure> {
@@ -175,8 +185,12 @@ fn opening(interface: &Interface, need: Need) -> Result<(Opening, Stop), Failure
     Ok((opening, stop))
 }
 
-/// The same with the wishes of the person at the keyboard.
-fn attended(mut session: Live, stop: &Stop, output: &Output) -> Live {
+/// What the second signal does to a motion.
+const QUICK_STOP: &str =
+    "second signal: quick stop (OFF3) in place of the ramp; a third one ends this program at once";
+
+/// The same with the wishes of the person at the keyboard. A closed output is a wish to stop as the first signal is.
+fn attended(mut session: Live, stop: &Stop, hurried: &'static str, output: &Output) -> Live {
     let (flag, urgent, printer) = (stop.clone(), stop.clone(), output.clone());
     let details = output.clone();
     session.follow_routes(move |drive, notice| details.detail(&clean(&format!("{drive}: {notice}"))));
@@ -185,7 +199,7 @@ fn attended(mut session: Live, stop: &Stop, output: &Output) -> Live {
     session.hurry_with(move || {
         let now = urgent.is_urgent();
         if now {
-            printer.say("second signal: quick stop (OFF3) in place of the ramp; a third one ends this program at once");
+            printer.say(hurried);
         }
         now
     });
@@ -227,15 +241,14 @@ fn failed(error: DriveError, taken_for: &Kind) -> Failure {
     }
 }
 
-/// Returns the interface that was named, as an option or in the environment.
+/// Returns the interface that was named, as an option, in the environment or in the configuration.
 pub fn named(option: &Interface) -> Option<String> {
     let variable = || std::env::var("PROFIDRIVE_INTERFACE").ok();
     // an empty variable is not a variable
-    option
-        .interface
-        .clone()
-        .or_else(variable)
+    let named = option.interface.clone().or_else(variable);
+    named
         .filter(|name| !name.is_empty())
+        .or_else(|| option.configured.clone())
 }
 
 /// Returns the interface to use: as configured, else the only one there is.

@@ -116,8 +116,13 @@ explained!(
     client::Error,
     profidrive::OpenError,
     profidrive::addressing::AddressingError,
+    profidrive::commissioning::CommissionError,
+    profidrive::machine::MachineError,
     profidrive::monitor::MonitorError,
     profidrive::parameters::ParameterError,
+    profidrive::recording::OverlayError,
+    profidrive::recording::PlotError,
+    profidrive::recording::WriteError,
     profidrive::settings::CompareError,
 );
 

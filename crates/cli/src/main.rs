@@ -4,10 +4,14 @@
 
 mod advice;
 mod args;
+mod cache;
 mod commands;
+mod completion;
+mod config;
 mod confirm;
 mod connect;
 mod failure;
+mod live_plot;
 mod output;
 mod render;
 
@@ -17,19 +21,38 @@ use clap::error::{ContextKind, ContextValue, ErrorKind as Mistake};
 use client::{Advice, ErrorKind};
 
 use crate::args::Cli;
+use crate::config::Config;
 use crate::failure::{Failure, exit_code};
 use crate::output::Output;
 
 fn main() -> ExitCode {
-    let cli = match Cli::read(std::env::args_os()) {
+    if let Some(completed) = completion::requested(&Output::new(false, true)) {
+        // a shell shows nothing else of it
+        return completed.map_or_else(|failure| exit_code(failure.kind).into(), |()| ExitCode::SUCCESS);
+    }
+    let mut cli = match Cli::read(std::env::args_os()) {
         Ok(cli) => cli,
         Err(error) => return misunderstood(&error, args::named(std::env::args_os())),
     };
+    let (config, wrong) = match Config::read() {
+        Ok(config) => (config, None),
+        Err(failure) => (Config::default(), Some(failure)),
+    };
+    cli.interface.configured = config.interface;
     let output = Output::new(cli.global.json, cli.global.quiet)
+        .coloured(config.colours)
         .with_details(cli.verbose)
         .of_command(cli.name.clone())
         .about(cli.drive.as_deref());
-    let result = commands::run(&cli, &output);
+    let result = match wrong {
+        // a configuration that is not valid keeps no drive from being stopped
+        Some(wrong) if matches!(cli.command, args::Command::Stop(_)) => {
+            output.warn(&wrong.message);
+            commands::run(&cli, &output)
+        }
+        Some(wrong) => Err(wrong),
+        None => commands::run(&cli, &output),
+    };
     output.end(result.as_ref().err());
     let lost = output.lost();
     if let Some(failure) = &lost {
@@ -45,7 +68,11 @@ fn main() -> ExitCode {
 /// An invalid command line, or one that requests help. With `--json` a mistake is a document too.
 fn misunderstood(error: &clap::Error, command: String) -> ExitCode {
     let json = error.use_stderr() && std::env::args_os().any(|argument| argument == "--json");
-    let output = Output::new(json, false).of_command(command);
+    // a configuration that is not valid is reported by a line that is
+    let config = Config::read().unwrap_or_default();
+    let output = Output::new(json, false)
+        .coloured(config.colours)
+        .of_command(command);
     if error.use_stderr() {
         output.styled_error(&error.render());
     } else {

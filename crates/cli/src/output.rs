@@ -21,11 +21,11 @@ use crate::render::Page;
 use crate::render::table::Table;
 
 pub use self::clean::clean;
-pub use self::progress::{bar, bytes, spinner};
+pub use self::progress::{bar, bytes, spinner, steps};
 pub use self::shared::Shared;
 
-/// Name and version of the JSON form; changes only when a field changes its meaning or goes.
-pub const SCHEMA: &str = "profidrive/1";
+/// Name and version of the JSON form.
+pub use profidrive::report::SCHEMA;
 
 /// A colour with its meaning. Colour is never the only sign: words or a mark stand beside it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -66,6 +66,19 @@ impl Colour {
     }
 }
 
+/// Whether output has colours.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Colours {
+    /// On a terminal.
+    #[default]
+    Auto,
+    /// Also in files and pipes.
+    Always,
+    /// Nowhere.
+    Never,
+}
+
 /// Where and how to print.
 #[derive(Debug, Clone)]
 pub struct Output {
@@ -101,8 +114,7 @@ impl Output {
     /// From the options, the environment and what stdout and stderr are.
     #[expect(clippy::disallowed_methods, reason = "asks only what stdout and stderr are")]
     pub fn new(json: bool, quiet: bool) -> Self {
-        let colour = std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
-            && std::env::var_os("TERM").is_none_or(|term| term != "dumb");
+        let colour = Self::may_colour();
         Self {
             json,
             quiet,
@@ -116,6 +128,24 @@ impl Output {
             command: String::new(),
             drive: None,
         }
+    }
+
+    /// Returns the same with the colours of the configuration. NO_COLOR and a terminal that has none come first.
+    #[must_use]
+    pub fn coloured(mut self, colours: Colours) -> Self {
+        let (out, err) = match colours {
+            Colours::Auto => (self.colour_out, self.colour_err),
+            Colours::Always => (Self::may_colour(), Self::may_colour()),
+            Colours::Never => (false, false),
+        };
+        (self.colour_out, self.colour_err) = (out, err);
+        self
+    }
+
+    /// Whether the environment permits colours.
+    fn may_colour() -> bool {
+        std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
+            && std::env::var_os("TERM").is_none_or(|term| term != "dumb")
     }
 
     /// Returns the same for a command, which its documents then name.
@@ -187,6 +217,12 @@ impl Output {
     /// Prints data that ends its own lines.
     pub fn raw(&self, text: &str) {
         self.write_out(&clean_lines(text));
+    }
+
+    /// Prints candidates for the completion of a line. Some shells have them divided by vertical tabs.
+    pub fn candidates(&self, text: &str) {
+        let parts: Vec<String> = text.split('\u{b}').map(clean_lines).collect();
+        self.write_out(&parts.join("\u{b}"));
     }
 
     /// Prints a view that replaces the `drawn` lines before; lines longer than the terminal are cut, not wrapped, so that

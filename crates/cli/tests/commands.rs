@@ -320,13 +320,11 @@ fn decode_names_the_error() {
 }
 
 #[test]
-fn completions_name_every_verb() {
-    for shell in ["bash", "zsh", "fish"] {
+fn the_script_of_each_shell_has_this_program_complete_the_line() {
+    for shell in ["bash", "zsh", "fish", "elvish", "powershell"] {
         let output = profidrive(&["completions", shell]);
         assert_eq!(output.status.code(), Some(0));
-        for verb in ["scan", "simulate", "decode", "monitor"] {
-            assert!(stdout(&output).contains(verb), "{shell} {verb}");
-        }
+        assert!(stdout(&output).contains("PROFIDRIVE_COMPLETE"), "{shell}");
     }
 }
 
@@ -410,18 +408,19 @@ fn demo_writes_a_capture_that_decode_reads() {
     for words in [
         "who is name akd-1?",
         "connect as IO controller (advanced start-up) \"profidrive\"",
-        "inputs: 40 octets every 16 ms (16 x 32 x 31.25 us), watchdog 3 x 16 ms = 48 ms, RT class 2",
+        "inputs: 40 octets every 16 ms (16 x 32 x 31.25 us), watchdog 7 x 16 ms = 112 ms, RT class 2",
         "STW1 0x047E -> 0x047F run: follows the setpoint",
         "-> 0x0278 S1 switching on inhibited, with a fault",
         "change request",
         "DRV.ACC (p2108) = 1000 rpm/s",
         "VLT telegram 101: subslot 1 0xFFFF, subslot 2 0x65 (12 in, 12 out)",
-        "change value (double word): Ramp 1 Ramp up Time (3-41) = 1 s",
-        "CTW 0x043C -> 0x047C run: follows the setpoint [START, DATA_VALID]; MRV 50 %, 750 rpm",
-        "20-00: refused: 0 parameter number does not exist",
+        "Ramp 1 Ramp up Time (3-41) = 1 s",
+        "CTW 0x043C -> 0x047C run: follows the setpoint [START, DATA_VALID]",
+        "MRV 50 %, 750 rpm",
         "Deceleration time 1 (ID 104) = 1 s",
         "expects slot 1 API 0x3A00 module 0x00010095, VACON telegram 149: subslot 1 0xFFFF, subslot 2 0x10095 (12 in, 12 out)",
-        "CTW 0x047E -> 0x047F run: follows the setpoint [ON1, RUN_EN, START_4, START_5, START_6, FB_CTRL]; MRV 25 %",
+        "CTW 0x047E -> 0x047F run: follows the setpoint [ON1, RUN_EN, START_4, START_5, START_6, FB_CTRL]",
+        "MRV 25 %",
         "CTW 0x047E -> 0x04FE acknowledge fault",
         "release",
     ] {
@@ -435,9 +434,7 @@ fn demo_writes_a_capture_that_decode_reads() {
     );
     // nothing of the VLT's telegram is read into the words of the Vacon
     let vacon = text.lines().filter(|line| line.contains(" vacon-1 > "));
-    let wrong: Vec<_> = vacon
-        .filter(|line| line.contains("PKW") || line.contains("TRIP"))
-        .collect();
+    let wrong: Vec<_> = vacon.filter(|line| line.contains("TRIP")).collect();
     assert_eq!(wrong, [] as [&str; 0]);
 
     // a damaged capture is read as far as it is sound

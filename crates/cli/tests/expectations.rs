@@ -129,6 +129,16 @@ fn mistakes_end_before_the_run() {
     );
     let output = profidrive(&["simulate", nothing.path(), "--virtual-time", "--junit", "x.xml"]);
     assert_eq!(output.status.code(), Some(2), "{output:?}");
-    let output = profidrive(&["simulate", PRESS, "--expect", wrong.path()]);
-    assert_eq!(output.status.code(), Some(2), "only in virtual time: {output:?}");
+    assert!(
+        stderr(&output).contains("the plant has no expectations"),
+        "{output:?}"
+    );
+    let output = profidrive(&["simulate", PRESS, "--expect", wrong.path(), "-i", "none0"]);
+    assert_eq!(
+        output.status.code(),
+        Some(2),
+        "before the interface is looked for: {output:?}"
+    );
+    let output = profidrive(&["simulate", "--expect", wrong.path(), "-i", "none0"]);
+    assert_eq!(output.status.code(), Some(2), "without a plant: {output:?}");
 }

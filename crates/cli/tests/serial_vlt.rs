@@ -318,15 +318,19 @@ fn restore_reports_whether_texts_and_numbers_are_saved() {
     let folder = Folder::new("vlt-texts");
     let file = folder.file("before.backup");
     ok(&["backup", &drive, "-o", &file]);
-    let text = "over power-off: at a serial line it saves text with every write";
+    let text = "(at a serial line it saves text with every write)";
     let lost = "not saved: lost at the next power cycle (use --save)";
     for (changed, texts, others) in [
-        (&["0-37=PUMP"][..], Some("keeps them"), None),
+        (
+            &["0-37=PUMP"][..],
+            Some("saved in the drive: Display Text 1 (0-37)"),
+            None,
+        ),
         (&["3-41=5s"], None, Some(lost)),
         (
             &["0-37=PUMP", "3-41=5s"],
-            Some("keeps the texts"),
-            Some("the other values are not saved: lost"),
+            Some("saved in the drive: Display Text 1 (0-37)"),
+            Some("not saved: Ramp 1 Ramp up Time (3-41) is lost at the next power cycle (use --save)"),
         ),
     ] {
         ok(&[&["write", &drive], changed].concat());

@@ -13,17 +13,17 @@ pub enum Action {
     /// Make a device show itself.
     Blink {
         /// How the device is addressed, where a name would not identify it.
-        device: Option<&'static str>,
+        device: Option<String>,
     },
     /// Give a device a name.
     SetName {
         /// How the device is addressed, where a name would not identify it.
-        device: Option<&'static str>,
+        device: Option<String>,
     },
     /// Give a device an IP address.
     SetAddress {
         /// How the device is addressed, where a name would not identify it.
-        device: Option<&'static str>,
+        device: Option<String>,
     },
     /// Identity and plugged modules.
     Info,
@@ -107,10 +107,14 @@ pub enum Choice {
     Force,
     /// The file for the values before.
     WayBack,
+    /// The drive saves new values.
+    Save,
+    /// The machine file.
+    Machine,
 }
 
 /// Every choice with its stable name.
-const CHOICES: [(&str, Choice); 13] = [
+const CHOICES: [(&str, Choice); 15] = [
     ("description", Choice::Description),
     ("model", Choice::Model),
     ("cycle", Choice::Cycle),
@@ -124,7 +128,18 @@ const CHOICES: [(&str, Choice); 13] = [
     ("interface", Choice::Interface),
     ("force", Choice::Force),
     ("way-back", Choice::WayBack),
+    ("save", Choice::Save),
+    ("machine", Choice::Machine),
 ];
+
+impl Choice {
+    /// Stable name for programs.
+    #[must_use]
+    pub fn id(self) -> &'static str {
+        let row = CHOICES.iter().find(|(_, choice)| *choice == self);
+        row.map_or("", |(id, _)| id)
+    }
+}
 
 impl Action {
     /// Stable name for programs.
@@ -162,7 +177,7 @@ impl Action {
     /// The action that `name` and its arguments stand for: `read VBUS.VALUE`, `write 930=1`, `choose model`.
     fn named(name: &str, arguments: &[&str]) -> Option<Self> {
         let first = || arguments.first().copied().unwrap_or_default();
-        let device = (first() == "MAC").then_some("MAC");
+        let device = (!first().is_empty()).then(|| first().to_owned());
         Some(match name {
             "scan" => Self::Scan,
             "blink" => Self::Blink { device },
@@ -210,7 +225,7 @@ impl Action {
     pub fn arguments(&self) -> Vec<String> {
         let all = match self {
             Self::Blink { device } | Self::SetName { device } | Self::SetAddress { device } => {
-                vec![device.unwrap_or_default().to_owned()]
+                vec![device.clone().unwrap_or_default()]
             }
             Self::Read { parameters } => parameters.clone(),
             Self::Write { parameter, value } => vec![format!("{parameter}={value}")],
@@ -219,10 +234,7 @@ impl Action {
                 let values = if *values { "values" } else { "" };
                 vec![part.clone(), values.to_owned()]
             }
-            Self::Choose(choice) => {
-                let found = CHOICES.iter().find(|(_, one)| one == choice);
-                found.map(|(id, _)| (*id).to_owned()).into_iter().collect()
-            }
+            Self::Choose(choice) => vec![choice.id().to_owned()],
             _ => Vec::new(),
         };
         all.into_iter().filter(|one| !one.is_empty()).collect()

@@ -353,6 +353,21 @@ pub enum Error {
         /// What the drive does, and the setting that decides.
         reaction: Box<LossReaction>,
     },
+    /// A drive is to be observed that may begin or keep up a motion when the connection is lost; nothing was sent.
+    #[error("{drive} is not observed: it may move its motor when the connection is lost ({})", .reaction.named())]
+    MovesWhenLost {
+        /// The drive.
+        drive: String,
+        /// What the drive does, and the setting that decides.
+        reaction: Box<LossReaction>,
+    },
+    /// A drive is to be observed whose status word is not readable: whether its power stage is on is not known. Nothing was
+    /// sent.
+    #[error("{drive} is not observed: its status word is not readable, so its power stage may be on")]
+    StatusUnread {
+        /// The drive.
+        drive: String,
+    },
     /// The drive is at work, which this would disturb; nothing was sent.
     #[error("{drive} is not {undone}: {works}")]
     AtWork {

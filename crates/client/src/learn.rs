@@ -1,6 +1,8 @@
 //! Tables of a drive without a built-in catalogue, made from the descriptions of its parameters.
 //!
-//! They are made once for each kind of drive and stay in memory until the program ends. [`MOST_ROWS`] bounds that memory.
+//! They are made once for each kind of drive and stay in memory until the program ends, as the built-in ones do: so one type
+//! serves for both. What is read is owned until there is room for it, so [`MOST_ROWS`] bounds that memory whatever drives send
+//! and wherever reading them ends.
 
 use std::sync::{Mutex, PoisonError};
 
@@ -88,9 +90,20 @@ pub fn known(kind: &KindOfDrive) -> Option<(&'static Catalogue, &'static Dialect
     KNOWN.find(kind)
 }
 
-/// Stores the tables of a kind; `None` when there is no room for them.
-pub fn keep(kind: &KindOfDrive, dialect: &'static Dialect, tables: Catalogue) -> Option<&'static Catalogue> {
-    KNOWN.keep(kind, dialect, tables)
+/// Makes the tables of a kind out of what its drive reports and stores them; `None` when there is no room for them.
+pub fn keep(
+    kind: &KindOfDrive,
+    dialect: &'static Dialect,
+    station: &Station,
+    rows: Vec<Row>,
+) -> Option<&'static Catalogue> {
+    KNOWN.keep(kind, dialect, rows.len(), || {
+        let space = dialect.code_space;
+        tables(
+            station,
+            rows.into_iter().map(|row| parameter(row, space)).collect(),
+        )
+    })
 }
 
 /// The tables of all kinds of drives that this program has met.
@@ -112,26 +125,38 @@ impl Registry {
         &self,
         kind: &KindOfDrive,
         dialect: &'static Dialect,
-        tables: Catalogue,
+        rows: usize,
+        tables: impl FnOnce() -> Catalogue,
     ) -> Option<&'static Catalogue> {
         let mut known = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((_, tables, _)) = known.iter().find(|(one, ..)| one == kind) {
             return Some(tables);
         }
         // a kind without parameters takes memory too
-        let rows = |tables: &Catalogue| tables.parameters.len() + 1;
-        let stored: usize = known.iter().map(|(_, tables, _)| rows(tables)).sum();
-        if stored + rows(&tables) > MOST_ROWS {
+        let stored: usize = known
+            .iter()
+            .map(|(_, tables, _)| tables.parameters.len() + 1)
+            .sum();
+        if stored + rows + 1 > MOST_ROWS {
             return None;
         }
-        let tables: &'static Catalogue = Box::leak(Box::new(tables));
+        let tables: &'static Catalogue = Box::leak(Box::new(tables()));
         known.push((kind.clone(), tables, dialect));
         Some(tables)
     }
 }
 
-/// The tables out of descriptions and texts.
-pub fn tables(station: &Station, parameters: Vec<Parameter>) -> Catalogue {
+/// What a drive reports of one parameter.
+#[derive(Debug)]
+pub struct Row {
+    pub pnu: u16,
+    pub description: Description,
+    /// Its texts by their values.
+    pub texts: Vec<(i32, String)>,
+}
+
+/// The tables out of their rows.
+fn tables(station: &Station, parameters: Vec<Parameter>) -> Catalogue {
     let station_type = station.station_type.trim();
     // a drive with the name of a known model must not be mistaken for it
     let model = if station_type.is_empty() || Model::by_name(station_type).is_some() {
@@ -253,13 +278,14 @@ impl Values {
     }
 }
 
-/// A row of the tables: what a drive reports of one parameter.
-pub fn parameter(
-    pnu: u16,
-    description: &Description,
-    space: CodeSpace,
-    texts: Vec<(i32, String)>,
-) -> Parameter {
+/// A row of the tables. Its texts stay in memory until the program ends.
+fn parameter(row: Row, space: CodeSpace) -> Parameter {
+    let Row {
+        pnu,
+        description,
+        texts,
+    } = row;
+    let description = &description;
     let identifier = description.identifier;
     let values = Values::of(description, space);
     let Values {
@@ -272,7 +298,7 @@ pub fn parameter(
     let counted = matches!(kind, Kind::Text | Kind::Octets) || !matches!(octets, 1 | 2 | 4);
     let array = identifier.has(Identifier::ARRAY);
     let limits = values.limits(description);
-    let leaked = |text: String| -> &'static str { text.leak() };
+    let leaked = |text: String| -> &'static str { Box::leak(text.into_boxed_str()) };
     let choices: Vec<Meaning> = texts
         .into_iter()
         .map(|(value, text)| Meaning {
@@ -343,21 +369,25 @@ mod tests {
         }
     }
 
+    fn made(pnu: u16, description: Description, texts: Vec<(i32, String)>) -> Parameter {
+        let row = Row {
+            pnu,
+            description,
+            texts,
+        };
+        parameter(row, CodeSpace::V3)
+    }
+
     #[test]
     fn a_description_becomes_a_row() {
-        let row = parameter(341, &described(7, 0), CodeSpace::V3, Vec::new());
+        let row = made(341, described(7, 0), Vec::new());
         assert_eq!(
             (row.name, row.unit, row.scale),
             ("Ramp up time", "s", Scale::Decimal(-2))
         );
         assert_eq!((row.minimum, row.maximum), (Some(0.01), Some(3600.0)));
         assert_eq!((row.format, row.access), (Format::UNSIGNED32, Access::ReadWrite));
-        let row = parameter(
-            341,
-            &described(33, Identifier::READ_ONLY),
-            CodeSpace::V3,
-            Vec::new(),
-        );
+        let row = made(341, described(33, Identifier::READ_ONLY), Vec::new());
         assert_eq!(
             (row.format, row.unit, row.access),
             (Format::N2, "%", Access::ReadOnly)
@@ -366,7 +396,7 @@ mod tests {
             elements: 20,
             ..described(9, Identifier::NO_SCALE)
         };
-        let row = parameter(1541, &name, CodeSpace::V3, vec![(1, "one".into())]);
+        let row = made(1541, name, vec![(1, "one".into())]);
         assert_eq!((row.length, row.elements, row.unit), (20, 1, ""));
         assert_eq!((row.minimum, row.choice(1)), (None, Some("one")));
     }
@@ -380,16 +410,14 @@ mod tests {
             unit: Vec::new(),
         };
         let rows = |count: u16| -> Vec<Parameter> {
-            let row = |pnu| parameter(pnu, &described(7, 0), CodeSpace::V3, Vec::new());
+            let row = |pnu| made(pnu, described(7, 0), Vec::new());
             (1..=count).map(row).collect()
         };
         let registry = Registry::new();
-        let keep = |unit, count| {
-            registry.keep(
-                &kind(unit),
-                &DIALECTS[0],
-                tables(&Station::default(), rows(count)),
-            )
+        let keep = |unit, count: u16| {
+            registry.keep(&kind(unit), &DIALECTS[0], count.into(), || {
+                tables(&Station::default(), rows(count))
+            })
         };
         let first = keep(0, 10).unwrap();
         assert!(std::ptr::eq(first, keep(0, 10).unwrap()));
@@ -398,6 +426,12 @@ mod tests {
         let kept = (1..100).filter(|&unit| keep(unit, largest).is_some()).count();
         assert!((31..=32).contains(&kept), "{kept} of the largest size");
         assert!(registry.find(&kind(99)).is_none());
+        let no_room = registry.keep(&kind(99), &DIALECTS[0], MOST_PARAMETERS, || {
+            panic!("made without room")
+        });
+        assert!(no_room.is_none());
+        let known = registry.keep(&kind(0), &DIALECTS[0], 10, || panic!("made twice"));
+        assert!(known.is_some_and(|tables| std::ptr::eq(tables, first)));
         assert!(keep(100, 10).is_some(), "a small kind has room beside them");
     }
 

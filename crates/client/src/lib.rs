@@ -35,6 +35,8 @@ mod modules;
 mod names;
 mod network;
 mod route;
+#[cfg(feature = "serde")]
+mod serial;
 mod session;
 pub mod status;
 pub mod text;

@@ -97,6 +97,29 @@ impl LossReaction {
     pub const fn runs_on(&self) -> bool {
         !self.action.stops() && self.parameter.is_some()
     }
+
+    /// Returns the setting that decides: `8-04 is Off`; empty where no parameter decides.
+    #[must_use]
+    pub fn named(&self) -> String {
+        let named = self.parameter.as_ref().zip(self.setting.as_ref());
+        named.map_or_else(String::new, |(parameter, setting)| {
+            format!("{parameter} is {setting}")
+        })
+    }
+
+    /// Whether the loss of a controller that commanded nothing may begin or keep up a motion, by a setting of the drive: it jogs,
+    /// goes to its highest speed, or does what is not known.
+    #[must_use]
+    pub const fn may_command_motion(&self) -> bool {
+        self.runs_on() && !self.leaves_alone()
+    }
+
+    /// Whether the drive goes on as it is when its controller is lost, by a setting. A motor that something else commands keeps
+    /// turning.
+    #[must_use]
+    pub const fn leaves_alone(&self) -> bool {
+        matches!(self.action, LossAction::KeepsTurning) && !self.commands
+    }
 }
 
 impl fmt::Display for LossReaction {
@@ -113,9 +136,9 @@ impl fmt::Display for LossReaction {
         if let Some(after) = self.after.filter(|_| self.action.stops()) {
             write!(f, " after {} s", after.as_secs_f64())?;
         }
-        match (&self.parameter, &self.setting) {
-            (Some(parameter), Some(setting)) => write!(f, " ({parameter} is {setting})"),
-            _ => Ok(()),
+        match self.named() {
+            named if named.is_empty() => Ok(()),
+            named => write!(f, " ({named})"),
         }
     }
 }

@@ -77,7 +77,13 @@ impl Node {
     pub fn with(mut self, mut nodes: Vec<Self>) -> Self {
         // of the same octets the first is the outer one
         nodes.sort_by_key(|node| (node.start, std::cmp::Reverse(node.end)));
-        nodes.dedup_by(|next, node| (&next.name, next.octets()) == (&node.name, node.octets()));
+        nodes.dedup_by(|next, node| {
+            let same = (&next.name, next.octets()) == (&node.name, node.octets());
+            if same && node.value.is_empty() {
+                node.value = std::mem::take(&mut next.value);
+            }
+            same
+        });
         let mut open: Vec<Self> = Vec::new();
         for node in nodes {
             while open.last().is_some_and(|outer| outer.end < node.end) {
@@ -147,7 +153,10 @@ fn value(field: &Field, octets: &[u8]) -> String {
 
 /// Octets that were not read as a number.
 fn plain(what: &str, octets: &[u8]) -> String {
-    if let Ok(mac) = <[u8; 6]>::try_from(octets) {
+    let is_station = ["destination", "source", "sender", "target"].contains(&what);
+    if let Ok(mac) = <[u8; 6]>::try_from(octets)
+        && (is_station || what.to_ascii_lowercase().contains("mac"))
+    {
         return MacAddress(mac).to_string();
     }
     if let Ok(ip) = <[u8; 4]>::try_from(octets)
@@ -170,6 +179,20 @@ fn plain(what: &str, octets: &[u8]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn octets_are_shown_as_what_their_name_is() {
+        for (what, octets, shown) in [
+            ("name of station", &b"akd-10"[..], "\"akd-10\""),
+            ("chassis MAC", &b"akd-10"[..], "61:6b:64:2d:31:30"),
+            ("destination", &[2, 0, 0, 0, 0, 1], "02:00:00:00:00:01"),
+            ("value", &[2, 0, 0, 0, 0, 1], "02 00 00 00 00 01"),
+            ("source address", &[10, 0, 0, 1], "10.0.0.1"),
+            ("IOCS", &[0x80], "80"),
+        ] {
+            assert_eq!(plain(what, octets), shown, "{what}");
+        }
+    }
 
     #[test]
     fn each_node_is_in_the_smallest_that_contains_it() {

@@ -121,6 +121,17 @@ impl StateFile {
         self.flush_place()
     }
 
+    /// Writes the content of a file that is not there yet: nothing is replaced. When this returns it is on the disk.
+    ///
+    /// # Errors
+    /// When there is something of this name, or anything on the way fails; nothing is left behind then.
+    pub fn create(&self, content: &[u8]) -> Result<(), StateFileError> {
+        let beside = self.write_beside(content)?;
+        beside.flush()?;
+        beside.put_where_nothing_is()?;
+        self.flush_place()
+    }
+
     /// First step of [`replace`](Self::replace): writes the new content into a file of its own; makes the folder if
     /// need be.
     ///
@@ -336,6 +347,21 @@ mod tests {
         file.remove().unwrap();
         file.remove().unwrap();
         assert_eq!(file.read().unwrap(), None);
+    }
+
+    #[test]
+    fn a_new_file_replaces_nothing_and_leaves_nothing_beside() {
+        let folder = Folder::new("create");
+        let file = StateFile::document(folder.0.join("report.html"));
+        file.create(b"first").unwrap();
+        let error = file.create(b"second").unwrap_err();
+        assert_eq!(error.source.kind(), io::ErrorKind::AlreadyExists);
+        assert_eq!(file.read().unwrap().as_deref(), Some(&b"first"[..]));
+        assert_eq!(folder.names(), ["report.html"]);
+        let link = StateFile::document(folder.0.join("link"));
+        symlink("elsewhere", folder.0.join("link")).unwrap();
+        assert!(link.create(b"third").is_err(), "a link counts as something");
+        assert_eq!(folder.names(), ["link", "report.html"]);
     }
 
     #[test]

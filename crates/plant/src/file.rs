@@ -19,7 +19,8 @@ use virtual_drive::model::{self, Model};
 use virtual_drive::station::{Station, StationConfig};
 
 use crate::event::PlantEvent;
-use crate::expect::{Expectation, Scope, read_all, read_list};
+use crate::expect::{Expectation, Goal, Scope, read_all, read_goal, read_list};
+use crate::located::{Located, PlantError, line_of, located};
 use crate::plan::{Cue, DrivePlan, PlantPlan, Trigger, set};
 use crate::program::RawController;
 use crate::text::{derived_mac, place, suite, time};
@@ -30,16 +31,6 @@ const LONGEST_FILE: usize = 1 << 20;
 const MAX_READ: u64 = 4 << 20;
 /// Most cues of one drive.
 const MOST_CUES: usize = 10_000;
-
-/// What is wrong with a plant file, and where.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("line {line}: {message}")]
-pub struct PlantError {
-    /// Line, from 1.
-    pub line: usize,
-    /// What is wrong.
-    pub message: String,
-}
 
 /// Why a plant file cannot be used.
 #[derive(Debug, thiserror::Error)]
@@ -71,29 +62,25 @@ pub enum PlantFileError {
     },
 }
 
-/// A message with its place in the file.
-pub(crate) struct Located(pub Range<usize>, pub String);
-
-/// Adds the location in the file to the message about a value.
-pub(crate) fn located<T, U, E: ToString>(
-    value: &Spanned<T>,
-    read: impl FnOnce(&T) -> Result<U, E>,
-) -> Result<U, Located> {
-    read(value.get_ref()).map_err(|error| Located(value.span(), error.to_string()))
-}
-
 impl PlantPlan {
     /// Reads a plant file, not more of it than one may have.
     ///
     /// # Errors
     /// When it cannot be read, or when something in it is not valid.
     pub fn read(path: &Path) -> Result<Self, PlantFileError> {
-        let plant: Result<Self, PlantError> = read_text(path)?.parse();
-        let mut plant = plant.map_err(|error| PlantFileError::PlantPlan {
+        let text = read_text(path)?;
+        Self::of_text(&text, Some(path)).map_err(|error| PlantFileError::PlantPlan {
             path: path.to_owned(),
             error,
-        })?;
-        set_file(&mut plant.expectations, path);
+        })
+    }
+
+    /// Reads the text of a plant file; its expectations are those of `file`.
+    pub(crate) fn of_text(text: &str, file: Option<&Path>) -> Result<Self, PlantError> {
+        let mut plant: Self = text.parse()?;
+        if let Some(file) = file {
+            set_file(&mut plant.expectations, file);
+        }
         Ok(plant)
     }
 
@@ -113,6 +100,16 @@ impl PlantPlan {
     pub fn expectations_of(&self, text: &str) -> Result<Vec<Expectation>, PlantError> {
         let drives = &self.drives;
         read_all(text, Scope { drives })
+    }
+
+    /// Returns what a run is to wait for ([`World::run_until_met`](crate::World::run_until_met)) from a text: one inline table
+    /// with the keys of conditions and, where needed, `drive` and `for`.
+    ///
+    /// # Errors
+    /// What is wrong with it; for example that it is for more than one drive.
+    pub fn goal(&self, text: &str) -> Result<Goal, PlantError> {
+        let drives = &self.drives;
+        read_goal(text, Scope { drives })
     }
 
     /// Reads a file with more expectations, see [`expectations_of`](Self::expectations_of).
@@ -139,7 +136,7 @@ fn set_file(expectations: &mut [Expectation], path: &Path) {
 }
 
 /// Reads a text file, not more of it than one may have.
-fn read_text(path: &Path) -> Result<String, PlantFileError> {
+pub(crate) fn read_text(path: &Path) -> Result<String, PlantFileError> {
     let mut octets = Vec::new();
     // one more than is used, so that a longer file is recognized
     File::open(path)
@@ -279,10 +276,6 @@ fn expectations(text: &str, drives: &[DrivePlan]) -> Result<Vec<Expectation>, Pl
     entry.map_or(Ok(Vec::new()), |(_, value)| {
         read_list(value, Scope { drives }, text).map_err(|Located(span, message)| error(Some(span), message))
     })
-}
-
-pub(crate) fn line_of(text: &str, at: usize) -> usize {
-    1 + text.bytes().take(at).filter(|octet| *octet == b'\n').count()
 }
 
 fn read(raw: &RawPlant) -> Result<PlantPlan, Located> {

@@ -14,24 +14,35 @@ mod event;
 mod expect;
 mod file;
 pub mod host;
+mod kept;
+mod located;
 #[cfg(feature = "metrics")]
 pub mod metrics;
 mod plan;
 mod program;
+mod snapshot;
+mod source;
 mod text;
 mod timeline;
 mod trace;
 mod world;
+mod written;
 
 pub use event::{LinkFault, PlantEvent, PlantEventError, Unit, keys};
 pub use expect::{
-    Expectation, ExpectationResult, Live, Monitor, Nearest, Observed, Outcome, Quantity as ObservedQuantity,
+    Expectation, ExpectationResult, Goal, Live, Monitor, Nearest, Observed, Outcome,
+    Quantity as ObservedQuantity,
 };
 #[cfg(feature = "junit")]
 pub use expect::{Suite, junit};
-pub use file::{PlantError, PlantFileError};
+pub use file::PlantFileError;
+pub use kept::{DriveTrace, Trace, TraceError};
+pub use located::PlantError;
 pub use plan::{Action, ControllerPlan, Cue, DrivePlan, PlantPlan, Step, Trigger, WorldError};
+pub use snapshot::Snapshot;
+pub use source::{ChangeError, PlantSource};
 pub use text::derived_mac;
 pub use timeline::{Played, Timeline};
 pub use trace::{DriveMessage, Event, EventKind, Sample};
-pub use world::{Shaft, World};
+pub use world::{NotMet, Shaft, World};
+pub use written::{ParameterReading, ReadingValue, WrittenBy};

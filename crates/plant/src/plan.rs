@@ -224,6 +224,8 @@ impl DrivePlan {
         for assignment in &self.parameters {
             set(&mut station, self.model, &self.name, assignment)?;
         }
+        // they are the drive as it is delivered to the plant, not something that happens in it
+        station.drive_mut().forget_written();
         station.drive_mut().set_load(self.load);
         Ok(Unit::new(Host::new(station), seed))
     }

@@ -11,7 +11,8 @@ use serde::Deserialize;
 use toml::Spanned;
 use virtual_drive::drive::Drive;
 
-use crate::file::{Located, RawValues, assignments_of_signals, located};
+use crate::file::{RawValues, assignments_of_signals};
+use crate::located::{Located, located};
 use crate::plan::{Action, ControllerPlan, DrivePlan, Step};
 use crate::text::time;
 

@@ -12,6 +12,7 @@ use serde::Serialize;
 use virtual_drive::station::StationEvent;
 
 use crate::timeline::Played;
+use crate::written::{ParameterReading, WrittenBy};
 
 /// Something that happened to a drive of a plant. The same plant gives the same events every time.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -113,6 +114,13 @@ pub enum EventKind {
         pnu: u16,
         /// The number as it came.
         raw: i64,
+    },
+    /// A parameter was written: by a controller, a tool or the owner of the simulation.
+    ParameterWritten {
+        /// The parameter as the drive reports it since.
+        reading: ParameterReading,
+        /// How the change reached the drive.
+        by: WrittenBy,
     },
     /// Anything else, in words.
     Note {
@@ -216,6 +224,10 @@ impl EventKind {
                 parameter: catalogue.by_pnu(*pnu).map_or("", |row| row.name).to_owned(),
                 pnu: *pnu,
                 raw: *raw,
+            },
+            StationEvent::Written(written) => Self::ParameterWritten {
+                reading: ParameterReading::of(written, catalogue),
+                by: written.channel.into(),
             },
             other => Self::note(other.words(catalogue)?.trim_end()),
         })
@@ -321,6 +333,7 @@ impl fmt::Display for EventKind {
                 f,
                 "setpoint {parameter} ({pnu}) = {raw} ignored: outside its limits, the last value stays"
             ),
+            Self::ParameterWritten { reading, by } => write!(f, "{reading}, written by {by}"),
             Self::Note { text } => f.write_str(text),
         }
     }

@@ -1,34 +1,31 @@
 //! A plant in virtual time.
 
-use std::collections::BTreeMap;
+mod controller;
+mod goal;
+mod keep;
+
 use std::convert::Infallible;
 use std::time::Duration;
 
 use network::host::Host;
 use network::segment::{Pace, Segment, SegmentMedium, StationId, Tap};
 use profile::state::Zsw1;
-use profinet::controller::{
-    ArId, ConnectConfig, Controller, ControllerConfig, Event as ControllerEvent, ModuleConfig, Resolve,
-    SubmoduleConfig, Target,
-};
-use profinet::cyclic::Timing;
-use profinet::device::ModuleDescription;
-use profinet::wire::block::ModuleState;
+use profinet::controller::{Controller, ControllerConfig};
 use profinet::{Endpoint, Instant, IpSuite, MacAddress, Medium};
-use virtual_drive::description::Description;
 use virtual_drive::drive::Drive;
 use virtual_drive::model::Model;
 use virtual_drive::station::{Station, StationEvent};
 
+use controller::ControllerSeat;
+pub use goal::NotMet;
+use keep::Watchers;
+
 use crate::event::{PlantEvent, Unit};
-use crate::expect::{Expectation, ExpectationResult, Live, Monitor, revolutions};
-use crate::plan::{Action, ControllerPlan, DrivePlan, PlantPlan, Step, WorldError};
+use crate::expect::{Expectation, ExpectationResult, Monitor, revolutions};
+use crate::plan::{DrivePlan, PlantPlan, WorldError};
 use crate::text::derived_mac;
 use crate::timeline::Timeline;
 use crate::trace::{DriveMessage, Event, EventKind, Sample};
-
-/// How long a controller waits before it connects again.
-const RECONNECT_DELAY: Duration = Duration::from_millis(500);
 
 /// A plant in virtual time: an in-memory segment with its drives and controllers.
 ///
@@ -62,8 +59,8 @@ pub struct World {
     controllers: Vec<ControllerSeat>,
     sample: Option<(Duration, Instant)>,
     observer: Option<Box<dyn FnMut(Event) + Send>>,
-    /// Checks what is expected of the drives.
-    monitor: Option<Box<Monitor>>,
+    watchers: Watchers,
+    seed: u64,
 }
 
 impl std::fmt::Debug for World {
@@ -99,22 +96,6 @@ struct Seat {
     faults: Vec<u16>,
     /// Whether a controller exchanges data with it; `None` before the first one did.
     connected: Option<bool>,
-}
-
-/// A controller in its place.
-struct ControllerSeat {
-    id: StationId,
-    drive: usize,
-    target: Target,
-    connect: ConnectConfig,
-    ar: Option<ArId>,
-    /// When it connects next; `None` while it has a connection or is not to have one.
-    connect_at: Option<Instant>,
-    /// What it does, by the time after the start and the place in the program.
-    steps: BTreeMap<(Duration, usize), Step>,
-    outputs: Vec<u8>,
-    /// Subslot of the telegram.
-    subslot: u16,
 }
 
 impl World {
@@ -160,7 +141,8 @@ impl World {
             controllers,
             sample: plant.sample.map(|sample| (sample, Instant::ZERO + sample)),
             observer: None,
-            monitor: None,
+            watchers: Watchers::default(),
+            seed: plant.seed,
         })
     }
 
@@ -172,34 +154,20 @@ impl World {
     /// Checks these expectations from now on, at each tick of the drives; the time of an expectation counts from the start of
     /// the plant. Replaces those before.
     pub fn expect(&mut self, expectations: &[Expectation], seed: u64) {
-        self.monitor = Some(Box::new(Monitor::new(expectations, self.drives.len(), seed)));
-        self.check(self.now());
+        let monitor = Monitor::new(expectations, self.drives.len(), seed);
+        let watchers = self.shown(Watchers {
+            monitor: Some(Box::new(monitor)),
+            ..Watchers::default()
+        });
+        self.watchers.monitor = watchers.monitor;
     }
 
     /// Ends the checks at the present time; returns what came of each expectation for each of its drives.
     pub fn finish_expectations(&mut self) -> Vec<ExpectationResult> {
         let end = self.now() - Instant::ZERO;
-        let monitor = self.monitor.take();
+        let monitor = self.watchers.monitor.take();
         let name = |drive: usize| self.drives.get(drive).map_or("", |seat| &seat.name);
         monitor.map_or_else(Vec::new, |monitor| monitor.finish(end, name))
-    }
-
-    /// Shows all drives to the monitor.
-    fn check(&mut self, now: Instant) {
-        let Some(mut monitor) = self.monitor.take() else {
-            return;
-        };
-        for (number, seat) in self.drives.iter().enumerate() {
-            if let Some(unit) = self.medium.segment().station::<Unit>(seat.id) {
-                let drive = unit.inner().endpoint().drive();
-                let live = Live {
-                    drive,
-                    connected: seat.connected,
-                };
-                monitor.observe(number, now - Instant::ZERO, &live);
-            }
-        }
-        self.monitor = Some(monitor);
     }
 
     /// Sets how time passes while a client carries the plant.
@@ -327,9 +295,7 @@ impl World {
             };
             for played in seat.line.play(now, unit) {
                 let event = Event::at(now, &seat.name, played.into());
-                if let Some(monitor) = &mut self.monitor {
-                    monitor.note(number, &event);
-                }
+                self.watchers.note(number, &event);
                 record(event);
             }
         }
@@ -340,11 +306,10 @@ impl World {
                     break;
                 };
                 if let Some(text) = seat.act(now, host.endpoint_mut()) {
-                    record(Event::at(
-                        now,
-                        drive,
-                        EventKind::note(&format!("controller: {text}")),
-                    ));
+                    let kind = EventKind::note(&format!("controller: {text}"));
+                    let event = Event::at(now, drive, kind);
+                    self.watchers.note(seat.drive, &event);
+                    record(event);
                 }
             }
         }
@@ -352,10 +317,12 @@ impl World {
             && *at <= now
         {
             *at += *period;
-            for seat in &self.drives {
+            for (number, seat) in self.drives.iter().enumerate() {
                 if let Some(unit) = self.medium.segment().station::<Unit>(seat.id) {
                     let sample = sample(seat.status, unit.inner().endpoint().drive());
-                    record(Event::at(now, &seat.name, EventKind::Sample(sample)));
+                    let event = Event::at(now, &seat.name, EventKind::Sample(sample));
+                    self.watchers.note(number, &event);
+                    record(event);
                 }
             }
         }
@@ -368,7 +335,7 @@ impl World {
             self.look_at_drive(number, now, record);
         }
         self.look_at_controllers(now, record);
-        self.check(now);
+        self.show_drives();
     }
 
     fn look_at_drive(&mut self, number: usize, now: Instant, record: &mut dyn FnMut(Event)) {
@@ -377,9 +344,7 @@ impl World {
         };
         let mut record = |seat: &Seat, kind: EventKind| {
             let event = Event::at(now, &seat.name, kind);
-            if let Some(monitor) = &mut self.monitor {
-                monitor.note(number, &event);
-            }
+            self.watchers.note(number, &event);
             record(event);
         };
         let Some(unit) = self.medium.segment().station::<Unit>(seat.id) else {
@@ -428,11 +393,10 @@ impl World {
             };
             while let Some(event) = host.endpoint_mut().poll_event() {
                 if let Some(text) = seat.take(now, event, host.endpoint_mut()) {
-                    record(Event::at(
-                        now,
-                        drive,
-                        EventKind::note(&format!("controller: {text}")),
-                    ));
+                    let kind = EventKind::note(&format!("controller: {text}"));
+                    let event = Event::at(now, drive, kind);
+                    self.watchers.note(seat.drive, &event);
+                    record(event);
                 }
             }
         }
@@ -534,164 +498,4 @@ fn free_address(plant: &PlantPlan, beside: &DrivePlan, number: usize) -> Result<
         address: address.into(),
         ..beside.ip
     })
-}
-
-/// Returns the modules that a controller expects in a drive of this model with this telegram.
-fn expected_modules(model: &'static Model, telegram: u16) -> Vec<ModuleConfig> {
-    let description = Description::of(model);
-    let access_point = description.access_points.first().map(|module| (0, module));
-    let mut telegrams = description.telegrams.iter();
-    let chosen = telegrams
-        .find(|module| module.telegram == telegram)
-        .map(|module| (module.slot, &module.module));
-    access_point.into_iter().chain(chosen).map(expected).collect()
-}
-
-fn expected((slot, module): (u16, &ModuleDescription)) -> ModuleConfig {
-    let submodules = module.submodules.iter().map(|submodule| SubmoduleConfig {
-        subslot: submodule.subslot,
-        ident: submodule.ident,
-        input_length: submodule.input_length,
-        output_length: submodule.output_length,
-    });
-    ModuleConfig {
-        api: module.submodules.first().map_or(0, |submodule| submodule.api),
-        slot,
-        ident: module.ident,
-        submodules: submodules.collect(),
-    }
-}
-
-impl ControllerSeat {
-    fn new(id: StationId, plan: &ControllerPlan, drive: &DrivePlan) -> Self {
-        let device = &drive.model.catalogue.device;
-        // the file was checked: only telegrams of the model come here
-        let module = device.telegram(plan.telegram);
-        let modules = expected_modules(drive.model, plan.telegram);
-        let outputs = module.map_or(0, |module| module.outputs);
-        // the file was checked: only update times that exist come here
-        let timing = Timing::for_interval(plan.cycle).unwrap_or(Timing {
-            send_clock_factor: 32,
-            reduction_ratio: 16,
-            phase: 1,
-        });
-        let mut connect = ConnectConfig::new(modules, timing);
-        connect.resolve = Resolve::Check;
-        connect.watchdog_factor = plan.watchdog;
-        connect.data_hold_factor = plan.watchdog;
-        let steps = plan.steps.iter().cloned().enumerate();
-        Self {
-            id,
-            drive: plan.drive,
-            target: Target {
-                name: drive.name.clone(),
-                mac: None,
-                ip: drive.ip,
-                vendor_id: device.vendor_id,
-                device_id: device.device_id,
-                instance: 1,
-            },
-            connect,
-            ar: None,
-            connect_at: Some(Instant::ZERO),
-            steps: steps.map(|(number, step)| ((step.at, number), step)).collect(),
-            outputs: vec![0; usize::from(outputs)],
-            subslot: device.layout.telegram,
-        }
-    }
-
-    fn next_step(&self) -> Option<Instant> {
-        let (at, _) = self.steps.first_key_value()?.0;
-        Some(Instant::ZERO + *at)
-    }
-
-    fn is_due(&self, now: Instant) -> bool {
-        Instant::earliest([self.next_step(), self.connect_at]).is_some_and(|at| at <= now)
-    }
-
-    /// Executes one due action. Returns the resulting message.
-    fn act(&mut self, now: Instant, controller: &mut Controller) -> Option<String> {
-        if self.connect_at.is_some_and(|at| at <= now) {
-            self.connect_at = None;
-            match controller.connect(now, self.target.clone(), self.connect.clone()) {
-                Ok(ar) => self.ar = Some(ar),
-                Err(misuse) => return Some(format!("cannot connect: {misuse}")),
-            }
-            return None;
-        }
-        let ((at, number), step) = self.steps.pop_first()?;
-        if let Some(every) = step.every {
-            self.steps.insert((at + every, number), step.clone());
-        }
-        match step.action {
-            Action::Send(signals) => {
-                for (field, value) in signals {
-                    // the file was checked: the signal is in the telegram, the value fits
-                    let _ = field.set(&mut self.outputs, value);
-                }
-            }
-            Action::Words(words) => {
-                let (places, _) = self.outputs.as_chunks_mut::<2>();
-                for (place, word) in places.iter_mut().zip(words) {
-                    *place = word.to_be_bytes();
-                }
-            }
-            Action::Release => {
-                self.connect_at = None;
-                let released = self.ar.map(|ar| controller.release(now, ar));
-                return matches!(released, Some(Err(_)) | None).then(|| "nothing to release".into());
-            }
-            Action::Connect => {
-                if self.ar.is_none() {
-                    self.connect_at = Some(now);
-                }
-                return None;
-            }
-            Action::Stop | Action::Run => {
-                let run = step.action == Action::Run;
-                if let Some(ar) = self.ar {
-                    let _ = controller.set_run(ar, run);
-                }
-                return Some(if run { "RUN" } else { "STOP" }.into());
-            }
-        }
-        self.send(controller);
-        None
-    }
-
-    fn send(&self, controller: &mut Controller) {
-        if let Some(ar) = self.ar {
-            // before the connection is there it is set again when it is
-            let _ = controller.set_output(ar, 1, self.subslot, &self.outputs);
-        }
-    }
-
-    /// Handles an event of the controller. Returns the resulting message.
-    fn take(&mut self, now: Instant, event: ControllerEvent, controller: &mut Controller) -> Option<String> {
-        let own = self.ar;
-        match event {
-            ControllerEvent::Connected { ar, diff } if own == Some(ar) => {
-                self.send(controller);
-                // a drive may name a module of which nothing differs
-                let wrong = diff.is_some_and(|diff| {
-                    diff.modules
-                        .iter()
-                        .any(|module| module.state != ModuleState::PROPER)
-                });
-                let differs = if wrong { ", the modules differ" } else { "" };
-                Some(format!("connected{differs}"))
-            }
-            ControllerEvent::Running { ar } if own == Some(ar) => Some("exchanges data".into()),
-            ControllerEvent::Lost { ar, cause } if own == Some(ar) => {
-                self.ar = None;
-                self.connect_at = Some(now + RECONNECT_DELAY);
-                Some(format!("connection lost: {cause}"))
-            }
-            ControllerEvent::Released { ar } if own == Some(ar) => {
-                self.ar = None;
-                Some("released".into())
-            }
-            _ => None,
-        }
-    }
 }

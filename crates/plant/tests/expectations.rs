@@ -347,7 +347,7 @@ fn a_plant_is_checked_while_it_runs() {
     assert!(met.iter().all(ExpectationResult::is_met), "{met:#?}");
     assert_eq!(
         (last.outcome, last.seed, last.last_events.len()),
-        (Outcome::NotMet, 7, 4),
+        (Outcome::NotMet, 7, 5),
         "{last}"
     );
     let nearest = last.nearest.as_ref().unwrap();

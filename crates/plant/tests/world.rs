@@ -265,3 +265,42 @@ fn a_step_is_done_again_and_again() {
         "{error}"
     );
 }
+
+/// VLT 3-41 by the parameter channel of PPO type 1: one event for a request that stands for many cycles, none for the
+/// first parameters.
+#[test]
+fn a_written_parameter_is_an_event_with_its_value_and_channel() {
+    let text = r#"
+        [[drive]]
+        name = "fan-1"
+        model = "vlt"
+        ip = "10.0.0.1/24"
+        parameters = { "3-42" = "3s" }
+        [[controller]]
+        drive = "fan-1"
+        telegram = 101
+        step = [
+            { at = "1s", words = [0x3155, 0, 0, 250, 0x047E, 0] },
+            { at = "2s", words = [0, 0, 0, 0, 0x047E, 0] },
+        ]
+    "#;
+    let (trace, _) = play(&text.parse().unwrap());
+    let written: Vec<_> = trace
+        .iter()
+        .filter(|event| matches!(event.kind, EventKind::ParameterWritten { .. }))
+        .collect();
+    let [event] = &written[..] else {
+        panic!("{written:?}");
+    };
+    assert!((1.0..1.1).contains(&event.time), "{event}");
+    let fields = serde_json::to_value(event).unwrap();
+    assert_eq!(fields["event"], "parameter_written");
+    assert_eq!(fields["by"], "pkw");
+    let reading = serde_json::json!({
+        "name": "Ramp 1 Ramp up Time", "parameter": "3-41", "pnu": 341, "index": 0,
+        "value": 2.5, "unit": "s", "raw": 250, "text": null,
+    });
+    assert_eq!(fields["reading"], reading);
+    let words = "3-41 Ramp 1 Ramp up Time = 2.5 s, written by the parameter channel";
+    assert_eq!(event.kind.to_string(), words);
+}

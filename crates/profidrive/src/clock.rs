@@ -1,4 +1,4 @@
-//! The time of day of what happens on a network.
+//! The time of day of events on a network, and durations as text.
 
 use std::time::{Duration, SystemTime};
 
@@ -11,10 +11,10 @@ pub struct WallClock {
 }
 
 impl WallClock {
-    /// For times that have no time of day.
+    /// For times without a time of day.
     pub const NONE: Self = Self { is_real: false };
 
-    /// Returns the time of day of what happened so long ago; `None` in virtual time.
+    /// Returns the time of day of an event that long ago; `None` in virtual time.
     #[must_use]
     pub fn before(self, ago: Duration) -> Option<SystemTime> {
         self.is_real.then(|| SystemTime::now().checked_sub(ago)).flatten()
@@ -22,7 +22,7 @@ impl WallClock {
 }
 
 impl Caller {
-    /// Returns the clock that gives the time of day of what happens on this network.
+    /// Returns the clock with the time of day of events on this network.
     #[must_use]
     pub const fn wall_clock(&self) -> WallClock {
         WallClock {
@@ -32,5 +32,35 @@ impl Caller {
                 Transport::Plant(_) => false,
             },
         }
+    }
+}
+
+/// Returns a time as people write it: `250 ms`, `2.5 s`, `1 min 30 s`, `2 h 5 min`.
+///
+/// ```
+/// use std::time::Duration;
+/// use profidrive::lasting;
+/// assert_eq!(lasting(Duration::from_micros(15_999)), "16 ms");
+/// assert_eq!(lasting(Duration::from_millis(2_499)), "2.5 s");
+/// assert_eq!(lasting(Duration::from_millis(89_900)), "1 min 30 s");
+/// assert_eq!(lasting(Duration::from_secs(7_500)), "2 h 5 min");
+/// ```
+#[must_use]
+pub fn lasting(time: Duration) -> String {
+    let two = |number: u64, unit: &str, rest: u64, smaller: &str| match rest {
+        0 => format!("{number} {unit}"),
+        rest => format!("{number} {unit} {rest} {smaller}"),
+    };
+    let seconds = time.as_secs_f64();
+    if seconds < 0.9995 {
+        return format!("{:.0} ms", seconds * 1000.0);
+    }
+    if seconds < 59.95 {
+        return format!("{} s", (seconds * 10.0).round() / 10.0);
+    }
+    let whole = (time + Duration::from_millis(500)).as_secs();
+    match whole {
+        0..3600 => two(whole / 60, "min", whole % 60, "s"),
+        _ => two(whole / 3600, "h", whole % 3600 / 60, "min"),
     }
 }

@@ -3,18 +3,20 @@
 use client::{Drive, DriveAddress, DriveAddressError, Error, ErrorKind, Session};
 use network::system::InterfaceInfo;
 use profinet::IpSuite;
+use serde::{Serialize, Serializer};
 
 use crate::open::{Access, Caller, Network, OpenError, Opening, Place, Transport, open_line};
 use crate::reach::{OtherSubnet, Reach, far, reach};
 
 /// A step of opening and finding a drive.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[serde(tag = "event", content = "is", rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum FindEvent<'a> {
     /// The named interface cannot be opened for raw frames: UDP alone carries the records.
     UdpAlone,
     /// The drive is being looked for.
-    LookingFor(&'a DriveAddress),
+    LookingFor(#[serde(serialize_with = "as_text")] &'a DriveAddress),
     /// It answered.
     Found,
     /// A router must be between the drive and this computer: what their addresses are, in words.
@@ -26,6 +28,10 @@ pub enum FindEvent<'a> {
         /// All of them; 0 while that is not known.
         all: usize,
     },
+}
+
+fn as_text<S: Serializer>(address: &&DriveAddress, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_str(address)
 }
 
 /// Why a drive cannot be worked with.

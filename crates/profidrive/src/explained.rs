@@ -1,21 +1,26 @@
 //! What every front end shows of an error: what happened, and what a person can do about it.
 
+use std::sync::Arc;
+
 use client::{Action, Advice, AtWork, Choice, Error, ErrorKind};
 use network::system::Error as SystemError;
 use profile::notation::setting::Cause;
 
 use crate::addressing::AddressingError;
 use crate::carrier::CarrierError;
+use crate::commissioning::CommissionError;
 use crate::drive::DriveError;
 use crate::fleet::StopError;
+use crate::machine::MachineError;
 use crate::monitor::MonitorError;
 use crate::motion::{End, MotionError};
 use crate::open::OpenError;
 use crate::parameters::ParameterError;
 use crate::reach::OtherSubnet;
+use crate::selector::SelectorError;
 use crate::settings::{CompareError, FileError, RestoreError};
 
-/// An error as a front end shows it. The errors of verbs have it; those of recordings and selectors do not yet.
+/// An error as a front end shows it. The errors of verbs, recordings and selectors have it.
 ///
 /// ```
 /// # #[cfg(feature = "simulate")] {
@@ -35,22 +40,65 @@ pub trait Explained: std::error::Error {
     /// The kind of the error: decides exit code, HTTP status or exception.
     fn kind(&self) -> ErrorKind;
 
+    /// The error that this one only passes on; it has message, details and advice then.
+    fn passed_on(&self) -> Option<&dyn Explained> {
+        None
+    }
+
     /// What was tried, on which drive, and what came back, in one sentence.
     fn message(&self) -> String {
-        self.to_string()
+        self.passed_on()
+            .map_or_else(|| self.to_string(), Explained::message)
     }
 
     /// What the message sums up, one by one.
     fn details(&self) -> Vec<String> {
-        Vec::new()
+        self.passed_on().map_or_else(Vec::new, Explained::details)
     }
 
     /// What to do; empty where nothing is known. A front end puts its own words in the place of the actions.
-    fn advice(&self) -> Advice;
+    fn advice(&self) -> Advice {
+        self.passed_on().map_or_else(Advice::default, Explained::advice)
+    }
+}
+
+/// An error that is handed to several who wait for it, for example the clients of a server.
+impl<E: Explained + ?Sized> Explained for Arc<E> {
+    fn kind(&self) -> ErrorKind {
+        (**self).kind()
+    }
+
+    fn message(&self) -> String {
+        (**self).message()
+    }
+
+    fn details(&self) -> Vec<String> {
+        (**self).details()
+    }
+
+    fn advice(&self) -> Advice {
+        (**self).advice()
+    }
 }
 
 fn words(text: Option<impl Into<String>>) -> Advice {
     text.map_or_else(Advice::default, |text| Advice::from(text.into()))
+}
+
+impl Explained for SelectorError {
+    fn kind(&self) -> ErrorKind {
+        ErrorKind::Usage
+    }
+
+    fn advice(&self) -> Advice {
+        match self {
+            Self::NoMachine { .. } => Action::Choose(Choice::Machine).into(),
+            Self::UnknownGroup(_) => Advice::default(),
+            _ => "a drive is a station name (akd-1), an IP address, a MAC address, or fc:PORT/ADDRESS or uss:PORT/ADDRESS at a serial \
+                  line; several are a list (akd-1,akd-2), a pattern (akd-*), model=vlt, vendor=danfoss or all"
+                .into(),
+        }
+    }
 }
 
 impl Explained for SystemError {
@@ -163,25 +211,24 @@ impl Explained for DriveError {
         Self::kind(self)
     }
 
-    fn message(&self) -> String {
+    fn passed_on(&self) -> Option<&dyn Explained> {
         match self {
-            Self::Client(error) => error.message(),
-            Self::Far { error, .. } => error.message(),
-            other => other.to_string(),
+            Self::Open(error) => Some(error),
+            Self::Client(error) => Some(error),
+            Self::Far { error, .. } => Some(&**error),
+            Self::Subnet(error) => Some(error),
+            _ => None,
         }
     }
 
     fn advice(&self) -> Advice {
         match self {
-            Self::Open(error) => error.advice(),
-            Self::Client(error) => Explained::advice(error),
             Self::Far { subnets, .. } => Advice::from(subnets.clone()),
-            Self::Subnet(error) => error.advice(),
             #[cfg(feature = "gsdml")]
             Self::Description(crate::description::DescriptionError::UnknownTelegrams { .. }) => {
                 "{choose model} takes it for one of the known drives".into()
             }
-            _ => Advice::default(),
+            other => other.passed_on().map_or_else(Advice::default, Explained::advice),
         }
     }
 }
@@ -191,10 +238,10 @@ impl Explained for AddressingError {
         Self::kind(self)
     }
 
-    fn message(&self) -> String {
+    fn passed_on(&self) -> Option<&dyn Explained> {
         match self {
-            Self::Client(error) => error.message(),
-            other => other.to_string(),
+            Self::Client(error) => Some(error),
+            _ => None,
         }
     }
 
@@ -216,10 +263,10 @@ impl Explained for ParameterError {
         Self::kind(self)
     }
 
-    fn message(&self) -> String {
+    fn passed_on(&self) -> Option<&dyn Explained> {
         match self {
-            Self::Client(error) => error.message(),
-            other => other.to_string(),
+            Self::Client(error) => Some(error),
+            _ => None,
         }
     }
 
@@ -236,10 +283,10 @@ impl Explained for MonitorError {
         Self::kind(self)
     }
 
-    fn message(&self) -> String {
+    fn passed_on(&self) -> Option<&dyn Explained> {
         match self {
-            Self::Client(error) => error.message(),
-            other => other.to_string(),
+            Self::Client(error) => Some(error),
+            _ => None,
         }
     }
 
@@ -292,18 +339,11 @@ impl Explained for StopError {
         }
     }
 
-    fn message(&self) -> String {
-        match self {
-            Self::Drive(error) => error.message(),
-            Self::Motion(error) => error.message(),
-        }
-    }
-
-    fn advice(&self) -> Advice {
-        match self {
-            Self::Drive(error) => error.advice(),
-            Self::Motion(error) => Explained::advice(error),
-        }
+    fn passed_on(&self) -> Option<&dyn Explained> {
+        Some(match self {
+            Self::Drive(error) => error,
+            Self::Motion(error) => error,
+        })
     }
 }
 
@@ -356,22 +396,56 @@ fn wrong(cause: &Cause) -> Advice {
     .into()
 }
 
+impl Explained for MachineError {
+    fn kind(&self) -> ErrorKind {
+        Self::kind(self)
+    }
+}
+
+impl Explained for CommissionError {
+    fn kind(&self) -> ErrorKind {
+        Self::kind(self)
+    }
+
+    fn passed_on(&self) -> Option<&dyn Explained> {
+        Some(match self {
+            Self::Drive(error) => error,
+            Self::Addressing(error) => error,
+            Self::Restore(error) => error,
+            Self::File(error) => error,
+            Self::Client(error) => error,
+            Self::Machine(error) => error,
+            _ => return None,
+        })
+    }
+
+    fn advice(&self) -> Advice {
+        match self {
+            Self::NotFound { .. } => "{scan} lists who answers".into(),
+            Self::Setting { problem, .. } => Explained::advice(&**problem),
+            Self::Exists(_) => {
+                "{choose force} replaces it; groups, limits and units of the load are kept".into()
+            }
+            Self::NotInFile { .. } => "{name}".into(),
+            Self::NotRead { .. } => {
+                "remove the drives that are gone from the file, or choose another file; what was read is in \
+                                     the backups"
+                    .into()
+            }
+            other => other.passed_on().map_or_else(Advice::default, Explained::advice),
+        }
+    }
+}
+
 impl Explained for CompareError {
     fn kind(&self) -> ErrorKind {
         Self::kind(self)
     }
 
-    fn message(&self) -> String {
+    fn passed_on(&self) -> Option<&dyn Explained> {
         match self {
-            Self::Client(error) => error.message(),
-            other => other.to_string(),
-        }
-    }
-
-    fn advice(&self) -> Advice {
-        match self {
-            Self::Client(error) => Explained::advice(error),
-            _ => Advice::default(),
+            Self::Client(error) => Some(error),
+            _ => None,
         }
     }
 }
@@ -381,10 +455,10 @@ impl Explained for RestoreError {
         Self::kind(self)
     }
 
-    fn message(&self) -> String {
+    fn passed_on(&self) -> Option<&dyn Explained> {
         match self {
-            Self::Client(error) => error.message(),
-            other => other.to_string(),
+            Self::Client(error) => Some(error),
+            _ => None,
         }
     }
 
@@ -400,5 +474,27 @@ impl Explained for RestoreError {
             Self::WayBack { .. } => "choose another file: {choose way-back}".into(),
             Self::Nothing => Advice::default(),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_error_that_is_passed_on_keeps_its_words_and_its_advice() {
+        let inner = Error::NotFound {
+            drive: client::DriveAddress::Name("akd-1".into()),
+            answered: Vec::new(),
+        };
+        let (message, advice) = (inner.message(), Explained::advice(&inner));
+        assert!(!advice.is_empty(), "{message}");
+        let shared = Arc::new(StopError::Drive(DriveError::Client(inner)));
+        let waiting = Arc::clone(&shared);
+        assert_eq!(
+            (waiting.kind(), waiting.message()),
+            (ErrorKind::Unreachable, message)
+        );
+        assert_eq!(Explained::advice(&waiting), advice);
     }
 }

@@ -28,6 +28,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod kind;
 mod write;
 
 use std::cmp::Ordering;
@@ -43,6 +44,7 @@ use crate::motion::{self, MotionError, StopReport};
 use crate::open::{Access, Caller, Network, OpenError, Opening, Transport};
 use crate::selector::{Group, Selector, Term};
 
+pub use kind::kind_of;
 pub use write::{WritePlan, WrittenMembers, plan_write};
 
 /// Drives that are worked on at the same time. Each has a connection of its own; the others wait for their turn.
@@ -99,9 +101,8 @@ impl Opening {
         if let Some(address) = selector.single() {
             return self.open_to(address);
         }
-        let by_ip = |term: &Term| matches!(term, Term::Address(DriveAddress::Ip(_)));
         let records = !matches!(self.access, Access::Discovery | Access::Cyclic);
-        let by_ip = records && selector.terms().iter().all(by_ip);
+        let by_ip = records && selector.is_by_ip();
         self.clone().by_ip(by_ip).open()
     }
 
@@ -209,8 +210,7 @@ pub async fn stop(
                     *count += usize::from(means);
                     meant |= means;
                 }
-                let named = |term: &&Term| matches!(term, Term::Address(address) if is_at(station, address));
-                if meant && !addresses.iter().any(named) {
+                if meant && !addresses.iter().any(|term| term.means(station)) {
                     send(of_station(station, &[]));
                 }
             };
@@ -268,16 +268,6 @@ pub enum StopError {
     /// It has no means to be stopped from here, or was lost.
     #[error(transparent)]
     Motion(#[from] MotionError),
-}
-
-/// Returns true for the station with this name or address.
-fn is_at(station: &Station, address: &DriveAddress) -> bool {
-    match address {
-        DriveAddress::Name(name) => station.name == *name,
-        DriveAddress::Ip(ip) => station.ip.address == *ip,
-        DriveAddress::Mac(mac) => station.mac == *mac,
-        DriveAddress::Line(_) => false,
-    }
 }
 
 impl Fleet {

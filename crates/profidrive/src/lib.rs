@@ -49,7 +49,12 @@
 //! | record every cyclic sample of an axis | [`client::Axis::samples`]; `examples/record_samples.rs` |
 //! | decide by the kind of an error | [`client::ErrorKind`], [`Explained`]: kind, message and advice |
 //! | select many drives and work on them side by side | [`Selector`], [`fleet`] |
-//! | scan, and see status, identity and faults of a drive | [`inspection`] |
+//! | scan a network, and watch who comes and goes | [`scan`] |
+//! | see status, identity and faults of a drive | [`inspection`] |
+//! | read a machine file, apply it, replace a drive | [`machine`], [`commissioning`] |
+//! | pass on what a verb reports | [`report`], [`Reported`] with its [`Outcome`] |
+//! | examine this computer, its network and the way to each drive | [`doctor`] |
+//! | write an archive for support, or a page for the documentation of a machine (feature `documents`) | `documents` |
 //! | watch the values and faults of a drive | [`monitor`] |
 //! | record signals of many drives (feature `recording`) | `recording` |
 //! | read, list, describe and write parameters as people name them | [`parameters`] |
@@ -67,20 +72,26 @@ pub mod commissioning;
 mod description;
 #[cfg(feature = "gsdml")]
 pub mod device_description;
+pub mod doctor;
+#[cfg(feature = "documents")]
+pub mod documents;
 mod drive;
 mod driver;
 mod explained;
 pub mod fleet;
 pub mod inspection;
+mod listed;
 pub mod machine;
 pub mod monitor;
 pub mod motion;
 mod open;
 mod outcome;
 pub mod parameters;
+mod progress;
 mod reach;
 #[cfg(feature = "recording")]
 pub mod recording;
+mod remark;
 pub mod report;
 pub mod scan;
 mod selector;
@@ -92,11 +103,12 @@ pub use carrier::{CarrierError, serial_settings};
 /// The services of a drive, and the types of this library that come from there.
 pub use client;
 pub use client::Wait;
-pub use clock::WallClock;
+pub use clock::{WallClock, lasting};
 #[cfg(feature = "gsdml")]
 pub use description::{DescriptionError, describe};
 pub use drive::{DriveError, FindEvent, FindObserver};
 pub use explained::Explained;
+pub use listed::listed;
 pub use network::system::{ForcedExit, Stop};
 pub use open::{Access, Caller, Network, OpenError, Opening, Transport, interface, open, open_line};
 pub use outcome::{Outcome, Reported};
@@ -106,7 +118,9 @@ pub use plant;
 /// The drive profile: parameters, values, telegrams, models.
 pub use profile;
 pub use profinet::{Instant, IpSuite, MacAddress};
+pub use progress::{Part, Step, Sum};
 pub use reach::{OtherSubnet, Reach, far, reach};
+pub use remark::Remark;
 pub use selector::{Selector, SelectorError};
 #[cfg(feature = "simulate")]
 pub use simulate::{Joined, open_plan, open_plant};

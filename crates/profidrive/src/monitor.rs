@@ -41,7 +41,7 @@ use client::{Advice, Drive, Error, ErrorKind, FaultEntry, Session, Snapshot};
 use profile::value::Selection;
 use profinet::Instant;
 
-use crate::clock::WallClock;
+use crate::clock::{WallClock, lasting};
 use crate::report::DriveWords;
 
 /// The shortest time between two readings: faster than that the parameter channel of the drive is blocked for others.
@@ -55,7 +55,7 @@ pub const SILENCE: Duration = Duration::from_secs(1);
 #[non_exhaustive]
 pub enum MonitorError {
     /// The caller requested a stop while the drive was silent.
-    #[error("{drive} has not answered for {:.1} s", .waited.as_secs_f64())]
+    #[error("{drive} has not answered for {}", lasting(*.waited))]
     Silent {
         /// The drive.
         drive: String,
@@ -124,6 +124,8 @@ pub struct Observation {
     pub wall: Option<SystemTime>,
     /// From the request to the answer: long after an outage.
     pub answer_time: Duration,
+    /// The drive did not know the connection any more and was connected to again: it has restarted.
+    pub restarted: bool,
     /// What the drive reported.
     pub snapshot: Snapshot,
     /// Faults that came since the reading before; with the first reading those that were present.
@@ -182,12 +184,19 @@ impl Monitor {
     /// When the drive cannot be reached or the caller requests a stop. What it refuses is in the snapshot.
     pub async fn read(&mut self, session: &mut Session, drive: &mut Drive) -> Result<Observation, Error> {
         self.last = session.now();
-        let snapshot = session.snapshot(drive, &self.more).await?;
+        let (snapshot, restarted) = match session.snapshot(drive, &self.more).await {
+            // it is there, and has lost what it knew
+            Err(Error::ConnectionLost { .. }) => {
+                session.forget(drive);
+                (session.snapshot(drive, &self.more).await?, true)
+            }
+            other => (other?, false),
+        };
         let arrived = session.now();
         let wall = self.clock.before(Duration::ZERO);
         let mut faults = Vec::new();
         // PNU 944 may count situations only: a further fault of one is in the buffer alone
-        let again = self.counted != snapshot.fault_counter;
+        let again = restarted || self.counted != snapshot.fault_counter;
         self.counted = snapshot.fault_counter;
         if again || DriveWords::from(&snapshot).fault_bit == Some(true) {
             let buffer = session.faults(drive).await.unwrap_or_default();
@@ -201,6 +210,7 @@ impl Monitor {
             time: arrived - *self.first.get_or_insert(arrived),
             wall,
             answer_time: arrived - self.last,
+            restarted,
             snapshot,
             faults,
         })

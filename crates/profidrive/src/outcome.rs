@@ -14,6 +14,8 @@ pub enum Outcome {
     Partial,
     /// Something is not as it should be, or two things differ.
     Difference,
+    /// This computer or its network is not fit for what is meant.
+    Unfit,
 }
 
 impl Outcome {
@@ -25,6 +27,7 @@ impl Outcome {
             Self::NoAnswer => Some(ErrorKind::Unreachable),
             Self::Partial => Some(ErrorKind::Partial),
             Self::Difference => Some(ErrorKind::Difference),
+            Self::Unfit => Some(ErrorKind::Local),
         }
     }
 }

@@ -99,7 +99,7 @@ fn prefix(ip: IpSuite) -> u32 {
     u32::from(ip.mask).leading_ones()
 }
 
-fn shown(ip: IpSuite) -> String {
+pub(crate) fn shown(ip: IpSuite) -> String {
     format!("{}/{}", ip.address, prefix(ip))
 }
 

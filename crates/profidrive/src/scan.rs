@@ -67,7 +67,21 @@ pub async fn survey(
     progress: &mut (dyn FnMut(usize, usize) + Send),
 ) -> Result<Reported<ScanReport>, Error> {
     let answers = network.scan(time).await?;
-    let mut report = of_answers(network, &answers);
+    described(network, &answers, &answers, progress).await
+}
+
+/// Reads who each of the stations is that are meant among all that answered: see [`survey`].
+pub(crate) async fn described(
+    network: &mut Caller,
+    all: &[Answer],
+    meant: &[Answer],
+    progress: &mut (dyn FnMut(usize, usize) + Send),
+) -> Result<Reported<ScanReport>, Error> {
+    let mut report = of_answers(network, all);
+    // what is there twice is known from all of them
+    let wanted = |mac: &str| meant.iter().any(|answer| answer.mac.to_string() == mac);
+    report.stations.retain(|one| wanted(&one.station.mac));
+    let answers = meant;
     let without_address = match network.transport() {
         Transport::Packet(info) if !info.ip().is_set() => Some(&info.name),
         _ => None,
@@ -129,7 +143,7 @@ fn reported(report: ScanReport) -> Reported<ScanReport> {
     Reported { report, outcome }
 }
 
-fn of_answers(network: &Caller, answers: &[Answer]) -> ScanReport {
+pub(crate) fn of_answers(network: &Caller, answers: &[Answer]) -> ScanReport {
     let place = network.transport().place();
     let remarked = answers.iter().map(|answer| {
         let other = place.and_then(|(name, own)| match reach(name, own, &answer.name, answer.ip) {

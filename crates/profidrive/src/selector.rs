@@ -20,7 +20,7 @@ use crate::machine::{Machine, MachineDrive, UnknownGroup};
 /// | `akd-*`, `line?-feed` | the stations whose names fit; `*` is any part, `?` any character |
 /// | `model=vlt` | the stations of this model |
 /// | `vendor=danfoss` | the stations of this vendor: the beginning of its name, or its VendorID |
-/// | `all` | all stations that are no controllers |
+/// | `all` | all stations that are no controllers; with a machine file its drives too, whether they answer or not |
 /// | `@line1` | the drives of a group of the machine file: see [`Selector::of`] |
 /// | `fc:PORT/ADDRESS`, `uss:PORT/ADDRESS` | a drive at a serial line, never with another term |
 ///
@@ -159,6 +159,24 @@ impl Selector {
         })
     }
 
+    /// Returns true for a station that answered and is meant.
+    pub(crate) fn means_station(&self, station: &Station) -> bool {
+        self.terms.iter().any(|term| term.means(station))
+    }
+
+    /// Returns the terms that mean none of these stations.
+    pub(crate) fn without(&self, stations: &[Station]) -> Vec<String> {
+        let means = |term: &&Term| stations.iter().any(|station| term.means(station));
+        let without = self.terms.iter().filter(|term| !means(term));
+        without.map(ToString::to_string).collect()
+    }
+
+    /// Returns true where all drives are given by their IP addresses: UDP alone is enough for their records.
+    pub(crate) fn is_by_ip(&self) -> bool {
+        let by_ip = |term: &Term| matches!(term, Term::Address(DriveAddress::Ip(_)));
+        self.terms.iter().all(by_ip)
+    }
+
     pub(crate) fn terms(&self) -> &[Term] {
         &self.terms
     }
@@ -168,6 +186,19 @@ impl From<DriveAddress> for Selector {
     fn from(address: DriveAddress) -> Self {
         Self {
             terms: vec![Term::Address(address)],
+        }
+    }
+}
+
+impl Term {
+    /// Returns true for a station that answered and is meant.
+    pub(crate) fn means(&self, station: &Station) -> bool {
+        match self {
+            Self::Group(group) => group.means(station),
+            Self::Address(DriveAddress::Name(name)) => station.name == *name,
+            Self::Address(DriveAddress::Ip(ip)) => station.ip.address == *ip,
+            Self::Address(DriveAddress::Mac(mac)) => station.mac == *mac,
+            Self::Address(DriveAddress::Line(_)) => false,
         }
     }
 }
@@ -202,13 +233,15 @@ impl FromStr for Selector {
 }
 
 impl Selector {
-    /// Reads a selector whose groups (`@line1`) are those of a machine file. A group stands for the names of its drives.
+    /// Reads a selector whose groups (`@line1`) are those of a machine file. A group stands for the names of its drives. With a
+    /// machine file `all` also means each of its drives by name, so that one that does not answer is not overlooked.
     ///
     /// ```
     /// use profidrive::Selector;
     /// use profidrive::machine::Machine;
     /// let machine: Machine = "[[drive]]\nname = \"feed\"\nmodel = \"akd\"\ngroups = [\"line1\"]".parse()?;
     /// assert_eq!(Selector::of("@line1,vlt-*", Some(&machine))?.to_string(), "feed,vlt-*");
+    /// assert_eq!(Selector::of("all", Some(&machine))?.to_string(), "feed,all");
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///
@@ -231,18 +264,22 @@ impl Selector {
             if part.is_empty() && text.contains(',') {
                 return Err(SelectorError::Empty { text: shown(text) });
             }
+            let mut by_name = |name: &str| {
+                let term = Term::Address(DriveAddress::Name(name.to_owned()));
+                if !terms.contains(&term) {
+                    terms.push(term);
+                }
+            };
             if let Some(group) = part.strip_prefix('@') {
                 let term = || part.chars().take(40).collect();
                 let machine = machine.ok_or_else(|| SelectorError::NoMachine { term: term() })?;
-                for name in machine.group(group)? {
-                    let term = Term::Address(DriveAddress::Name(name.to_owned()));
-                    if !terms.contains(&term) {
-                        terms.push(term);
-                    }
-                }
+                machine.group(group)?.into_iter().for_each(by_name);
                 continue;
             }
             let term = Term::parse(part)?;
+            if let (Term::Group(Group::All), Some(machine)) = (&term, machine) {
+                machine.drives.iter().for_each(|drive| by_name(&drive.name));
+            }
             if let Term::Address(DriveAddress::Line(line)) = &term {
                 return Err(SelectorError::Line {
                     line: line.to_string(),
@@ -326,12 +363,18 @@ impl fmt::Display for Selector {
             if number > 0 {
                 f.write_str(",")?;
             }
-            match term {
-                Term::Address(address) => address.fmt(f)?,
-                Term::Group(group) => group.fmt(f)?,
-            }
+            term.fmt(f)?;
         }
         Ok(())
+    }
+}
+
+impl fmt::Display for Term {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Address(address) => address.fmt(f),
+            Self::Group(group) => group.fmt(f),
+        }
     }
 }
 
@@ -385,7 +428,7 @@ mod tests {
             ("vendor=koll", [true, false, false, true]),
             ("vendor=0x002A", [false, false, true, false]),
             ("vendor=128", [false, true, false, false]),
-            ("vendor=nobody", [false, false, false, false]),
+            ("vendor=unknown", [false, false, false, false]),
         ] {
             let found = [&akd, &vlt, &plc, &nameless].map(|station| group(text).means(station));
             assert_eq!(found, means, "{text}");

@@ -8,8 +8,10 @@ use std::time::{Duration, Instant};
 
 use futures::executor::{LocalPool, block_on};
 use futures::task::LocalSpawnExt;
+use profidrive::client::axis::Move as Order;
 use profidrive::client::{AxisSettings, Drive, DriveAddress, Error, Session, StopWay};
-use profidrive::motion::{self, Observer, Run};
+use profidrive::motion::{self, Hold, Jog, Move, Observer, Run};
+use profidrive::profile::notation::Quantity;
 use profidrive::report::PlainWording;
 use profidrive::{
     Access, Caller, DriveError, Opening, Transport, Wait, fleet, inspection, open_plan, parameters, scan,
@@ -192,4 +194,12 @@ fn calls_and_handles_can_go_to_other_threads() {
     sent(settings::backup(session, &mut drive, &mut |_, _| {}));
     let observer = Observer::new(|_| {});
     sent(motion::run(session, &mut drive, &Run::at(60.0), &observer));
+    sent(motion::jog(session, &mut drive, &Jog::lasting(second), &observer));
+    let order = Order::to("1rev".parse::<Quantity>().unwrap().position().unwrap(), 60.0);
+    sent(motion::move_to(session, &mut drive, &Move::by(order), &observer));
+    let mut axis = motion::hold(session, &mut drive, &Hold::for_speed(), &observer)
+        .wait()
+        .unwrap();
+    sent(axis.run(60.0));
+    sent(axis.release());
 }

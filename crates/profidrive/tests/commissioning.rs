@@ -204,7 +204,7 @@ name = "vlt-1"
 model = "vlt"
 ip = "192.168.0.41/24"
 [[drive]]
-name = "nobody"
+name = "absent-1"
 model = "akd"
 [[drive]]
 name = "vacon-1"
@@ -222,7 +222,7 @@ backup = "missing.backup"
     for (found, words) in found.iter().zip([
         "akd-1 (line 3): the file says",
         "the address 192.168.0.41 is taken already",
-        "nobody (line 10) does not answer",
+        "absent-1 (line 10) does not answer",
         "vacon-1 (line 13): the station with this name has the MAC address",
         "akd-2 (line 17) does not answer, neither by its name nor as 02:00:00:00:00:07",
     ]) {
@@ -315,27 +315,22 @@ fn a_run_that_did_not_end_is_finished_by_the_next_one() {
 #[test]
 fn a_file_of_the_drives_that_are_there_differs_from_none_of_them() {
     let mut bench = Bench::new("from", MACHINE);
-    let mut saved = Vec::new();
-    for name in ["akd-1", "vlt-1", "vacon-1"] {
-        let mut drive = bench.find(name);
-        let backup = settings::backup(&mut bench.network, &mut drive, |_, _| {})
-            .wait()
-            .unwrap()
-            .report;
+    let path = bench.folder.join("there.toml");
+    let file = commissioning::MachineFile::at(&path, false).unwrap();
+    let selector = "akd-1,vlt-1,vacon-1".parse().unwrap();
+    let found = bench
+        .opening
+        .select(&mut bench.network, &selector)
+        .wait()
+        .unwrap();
+    let read = commissioning::from_drives(&bench.network, found.members, &file, |_| {}).wait();
+    assert_eq!(read.written.unwrap(), 3);
+    for member in read.drives {
+        let (drive, backup) = (member.drive.unwrap(), member.result.unwrap());
         assert_eq!(backup.header.ip, Some(drive.station.ip));
-        assert!(backup.header.telegram.is_some(), "{name}");
-        let file = settings::file_in(&bench.folder, &drive);
-        std::fs::write(&file, backup.to_string()).unwrap();
-        assert_eq!(settings::read(&file).unwrap(), backup);
-        saved.push((drive, backup, PathBuf::from(file.file_name().unwrap())));
+        assert!(backup.header.telegram.is_some(), "{}", member.name);
+        assert_eq!(settings::read(&file.backup_of(&drive)).unwrap(), backup);
     }
-    let text = Machine::text_of(
-        saved
-            .iter()
-            .map(|(drive, backup, file)| (drive, backup, file.as_path())),
-    );
-    let path = bench.folder.join("machine.toml");
-    std::fs::write(&path, text).unwrap();
     bench.machine = Machine::read(&path).unwrap();
     assert_eq!(bench.machine.drives.len(), 3);
     let planned = bench.plan(Purpose::Compare);

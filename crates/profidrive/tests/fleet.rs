@@ -55,7 +55,7 @@ fn each_way_to_select_finds_its_drives_in_order_and_once() {
         ("akd-10,akd-2", &[("akd-10", true), ("akd-2", true)]),
         ("model=vlt,vendor=vacon", &[("vlt-1", true), ("vacon-1", true)]),
         ("192.168.0.12,akd-*", &[("akd-2", true), ("akd-10", true)]),
-        ("vlt-1,nobody", &[("vlt-1", true), ("nobody", false)]),
+        ("vlt-1,absent-1", &[("vlt-1", true), ("absent-1", false)]),
         (
             "all",
             &[

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::time::Duration;
 
-use profidrive::client::{Action, Drive, ErrorKind};
+use profidrive::client::{Action, Drive, ErrorKind, WriteMode};
 use profidrive::monitor::{Monitor, MonitorError, Observation, SILENCE};
 use profidrive::{Network, Wait};
 
@@ -104,7 +104,7 @@ fn a_silent_drive_is_reported_once_and_then_lost() {
     );
     let advice = error.advice();
     assert!(advice.actions().any(|action| *action == Action::Scan), "{advice}");
-    // there is nobody to release a connection to
+    // no drive is left to release a connection to
     let begin = watched.0.now();
     watched.0.close().wait().unwrap();
     assert_eq!(watched.0.now(), begin);
@@ -141,4 +141,19 @@ fn a_stop_is_an_error_only_while_the_drive_is_silent() {
     let end = network.now() + Duration::from_secs(60);
     assert!(!monitor.pause(network, end).wait().unwrap());
     assert!(network.now() < end);
+}
+
+/// It answers again at once and does not know the connection of before.
+#[test]
+fn a_drive_that_restarts_is_watched_on() {
+    let mut watched = open("[[drive]]\nname = \"akd-1\"\nip = \"10.0.0.1/24\"\nmodel = \"vlt\"");
+    watch(&mut watched, 1).1.unwrap();
+    let mut other = (*watched.0).clone();
+    let mut drive = watched.1.clone();
+    let restart = "9-72=1".parse().unwrap();
+    let written = other.write(&mut drive, &[restart], WriteMode::Write).wait();
+    assert!(written.unwrap().is_done());
+    let seen = watch(&mut watched, 3).1.unwrap();
+    let restarts = seen.iter().filter(|one| one.restarted).count();
+    assert!(restarts == 1 && seen.len() > 20, "{restarts} in {}", seen.len());
 }

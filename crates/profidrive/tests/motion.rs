@@ -297,7 +297,7 @@ fn a_jog_speed_is_put_back_after_a_failure_too() {
     assert!(!again.released && again.result.reached);
 }
 
-/// Tells the drive to refuse all parameters from the start of a motion on.
+/// Makes the drive refuse all parameters from the start of a motion on.
 fn refusing(plant: &Plant) -> Observer {
     let (station, world) = (plant.station, Arc::clone(&plant.world));
     Observer::new(move |event| {
@@ -584,10 +584,10 @@ fn a_frequency_above_its_limit_or_for_a_servo_drive_moves_nothing() {
 
     let mut plant = Plant::new(&model::AKD);
     let error = plant.run(&at_frequency(10.0, None), &observer).unwrap_err();
-    assert_eq!(error.kind(), ErrorKind::Unsupported, "{error}");
+    assert_eq!(error.kind(), ErrorKind::Usage, "{error}");
     assert_eq!(
         error.to_string(),
-        "drive-1: a speed in Hz cannot be converted: it is not known as a frequency converter"
+        "drive-1: a speed in Hz cannot be converted: it is not a frequency converter"
     );
     assert!(plant.is_at_rest());
 }

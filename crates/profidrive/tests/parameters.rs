@@ -122,7 +122,7 @@ fn what_is_written_is_read_back_and_outlives_power_or_not() {
     let kept = written.set.kept();
     assert_eq!(kept.with_set.len(), 1);
     assert!(
-        matches!(kept.persistence, Persistence::NotRequested(Some(command)) if command.name == "DRV.NVSAVE"),
+        matches!(kept.persistence, Persistence::NotRequested),
         "{:?}",
         kept.persistence
     );
@@ -133,4 +133,26 @@ fn what_is_written_is_read_back_and_outlives_power_or_not() {
     let error = parameters::write(&mut network, &mut drive, &refused, Write::default()).wait();
     let error = error.map(|_| ()).unwrap_err();
     assert!(error.to_string().contains("VL.FB"), "{error}");
+}
+
+/// What every front end shows of values that do not reach the drive as they were written.
+#[test]
+fn a_rounded_value_and_a_raw_one_are_remarks() {
+    let (mut network, mut drive) = open("akd-1");
+    let assignments = ["1004=99rpm", "DRV.ACC=5000rpm/s", "DRV.DEC=0x300000"].map(|text| text.parse());
+    let assignments = assignments.map(|assignment| assignment.expect("an assignment"));
+    let written = parameters::write(&mut network, &mut drive, &assignments, Write::default()).wait();
+    let sentences: Vec<String> = written
+        .expect("written")
+        .of_values()
+        .into_iter()
+        .map(|remark| remark.sentence)
+        .collect();
+    assert_eq!(
+        sentences,
+        [
+            "Jog v1 (p1004): 99 rpm -> 98.877 rpm, rounded to the nearest representable value",
+            "DRV.DEC (p2115): 0x300000 is the raw value, that is 3145.728 rpm/s"
+        ]
+    );
 }

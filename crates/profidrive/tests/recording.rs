@@ -6,7 +6,7 @@ use std::time::Duration;
 use profidrive::client::{ErrorKind, Session};
 use profidrive::fleet::Selected;
 use profidrive::recording::{Every, News, Recording, RecordingError, Request, Row, Value, prepare};
-use profidrive::{Access, Network, Opening, Wait};
+use profidrive::{Access, Explained, Network, Opening, Wait};
 
 const MS: Duration = Duration::from_millis(1);
 
@@ -105,7 +105,7 @@ fn an_outage_is_one_gap_and_is_counted() {
         "{gaps:?} {news:?}"
     );
     assert!(
-        news.len() == 2 && news[0].starts_with("Silent") && news[1].starts_with("Answers"),
+        news.len() == 2 && news[0].starts_with("Away") && news[1].starts_with("Back"),
         "{news:?}"
     );
     let [first, second] = recording.counts() else {
@@ -173,7 +173,7 @@ fn a_drive_that_was_lost_is_recorded_again() {
     let mut recording = begin(&network, members, &request).unwrap();
     let (rows, news) = all(&mut recording);
     let counts = recording.counts()[0];
-    assert!(news.len() == 2 && news[1].starts_with("Answers"), "{news:?}");
+    assert!(news.len() == 2 && news[1].starts_with("Back"), "{news:?}");
     assert_eq!((counts.gaps, counts.outages), (1, 1), "{counts:?}");
     assert!(millis(rows.last().unwrap()) > 19_900, "{counts:?}");
     assert!(counts.outage_time > MS * 4500, "{counts:?}");

@@ -10,6 +10,7 @@ use arrow_array::types::{Float64Type, UInt16Type};
 use arrow_array::{Array, RecordBatch};
 use arrow_ipc::reader::{FileReader, StreamReader};
 use parquet::arrow::arrow_reader::{ParquetRecordBatchReader, ParquetRecordBatchReaderBuilder};
+use profidrive::Explained;
 use profidrive::recording::{Column, Form, Kind, RecordingFile, Rotation, Row, Sink, Table, Value};
 
 fn folder(name: &str) -> PathBuf {
@@ -183,4 +184,48 @@ fn files_are_rotated_by_time_and_size_and_none_is_replaced() {
     let lines = |file: &PathBuf| fs::read_to_string(file).unwrap().lines().count() - 1;
     assert_eq!(file.files().iter().map(lines).sum::<usize>(), 1000);
     fs::remove_dir_all(folder).unwrap();
+}
+
+#[test]
+fn rows_are_written_before_many_wait() {
+    let folder = folder("waiting");
+    let path = folder.join("a.csv");
+    let mut file = RecordingFile::create(&table(), &path, Form::Csv, None).unwrap();
+    let at_once = Row {
+        time: Duration::ZERO,
+        ..row(0)
+    };
+    for _ in 0..8193 {
+        file.write(&at_once).unwrap();
+    }
+    let written = fs::read_to_string(&path).unwrap().lines().count();
+    assert!(written >= 8192, "{written}");
+    drop(file);
+    fs::remove_dir_all(&folder).unwrap();
+}
+
+#[test]
+fn what_exists_is_found_beforehand_and_explained() {
+    let folder = folder("check");
+    let explained = |path: &Path, form, rotation| {
+        let error = RecordingFile::check(path, form, rotation).unwrap_err();
+        (error.message(), error.advice().to_string())
+    };
+    let path = folder.join("a.parquet");
+    RecordingFile::check(&path, Form::Parquet, None).unwrap();
+    fs::write(folder.join("a.parquet.part"), "").unwrap();
+    let (message, advice) = explained(&path, Form::Parquet, None);
+    assert!(message.ends_with("a.parquet.part` exists already"), "{message}");
+    assert!(
+        advice.contains("did not end") && advice.contains(".arrows"),
+        "{advice}"
+    );
+    fs::write(folder.join("b-0001.csv"), "").unwrap();
+    let rotation = Some(Rotation::Octets(10_000));
+    let (message, advice) = explained(&folder.join("b.csv"), Form::Csv, rotation);
+    assert!(message.ends_with("b-0001.csv` exists already"), "{message}");
+    assert_eq!(advice, "choose another name: recordings are not replaced");
+    RecordingFile::check(&folder.join("b.csv"), Form::Csv, None).unwrap();
+    assert!(RecordingFile::check(&folder.join("no/such/folder.csv"), Form::Csv, None).is_err());
+    fs::remove_dir_all(&folder).unwrap();
 }

@@ -56,6 +56,26 @@ fn folder(name: &str) -> std::path::PathBuf {
     folder
 }
 
+/// The motion tasks take as long as the settings: progress that leaves them out would stand still.
+#[test]
+fn progress_counts_the_motion_tasks_too_and_reaches_its_end() {
+    let (mut network, mut drive) = open("akd-1");
+    let mut seen = Vec::new();
+    let read = settings::backup(&mut network, &mut drive, |done, all| seen.push((done, all)))
+        .wait()
+        .expect("read");
+    let settings = read.report.readings().len() + read.report.refused().len();
+    let (done, all) = *seen.last().expect("reported");
+    assert!(
+        done == all && all > settings,
+        "{done} of {all}, {settings} settings"
+    );
+    assert!(seen.iter().all(|&(done, of)| done <= of && of == all), "{seen:?}");
+    assert!(seen.is_sorted(), "{seen:?}");
+    let of_tasks = seen.iter().filter(|(done, _)| (all - 128..all).contains(done));
+    assert!(of_tasks.count() >= 128, "each task is a step");
+}
+
 #[test]
 fn a_changed_setting_is_found_restored_and_brought_back() {
     let (mut network, mut drive) = open("akd-1");

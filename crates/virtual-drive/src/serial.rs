@@ -14,7 +14,7 @@ use profinet::Instant;
 use uss::{Layout, MAX_DATA, Parts, PkwPart, ReceiverStatistics, Slave, SlaveConfig, SlaveCounters};
 
 use crate::axis::Plant;
-use crate::drive::{Disconnect, Drive, Event as DriveEvent};
+use crate::drive::{Disconnect, Drive, Event as DriveEvent, WriteChannel};
 use crate::model::Model;
 use crate::station::{ANSWERED, StationEvent};
 
@@ -299,7 +299,11 @@ impl SerialStation {
         let mut length = 0;
         if !parts.pkw.is_empty() {
             self.server.clear_refusal();
-            match self.server.handle_block(parts.pkw, &mut self.drive, &mut reply) {
+            let server = &mut self.server;
+            let handled = self.drive.written_through(WriteChannel::Pkw, |drive| {
+                server.handle_block(parts.pkw, drive, &mut reply)
+            });
+            match handled {
                 Ok(written) => length = written,
                 // no request of this channel: left without an answer
                 Err(_) => return,

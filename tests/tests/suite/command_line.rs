@@ -221,7 +221,7 @@ fn a_drive_at_work_is_renamed_addressed_and_reset_by_force_only() {
     }
     // a parameter is written beside it, and whose axis that concerns is said
     let written = client(&lab, &["write", "akd-1", "DRV.ACC=7000"]).ok();
-    let words = "controller \"profidrive\" runs akd-1";
+    let words = "controller \"profidrive\" is connected to akd-1";
     assert!(written.err.contains(words), "{written:?}");
     let same = client(&lab, &["write", "akd-1", "DRV.ACC=7000"]).ok();
     assert!(!same.err.contains(words), "nothing was written: {same:?}");

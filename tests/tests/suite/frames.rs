@@ -47,18 +47,49 @@ const NAMES: &[(&str, &[&str])] = &[
     ("pn_io.profidrive.parameter.no_of_elems", &["number of elements"]),
     ("pn_io.profidrive.parameter.number", &["PNU"]),
     ("pn_io.profidrive.parameter.index", &["subindex"]),
+    ("pn_dcp.suboption_device_nameofstation", &["name of station"]),
+    ("lldp.tlv.type", &["type and length"]),
 ];
 
-/// Fields by the dissector's name: first octet and number of octets of each.
-type Fields = BTreeMap<&'static str, BTreeSet<(usize, usize)>>;
+/// Fields by the dissector's name: first octet, number of octets and value of each.
+type Fields = BTreeMap<&'static str, BTreeSet<(usize, usize, String)>>;
 
-fn add(fields: &mut Fields, name: &'static str, start: usize, length: usize) {
-    fields.entry(name).or_default().insert((start, length));
+/// Fields whose value is a number or a name on both sides.
+const VALUES: &[&str] = &[
+    "pn_dcp.xid",
+    "pn_dcp.suboption_device_nameofstation",
+    "pn_io.slot_nr",
+    "pn_io.session_key",
+    "pn_io.watchdog_factor",
+    "pn_io.record_data_length",
+    "pn_io.cminitiator_station_name",
+    "pn_io.ar_uuid",
+    "pn_rt.cycle_counter",
+    "pn_io.profidrive.parameter.number",
+    "pn_io.profidrive.parameter.index",
+];
+
+fn add(fields: &mut Fields, name: &'static str, start: usize, length: usize, value: &str) {
+    let value = if VALUES.contains(&name) {
+        plain(value)
+    } else {
+        String::new()
+    };
+    fields.entry(name).or_default().insert((start, length, value));
+}
+
+/// `18 (0x0012)`, `0x0012`, `"akd-1"`: the number in decimal, or the text.
+fn plain(value: &str) -> String {
+    let number = value.split_once(" (0x").map_or(value, |(number, _)| number);
+    match number.strip_prefix("0x").map(|hex| u64::from_str_radix(hex, 16)) {
+        Some(Ok(number)) => number.to_string(),
+        _ => number.trim_matches('"').to_owned(),
+    }
 }
 
 fn of_tree(node: &Node, fields: &mut Fields) {
     if let Some((name, _)) = NAMES.iter().find(|(_, ours)| ours.contains(&node.name.as_str())) {
-        add(fields, name, node.start, node.end - node.start);
+        add(fields, name, node.start, node.end - node.start, &node.value);
     }
     for child in &node.children {
         assert!(node.start <= child.start && child.end <= node.end, "{node:?}");
@@ -72,14 +103,16 @@ fn of_packet(packet: &str) -> Option<Fields> {
     let mut fields = Fields::default();
     for element in packet.split("<field ").skip(1) {
         let attribute = |name: &str| {
-            let value = element.split_once(&format!("{name}=\""))?.1;
+            let value = element.split_once(name)?.1;
             Some(value.split_once('"')?.0)
         };
-        let number = |name: &str| attribute(name).and_then(|text| text.parse().ok());
-        let known = NAMES.iter().find(|(name, _)| attribute("name") == Some(name));
+        let number = |name| attribute(name).and_then(|text| text.parse().ok());
+        let theirs = attribute("name=\"");
+        let known = NAMES.iter().find(|(name, _)| theirs == Some(name));
         // the dissector gives what it concludes from other frames no octets
-        if let (Some((name, _)), Some(start), Some(1..)) = (known, number("pos"), number("size")) {
-            add(&mut fields, name, start, number("size").unwrap_or_default());
+        if let (Some((name, _)), Some(start), Some(1..)) = (known, number("pos=\""), number("size=\"")) {
+            let (size, shown) = (number("size=\"").unwrap_or_default(), attribute("show=\""));
+            add(&mut fields, name, start, size, shown.unwrap_or_default());
         }
     }
     (!packet.contains("<proto name=\"icmp\"")).then_some(fields)

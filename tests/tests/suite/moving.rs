@@ -528,6 +528,52 @@ fn local_operation_is_respected() {
     assert_eq!(number(&lab, "930"), 1.0);
 }
 
+/// 4 mm for a turn of the motor, by the machine file.
+#[test]
+fn a_move_in_the_unit_of_the_load() {
+    let lab = Lab::new("moving-units");
+    let _drive = simulate(&lab);
+    client(&lab, &["write", "akd-1", "930=2"]).ok();
+    client(&lab, &["home", "akd-1"]).ok();
+    let file = system_tests::memory::scratch("units.toml");
+    let machine = "[[drive]]\nname = \"akd-1\"\nmodel = \"akd\"\npitch = \"20mm\"\ngear = \"5:1\"\n";
+    std::fs::write(&file, machine).unwrap();
+    let file = file.display().to_string();
+    let order = [
+        "move",
+        "akd-1",
+        "--to",
+        "10mm",
+        "--velocity",
+        "20mm/s",
+        "--machine",
+        &file,
+    ];
+    let moved = client(&lab, &order).ok();
+    for line in [
+        "10 mm is 2.5 rev (4 mm for a turn of the motor)",
+        "20 mm/s is 300 rpm",
+        "the load is at 10 mm",
+    ] {
+        assert!(moved.err.contains(line), "{line}: {moved:?}");
+    }
+    let beyond = client(
+        &lab,
+        &[
+            "move",
+            "akd-1",
+            "--to",
+            "10cm",
+            "--velocity",
+            "300rpm",
+            "--machine",
+            &file,
+        ],
+    );
+    assert_eq!(beyond.code, Some(2), "{beyond:?}");
+    at_rest(&lab);
+}
+
 /// A load pulls the axis away as soon as the power stage is off: the target was reached all the same.
 #[test]
 fn a_move_reports_its_positions() {

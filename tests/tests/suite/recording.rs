@@ -266,3 +266,100 @@ fn a_step_is_measured_drawn_and_compared() {
     let page = std::fs::read_to_string(&plot).unwrap();
     assert!(page.contains("before: speed") && page.contains("akd-1 speed"));
 }
+
+/// A motor that is operated meanwhile goes on turning when the recording ends, whether by Ctrl-C or because nobody reads its output.
+#[test]
+fn the_end_of_a_recording_does_not_stop_a_motor() {
+    let lab = Lab::new("record-end");
+    let _drive = simulate(&lab, &["--name", "akd-1", "--ip", "192.168.77.50/24"]);
+    let program = built("profidrive");
+    let line = format!(
+        "{} record akd-1 ZSW1 --every cycle -i {} -o -",
+        program.display(),
+        Side::Controller.interface()
+    );
+    for (script, ends_itself) in [
+        (format!("exec {line}"), false),
+        (format!("{line} | head -500"), true),
+    ] {
+        let mut recording = lab.spawn(Side::Controller, "sh", ["-c", script.as_str()]);
+        recording.wait_for("records 1 signal", SHORT);
+        client(
+            &lab,
+            &["write", "akd-1", "DRV.CMDSOURCE=0", "DRV.EN=1", "VL.CMDU=300rpm"],
+        )
+        .ok();
+        recording.wait_for("its power stage is on", SHORT);
+        if !ends_itself {
+            recording.signal("INT");
+        }
+        recording.wait_for("a second Ctrl-C closes it now", SHORT);
+        let read = client(&lab, &["read", "akd-1", "VL.FB", "--json"]).ok();
+        let speed = read.json_lines()[0]["parameters"][0]["value"].as_f64();
+        assert!(speed.is_some_and(|speed| speed > 290.0), "{read:?}");
+        client(&lab, &["write", "akd-1", "DRV.DIS=1"]).ok();
+        let done = recording.finish(SHORT);
+        assert!(
+            done.code == Some(0) && !done.err.contains("second signal"),
+            "{done:?}"
+        );
+    }
+}
+
+/// The program draws on a pseudo terminal and gives it back with `q` and with Ctrl-C.
+#[test]
+fn a_recording_is_drawn_on_a_terminal_that_is_restored() {
+    let lab = Lab::new("record-live");
+    let _drives = drives(&lab);
+    let record = |text: &str, keys: &str, more: &[&str]| -> Value {
+        let script = peer("terminal.py");
+        let program = built("profidrive");
+        let line = [
+            script.to_str().unwrap(),
+            text,
+            keys,
+            program.to_str().unwrap(),
+            "record",
+            "akd-1,akd-2",
+            "speed",
+            "ZSW1",
+            "--every",
+            "cycle",
+            "--live",
+            "-i",
+            Side::Controller.interface(),
+        ];
+        let done = lab
+            .run(Side::Controller, python(), [&line[..], more].concat(), SHORT)
+            .ok();
+        serde_json::from_str(done.out.lines().last().unwrap()).unwrap()
+    };
+    let file = path(&lab, "live.csv");
+    for (keys, more) in [("q", &["-o", file.as_str()][..]), ("\\x03", &[])] {
+        let seen = record("ZSW1", keys, more);
+        assert_eq!(
+            (&seen["code"], &seen["restored"]),
+            (&0.into(), &true.into()),
+            "{seen}"
+        );
+        assert_eq!(
+            (&seen["sent"], &seen["left"]),
+            (&true.into(), &true.into()),
+            "{seen}"
+        );
+        assert!(
+            seen["rest"].as_str().unwrap().contains("akd-2"),
+            "the summary: {seen}"
+        );
+    }
+    assert!(std::fs::read_to_string(&file).unwrap().lines().count() > 2);
+    let refused = record_without_terminal(&lab);
+    assert!(
+        refused.code == Some(2) && refused.err.contains("--live draws on a terminal"),
+        "{refused:?}"
+    );
+}
+
+fn record_without_terminal(lab: &Lab) -> Finished {
+    record(lab, &["akd-1", "speed", "--every", "cycle", "--live"])
+}

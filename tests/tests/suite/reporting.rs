@@ -222,7 +222,7 @@ fn write_reports_the_save_that_is_not_sent() {
     let line = ["write", "akd-1", "DRV.ACC=5000rpm/s", "AIN.ZERO=1", "--save"];
     let refused = client(&lab, &line);
     assert_eq!(refused.code, Some(3), "{refused:?}");
-    let why = "not saved: the save command was not sent because a value was refused, DRV.ACC (p2108) is lost";
+    let why = "not saved: the save command was not sent because not every value is as planned, DRV.ACC (p2108) is lost";
     assert!(refused.err.contains(why), "{refused:?}");
     assert!(!refused.err.contains("saved in the drive"), "{refused:?}");
     let row = refused.out.lines().find(|line| line.starts_with("DRV.NVSAVE"));

@@ -43,6 +43,8 @@ struct Signal {
     direction: String,
     meaning: String,
     #[serde(default)]
+    common: String,
+    #[serde(default)]
     assumed: Vec<String>,
     source: String,
 }
@@ -111,13 +113,14 @@ fn render(signals: &SignalFile, telegrams: &TelegramFile) -> Outcome<String> {
         writeln!(
             rows,
             "    Signal {{ number: {}, name: {:?}, vendor: {}, bits: {}, signed: {}, direction: {direction}, \
-             meaning: {:?}, source: {:?} }},",
+             meaning: {:?}, common: {:?}, source: {:?} }},",
             signal.number,
             signal.name,
             vendor(&signal.vendor)?,
             signal.bits,
             signal.signed,
             signal.meaning,
+            signal.common,
             signal.source,
         )?;
     }

@@ -1,5 +1,6 @@
 //! Arguments of the commands that move an axis.
 
+use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::Args;
@@ -8,7 +9,7 @@ use profile::notation::Quantity;
 
 use super::duration;
 
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 pub struct Cyclic {
     /// Update time of the cyclic connection; at least 16 ms when left out, as the drive allows it
     #[arg(long, value_name = "TIME", value_parser = duration)]
@@ -18,8 +19,16 @@ pub struct Cyclic {
     pub watchdog: Option<u16>,
 }
 
+/// Options of commands that move an axis.
+#[derive(Debug, Clone, Args)]
+pub struct Recorded {
+    /// Record every cyclic sample of the motion to this file: .csv, .arrows, .arrow or .parquet. No file is replaced
+    #[arg(long, value_name = "FILE")]
+    pub record: Option<PathBuf>,
+}
+
 /// Options of commands that enable an axis.
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 pub struct Enabling {
     /// Move a drive that may run on when this program is killed or the line breaks, because a setting of the drive says so
     /// (VLT 8-04, Vacon ID 733); without it the command refuses such a drive
@@ -30,7 +39,7 @@ pub struct Enabling {
 }
 
 /// Options of commands that need the drive in one mode.
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 pub struct InMode {
     /// Put the drive into the mode this needs (PNU 930) and put mode and telegram (PNU 922) back afterwards; without it
     /// the command refuses a drive in another mode
@@ -40,7 +49,7 @@ pub struct InMode {
     pub enabling: Enabling,
 }
 
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 pub struct Ack {
     /// By a parameter (DRV.CLRFAULTS) instead of the control word: takes no control, works beside a controller
     #[arg(long, conflicts_with_all = ["cycle", "watchdog"])]
@@ -49,7 +58,7 @@ pub struct Ack {
     pub cyclic: Cyclic,
 }
 
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 pub struct Run {
     /// Speed: 60rpm, -1rps, 20% of the reference of the drive, or 25Hz of a frequency converter; a bare number is in rpm
     #[arg(long, value_name = "SPEED", allow_hyphen_values = true)]
@@ -71,15 +80,17 @@ pub struct Run {
     #[arg(long)]
     pub dry_run: bool,
     #[command(flatten)]
+    pub recorded: Recorded,
+    #[command(flatten)]
     pub control: InMode,
 }
 
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 pub struct Jog {
     /// Which jog setpoint of the drive: 1 (STW1 bit 8) or 2 (bit 9)
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..=2))]
     pub jog: u8,
-    /// Set the jog speed for this command; the drive's own value when left out
+    /// Set the jog speed for this command: 60rpm, or 5Hz of a frequency converter; the drive's own value when left out
     #[arg(long, value_name = "SPEED", allow_hyphen_values = true)]
     pub velocity: Option<Quantity>,
     /// Jog at --velocity itself by real-time jogging (STW1 bits 12 and 13, position mode, telegram 9, 352 or 353): no
@@ -96,30 +107,34 @@ pub struct Jog {
     #[arg(long)]
     pub dry_run: bool,
     #[command(flatten)]
+    pub recorded: Recorded,
+    #[command(flatten)]
     pub control: Enabling,
 }
 
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 pub struct Home {
     /// Stop if homing takes longer
     #[arg(long, value_name = "TIME", default_value = "60s", value_parser = duration)]
     pub timeout: Duration,
     #[command(flatten)]
+    pub recorded: Recorded,
+    #[command(flatten)]
     pub control: InMode,
 }
 
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 pub struct Move {
-    /// Where to: 10rev, -90deg, 655360 (counts); with --relative how far
+    /// Where to: 10rev, -90deg, 655360 (counts), or 120mm where the machine file has the pitch; with --relative how far
     #[arg(long, value_name = "POSITION", allow_hyphen_values = true)]
     pub to: Quantity,
     /// The position is a distance from where the axis is
     #[arg(long)]
     pub relative: bool,
-    /// Speed: 300rpm, 5rps; a bare number is in rpm
+    /// Speed: 300rpm, 5rps, 50mm/s; a bare number is in rpm
     #[arg(long, value_name = "SPEED")]
     pub velocity: Quantity,
-    /// Acceleration: 3000rpm/s; DRV.ACC of the drive when left out
+    /// Acceleration: 3000rpm/s, 100mm/s2; DRV.ACC of the drive when left out
     #[arg(long, value_name = "RAMP")]
     pub acceleration: Option<Quantity>,
     /// Deceleration; DRV.DEC of the drive when left out
@@ -135,10 +150,12 @@ pub struct Move {
     #[arg(long)]
     pub dry_run: bool,
     #[command(flatten)]
+    pub recorded: Recorded,
+    #[command(flatten)]
     pub control: InMode,
 }
 
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 pub struct Task {
     /// Number of the motion task in the table of the drive
     #[arg(value_name = "NUMBER", value_parser = clap::value_parser!(u16).range(1..=128))]
@@ -147,10 +164,12 @@ pub struct Task {
     #[arg(long, value_name = "TIME", default_value = "60s", value_parser = duration)]
     pub timeout: Duration,
     #[command(flatten)]
+    pub recorded: Recorded,
+    #[command(flatten)]
     pub control: InMode,
 }
 
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 pub struct Stop {
     /// Switch the power stage off too (AKD: DRV.DIS; all others are always switched off); its controller needs OFF and ON
     /// afterwards

@@ -28,21 +28,25 @@ pub struct Record {
     #[arg(long, value_name = "TIME", value_parser = duration, requires = "trigger")]
     pub pre: Option<Duration>,
     /// File to write: .csv, .arrows (Arrow stream), .arrow (Arrow file), .parquet; `-` prints CSV. No file is replaced
-    #[arg(short, long, value_name = "FILE")]
-    pub output: PathBuf,
+    #[arg(short, long, value_name = "FILE", required_unless_present = "live")]
+    pub output: Option<PathBuf>,
+    /// Draw the signals on the terminal while they are recorded; q ends, + and - change the window. Works without -o too
+    #[arg(long)]
+    pub live: bool,
     /// Begin the next file after this time (1h) or size (100MB): NAME-0001.csv, NAME-0002.csv, ..
-    #[arg(long, value_name = "TIME|SIZE", value_parser = rotation)]
+    #[arg(long, value_name = "TIME|SIZE", value_parser = rotation, requires = "output")]
     pub rotate: Option<Rotation>,
-    /// Also draw the signals: .svg, or .html to look through
+    /// Also draw the signals: .svg, or .html (interactive)
     #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
     #[command(flatten)]
     pub cyclic: Cyclic,
 }
 
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 pub struct Step {
-    /// Speed before the step and speed of the step: 0:300rpm, -60rpm:60rpm; a bare number has the unit of the other one, or rpm
+    /// Speed before the step and speed of the step: 0:300rpm, -60rpm:60rpm, 0:25Hz of a frequency converter; a bare number has the
+    /// unit of the other one, or rpm
     #[arg(long, value_name = "FROM:TO", allow_hyphen_values = true, value_parser = speeds)]
     pub velocity: (Quantity, Quantity),
     /// How long the speed of the step is commanded, at most 60 s
@@ -51,13 +55,13 @@ pub struct Step {
     /// The speed has settled once it stays this near to the new one: a share of the step
     #[arg(long, value_name = "SHARE", default_value = "2%")]
     pub band: Quantity,
-    /// File to write every sample to: .csv, .arrows, .arrow or .parquet
+    /// File to write every sample to: .csv, .arrows, .arrow or .parquet. It is created before the axis moves
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
-    /// Draw the step: .svg, or .html to look through
+    /// Draw the step: .svg, or .html (interactive)
     #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
-    /// Compare with a step that was recorded before to a CSV file: figures, and drawn below this one
+    /// Compare with a step of the same speeds that was recorded before to a CSV file: figures, and drawn below this one
     #[arg(long, value_name = "FILE")]
     pub before: Option<PathBuf>,
     /// Refuse any speed above this [default: 3000rpm, or 100% for speeds in percent]
@@ -97,7 +101,7 @@ const LEAST_OCTETS: u64 = 10_000;
 const LEAST_TIME: Duration = Duration::from_secs(1);
 
 fn rotation(text: &str) -> Result<Rotation, String> {
-    for (unit, octets) in [("kB", 1e3), ("MB", 1e6), ("GB", 1e9)] {
+    for (unit, octets) in [("kB", 1e3), ("KB", 1e3), ("MB", 1e6), ("GB", 1e9)] {
         let Some(number) = text.strip_suffix(unit) else {
             continue;
         };

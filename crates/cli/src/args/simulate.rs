@@ -19,11 +19,12 @@ pub struct Simulate {
     /// Runs the plant in virtual time, as fast as possible, without a network; the trace goes to stdout
     #[arg(long, requires = "plant", conflicts_with = "state")]
     pub virtual_time: bool,
-    /// File with expectations of the drives, beside those of the plant file; a lost expectation ends with exit code 5
-    #[arg(long, value_name = "FILE", requires = "virtual_time")]
+    /// File with expectations of the drives; a lost expectation ends with exit code 5. In virtual time it is beside those of
+    /// the plant file. On an interface times count from the first connection of a controller
+    #[arg(long, value_name = "FILE", requires = "plant")]
     pub expect: Option<PathBuf>,
     /// Write the results of the expectations to this file, as a JUnit report
-    #[arg(long, value_name = "FILE", requires = "virtual_time")]
+    #[arg(long, value_name = "FILE", requires = "plant")]
     pub junit: Option<PathBuf>,
     /// Write the events to this file, a JSON document a line
     #[arg(long, value_name = "FILE", requires = "virtual_time")]

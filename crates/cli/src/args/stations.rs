@@ -12,7 +12,7 @@ pub struct Scan {
     /// How long to listen for answers
     #[arg(long = "for", value_name = "TIME", default_value = "1s", value_parser = duration)]
     pub time: Duration,
-    /// Only what discovery tells; firmware, serial number, state, controller and neighbours are not read
+    /// Only what discovery reports; firmware, serial number, state, controller and neighbours are not read
     #[arg(long)]
     pub quick: bool,
     /// Print all that is known as CSV, with a line of headings

@@ -4,8 +4,8 @@ use std::time::Duration;
 
 use client::axis::Room;
 use client::{Drive, Wait};
-use profidrive::machine::SpeedBound;
-use profidrive::motion::{Control, End, Event, Message, MotionError, Observer, Remark, Start};
+use profidrive::machine::{SpeedBound, UserUnit};
+use profidrive::motion::{self, Control, End, Event, Message, MotionError, Observer, Remark};
 use profile::notation::Quantity;
 use profinet::cyclic::Timing;
 
@@ -15,6 +15,7 @@ use crate::connect::{self, Live, Need};
 use crate::failure::Failure;
 use crate::output::Output;
 use crate::render::live::LiveView;
+use crate::render::number;
 
 /// Longest wait of a command that ends with Ctrl-C only.
 pub const UNLIMITED: Duration = Duration::from_secs(100 * 365 * 24 * 3600);
@@ -78,18 +79,60 @@ pub fn with_drive<T>(
     Ok(done)
 }
 
+/// Converts quantities in the unit of the load, which the machine file has for the drive, into those of the motor, and says so.
+pub fn in_motor_units<'a>(
+    target: &Target,
+    quantities: impl IntoIterator<Item = &'a mut Quantity>,
+    output: &Output,
+) -> Result<Option<UserUnit>, Failure> {
+    let machine = connect::machine(&target.options, output)?;
+    let unit = machine
+        .as_ref()
+        .and_then(|machine| machine.user_unit(&target.drive));
+    let Some(unit) = unit else { return Ok(None) };
+    for quantity in quantities {
+        if let Some(motor) = unit.to_motor(quantity) {
+            output.say(&format!("{quantity} is {} ({unit})", shown(&motor)));
+            *quantity = motor;
+        }
+    }
+    Ok(Some(unit.clone()))
+}
+
+/// Shows where the axis is, or how far it went, in the unit of its load.
+pub fn show_travel(unit: Option<&UserUnit>, report: &motion::Report, output: &Output) {
+    let Some(unit) = unit else { return };
+    let result = &report.result;
+    let turns = |quantity: &Option<profidrive::report::Quantity>| {
+        let found = quantity.as_ref().filter(|quantity| quantity.unit == "rev")?;
+        Some(number((unit.travel(found.value) * 1000.0).round() / 1000.0))
+    };
+    let name = &unit.name;
+    match (turns(&result.position), turns(&result.distance)) {
+        (Some(position), _) => output.say(&format!("the load is at {position} {name}")),
+        (None, Some(distance)) => output.say(&format!("the load went {distance} {name}")),
+        (None, None) => {}
+    }
+}
+
+fn shown(quantity: &Quantity) -> String {
+    let unit = quantity.unit.as_deref().unwrap_or_default();
+    format!("{} {unit}", number(quantity.number.as_f64()))
+}
+
 /// Connects to a drive and moves it. `work` gets the limit that the machine file has for the speed of the drive.
 pub fn moving<T>(
     target: &Target,
     need: Need,
     output: &Output,
-    work: impl FnOnce(&mut Live, &mut Drive, Option<SpeedBound>) -> Result<T, MotionError>,
+    work: impl FnOnce((&mut Live, &mut Drive), Option<SpeedBound>, Observer) -> Result<T, MotionError>,
 ) -> Result<T, Failure> {
     let machine = connect::machine(&target.options, output)?;
     let mut of_machine = false;
     let done = with_drive(target, need, output, |session, drive| {
         let bound = machine.as_ref().and_then(|machine| machine.bound_of(drive));
-        let done = work(session, drive, bound);
+        let observer = observer(&drive.label(), output);
+        let done = work((session, drive), bound, observer);
         of_machine = matches!(
             done,
             Err(MotionError::AboveBound { .. } | MotionError::NotBounded { .. })
@@ -118,11 +161,8 @@ impl From<MotionError> for Failure {
     }
 }
 
-/// What begins, in words: `turns at 60 rpm for 1 s`. Without any it is not a motion.
-pub type StartText = Box<dyn Fn(&Start, u16) -> Option<String> + Send>;
-
 /// Shows a motion on the way: the axis as it moves, everything else as messages, and both as documents for programs.
-pub fn observer(drive: &str, start: StartText, output: &Output) -> Observer {
+pub fn observer(drive: &str, output: &Output) -> Observer {
     let mut view = LiveView::new(output.clone());
     let (drive, output) = (drive.to_owned(), output.clone());
     Observer::new(move |event| {
@@ -147,18 +187,15 @@ pub fn observer(drive: &str, start: StartText, output: &Output) -> Observer {
             let text = format!("{sentence}{}", next.unwrap_or_default());
             match event {
                 Event::LongStop => output.say(&format!(
-                    "{text}; Ctrl-C for a quick stop (OFF3), after a second if it was pressed before"
+                    "{text}; Ctrl-C makes it a quick stop (OFF3), at least 1 s after the last one"
                 )),
                 _ if is_warning => output.warn(&text),
                 _ => output.say(&text),
             }
         }
         match event {
-            Event::Starting {
-                telegram,
-                start: what,
-            } => {
-                if let Some(text) = start(what, *telegram) {
+            Event::Starting { telegram, start } => {
+                if let Some(text) = start.sentence(*telegram) {
                     output.say(&format!("this moves the axis: {drive} {text}; Ctrl-C stops it"));
                 }
             }
@@ -166,11 +203,6 @@ pub fn observer(drive: &str, start: StartText, output: &Output) -> Observer {
             _ => {}
         }
     })
-}
-
-/// Turns to three digits; a zero has no sign.
-pub fn rounded(turns: f64) -> f64 {
-    (turns * 1000.0).round() / 1000.0 + 0.0
 }
 
 /// The options of a cycle with more room, or the advice of one that is as long as it gets.

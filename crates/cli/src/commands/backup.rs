@@ -8,7 +8,7 @@ use profidrive::Reported;
 use profidrive::report::BackupReport;
 use profidrive::settings::{self, BackupFile, FileError, Missing};
 
-use super::each::{self, Each, Progress};
+use super::each::{self, Each, Progress, Shown};
 use crate::advice::Commands;
 use crate::args::{self, Target};
 use crate::connect::{self, Need};
@@ -54,11 +54,7 @@ struct Saved {
 }
 
 impl Each for Saving<'_> {
-    type Done = Saved;
-    type Report = BackupReport;
-    const NEED: Need = Need::Records;
     const DOING: &'static str = "reading";
-    const COLUMNS: &'static [&'static str] = &[">settings", ">missing", ">motion tasks", "file", ""];
 
     async fn work(
         &self,
@@ -86,6 +82,12 @@ impl Each for Saving<'_> {
             file,
         })
     }
+}
+
+impl Shown for Saving<'_> {
+    type Done = Saved;
+    type Report = BackupReport;
+    const COLUMNS: &'static [&'static str] = &[">settings", ">missing", ">motion tasks", "file", ""];
 
     fn report(&self, done: &Saved, drive: &Drive) -> BackupReport {
         let path = done.file.as_ref().map(|(path, _)| path.display().to_string());

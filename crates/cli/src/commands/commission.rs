@@ -4,16 +4,14 @@ use std::path::Path;
 
 use client::backup::Backup;
 use client::change::Step;
-use client::{ErrorKind, Wait};
-use network::files::StateFile;
-use profidrive::commissioning::{self, CommissionError, Planned, Purpose};
-use profidrive::fleet;
+use client::{Drive, ErrorKind, Wait};
+use profidrive::commissioning::{self, MachineFile, Planned, Purpose};
 use profidrive::machine::Machine;
 use profidrive::report::{BackupReport, CommissionReport, Drives};
-use profidrive::settings::{self, BackupFile, FileError};
-use profidrive::{Opening, Selector};
+use profidrive::{Opening, Selector, listed, settings};
 
 use super::each::{self, Row};
+use super::remark;
 use crate::advice::Commands;
 use crate::args::{Commission, DriveOptions, Replace};
 use crate::confirm::{Question, confirm};
@@ -50,7 +48,7 @@ pub fn replace(args: &Replace, options: &DriveOptions, output: &Output) -> Resul
             machine.with_replacement(&new, &args.old).ok_or_else(|| {
                 let names: Vec<&str> = machine.drives.iter().map(|drive| drive.name.as_str()).collect();
                 Failure::usage(format!("the machine file has no drive {}", args.old))
-                    .hint(format!("it has {}", each::listed(&names)))
+                    .hint(format!("it has {}", listed(&names)))
             })?
         }
     };
@@ -65,69 +63,45 @@ fn from(
     options: &DriveOptions,
     output: &Output,
 ) -> Result<(), Failure> {
-    let file = StateFile::document(path);
-    if !force && path.exists() {
-        return Err(
-            Failure::usage(format!("{} is there already", path.display())).hint("--force writes over it")
-        );
-    }
-    let folder = path.parent().unwrap_or(Path::new(""));
+    let file = MachineFile::at(path, force)?;
     let (mut session, found) = connect::drives(&options.target(drives), Need::Records, output)?;
-    let left_out = found.left_out;
     let bar = connect::bar(output, found.members.len(), "reading");
-    let saved = fleet::each(&session, found.members, async |session, drive| {
-        let read = settings::backup(session, drive, |_, _| {}).await?;
-        if drive.station.name.is_empty() {
-            return Err(Failure::new(ErrorKind::Unsupported, "it has no name").hint("{name}"));
-        }
-        let place = settings::file_in(folder, drive);
-        BackupFile::at(&place, force)?.write(&read.report)?;
-        bar.inc(1);
-        Ok(read.report)
-    });
-    let saved = saved.wait();
+    let progress = |step: profidrive::Step| {
+        bar.set_length(step.all as u64);
+        bar.set_position(step.done as u64);
+    };
+    let read = commissioning::from_drives(&session, found.members, &file, progress).wait();
     bar.finish_and_clear();
     let closed = session.close().wait();
-    let rows: Vec<Row<Backup>> = saved
-        .into_iter()
-        .map(|member| {
-            Row::new(member, |backup, drive| {
-                let missing = settings::missing(backup);
-                let incomplete = format!("the backup of {} is incomplete: {missing}", drive.label());
-                let problem = (!missing.is_nothing()).then(|| Failure::new(ErrorKind::Partial, incomplete));
-                problem.into_iter().collect()
-            })
-        })
-        .collect();
-    let whole = rows
-        .iter()
-        .filter_map(|row| row.drive.as_ref().zip(row.done.as_ref()));
-    let files: Vec<_> = whole
-        .map(|(drive, backup)| (drive, backup, settings::file_in(Path::new(""), drive)))
-        .collect();
-    if !files.is_empty() {
-        let text = Machine::text_of(
-            files
-                .iter()
-                .map(|(drive, backup, file)| (*drive, *backup, file.as_path())),
-        );
-        file.replace(text.as_bytes()).map_err(FileError::from)?;
-        output.say(&format!("{} drives in {}", files.len(), path.display()));
-    }
+    let incomplete = |backup: &Backup, drive: &Drive| {
+        let missing = settings::missing(backup);
+        let message = format!("the backup of {} is incomplete: {missing}", drive.label());
+        let problem = (!missing.is_nothing()).then(|| Failure::new(ErrorKind::Partial, message));
+        problem.into_iter().collect()
+    };
+    let rows = read.drives.into_iter();
+    let rows: Vec<Row<Backup>> = rows.map(|member| Row::new(member, incomplete)).collect();
+    let entry = |backup: &Backup, drive: &Drive| {
+        let place = file.backup_of(drive).display().to_string();
+        let complete = settings::missing(backup).is_nothing();
+        BackupReport::new(drive, backup, Some(place), complete, &Commands::any())
+    };
     output.json_report(&Drives {
-        drives: rows
-            .iter()
-            .map(|row| {
-                row.entry(|backup, drive| {
-                    let file = settings::file_in(folder, drive).display().to_string();
-                    let complete = settings::missing(backup).is_nothing();
-                    BackupReport::new(drive, backup, Some(file), complete, &Commands::any())
-                })
-            })
-            .collect(),
-        left_out,
+        drives: rows.iter().map(|row| row.entry(entry)).collect(),
+        left_out: found.left_out,
     });
-    each::ended(&rows, None, output)?;
+    for remark in &read.remarks {
+        remark::print(remark, "", output);
+    }
+    let problems = each::ended(&rows, None, output).err().into_iter();
+    let problems = match read.written {
+        Ok(count) => {
+            output.say(&format!("{count} drives in {}", path.display()));
+            problems.collect()
+        }
+        Err(error) => problems.chain([error.into()]).collect(),
+    };
+    each::last::<Failure>(problems, output)?;
     Ok(closed?)
 }
 
@@ -166,8 +140,12 @@ fn carry_out(
         };
         confirm(&mut session, &question, output)?;
     }
-    let bar = connect::bar(output, planned.len(), "commissioning");
-    let done = commissioning::carry_out(&opening, &mut session, machine, planned, |_| bar.inc(1)).wait();
+    let bar = connect::bar(output, changing, "commissioning");
+    let progress = |step: profidrive::Step| {
+        bar.set_length(step.all as u64);
+        bar.set_position(step.done as u64);
+    };
+    let done = commissioning::carry_out(&opening, &mut session, machine, planned, progress).wait();
     bar.finish_and_clear();
     let done = done?;
     let closed = session.close().wait();
@@ -206,7 +184,7 @@ fn selected(machine: Machine, only: Option<&str>) -> Result<Machine, Failure> {
     machine.only(&selector).ok_or_else(|| {
         let names: Vec<&str> = machine.drives.iter().map(|drive| drive.name.as_str()).collect();
         Failure::usage(format!("`{only}` fits no drive of the machine file"))
-            .hint(format!("it has {}", each::listed(&names)))
+            .hint(format!("it has {}", listed(&names)))
     })
 }
 
@@ -292,17 +270,4 @@ fn ended(planned: Vec<Planned>, output: &Output) -> Result<(), Failure> {
         problems: one.objections.into_iter().map(Failure::from).collect(),
     });
     each::ended(&rows.collect::<Vec<_>>(), None, output)
-}
-
-impl From<CommissionError> for Failure {
-    fn from(error: CommissionError) -> Self {
-        match error {
-            CommissionError::Drive(error) => error.into(),
-            CommissionError::Addressing(error) => error.into(),
-            CommissionError::Restore(error) => error.into(),
-            CommissionError::File(error) => error.into(),
-            CommissionError::Client(error) => error.into(),
-            error => Self::new(error.kind(), error.to_string()).hint(error.advice()),
-        }
-    }
 }

@@ -1,14 +1,13 @@
 //! `profidrive completions SHELL`
 
-use clap::CommandFactory;
-
-use crate::args::{Cli, Completions};
+use crate::args::Completions;
+use crate::completion;
 use crate::failure::Failure;
 use crate::output::Output;
 
 pub fn run(args: &Completions, output: &Output) -> Result<(), Failure> {
-    let mut script = Vec::new();
-    clap_complete::generate(args.shell, &mut Cli::command(), "profidrive", &mut script);
+    // the names of shells are those of the completers
+    let script = completion::script(&args.shell.to_string())?;
     output.raw(&String::from_utf8_lossy(&script));
     Ok(())
 }

@@ -4,10 +4,9 @@ use client::{Drive, Session};
 use profidrive::inspection;
 use profidrive::report::{Fault, FaultsReport, LogEntry, Warning};
 
-use super::each::{self, Each, Progress};
+use super::each::{self, Each, Progress, Shown};
 use crate::advice;
 use crate::args::{Faults, Target};
-use crate::connect::Need;
 use crate::failure::Failure;
 use crate::output::{Colour, Output};
 use crate::render::Page;
@@ -17,11 +16,7 @@ pub fn run(args: &Faults, target: &Target, output: &Output) -> Result<(), Failur
 }
 
 impl Each for Faults {
-    type Done = FaultsReport;
-    type Report = FaultsReport;
-    const NEED: Need = Need::Records;
     const DOING: &'static str = "reading the faults";
-    const COLUMNS: &'static [&'static str] = &["number", "meaning", "remedy"];
 
     async fn work(
         &self,
@@ -31,6 +26,12 @@ impl Each for Faults {
     ) -> Result<FaultsReport, Failure> {
         Ok(inspection::faults(session, drive, self.history).await?)
     }
+}
+
+impl Shown for Faults {
+    type Done = FaultsReport;
+    type Report = FaultsReport;
+    const COLUMNS: &'static [&'static str] = &["number", "meaning", "remedy"];
 
     fn report(&self, done: &FaultsReport, _: &Drive) -> FaultsReport {
         done.clone()

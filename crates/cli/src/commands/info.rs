@@ -5,7 +5,7 @@ use profidrive::inspection;
 use profidrive::report::{Controller, Identity, InfoReport, Module, Parameter, Word};
 use profile::model::PROFIDRIVE_API;
 
-use super::each::{self, Each, Progress};
+use super::each::{self, Each, Progress, Shown};
 use crate::args::{NoArguments, Target};
 use crate::connect::Need;
 use crate::failure::Failure;
@@ -19,19 +19,11 @@ pub fn run(target: &Target, output: &Output) -> Result<(), Failure> {
 }
 
 impl Each for NoArguments {
-    type Done = InfoReport;
-    type Report = InfoReport;
-    const NEED: Need = Need::Identity;
     const DOING: &'static str = "reading";
-    const COLUMNS: &'static [&'static str] = &[
-        "model",
-        "IP",
-        "order no.",
-        "serial no.",
-        "software",
-        "state",
-        "controller",
-    ];
+
+    fn need(&self) -> Need {
+        Need::Identity
+    }
 
     async fn work(
         &self,
@@ -41,6 +33,20 @@ impl Each for NoArguments {
     ) -> Result<InfoReport, Failure> {
         Ok(inspection::info(session, drive).await?)
     }
+}
+
+impl Shown for NoArguments {
+    type Done = InfoReport;
+    type Report = InfoReport;
+    const COLUMNS: &'static [&'static str] = &[
+        "model",
+        "IP",
+        "order no.",
+        "serial no.",
+        "software",
+        "state",
+        "controller",
+    ];
 
     fn report(&self, done: &InfoReport, _: &Drive) -> InfoReport {
         done.clone()

@@ -1,90 +1,146 @@
 //! `profidrive jog`
 
-use client::Wait;
 use client::axis::Jog as Setpoint;
-use profidrive::motion::{self, JogPlan, RealTimeJog, Start};
+use client::{Drive, Wait};
+use profidrive::motion::{self, JogPlan, MotionError, Observer, RealTimeJog, Speed};
 
 use super::axis;
-use super::run::telegram_text;
+use super::recorded::Recorder;
 use crate::args::{Jog, Target};
-use crate::connect::Need;
+use crate::connect::{Live, Need};
 use crate::failure::Failure;
 use crate::output::Output;
-use crate::render::{number, value};
+use crate::render::value;
 
 pub fn run(args: &Jog, target: &Target, output: &Output) -> Result<(), Failure> {
-    let limit = axis::rpm(&args.limit, "--limit")?.abs();
+    let mut args = args.clone();
+    let quantities = std::iter::once(&mut args.limit).chain(&mut args.velocity);
+    let unit = axis::in_motor_units(target, quantities, output)?;
+    let args = &args;
     let speed = args.velocity.as_ref();
     let speed = speed
-        .map(|quantity| axis::rpm(quantity, "--velocity"))
+        .map(|quantity| Speed::of(quantity, "--velocity"))
         .transpose()?;
+    let speeds = Speeds {
+        speed,
+        limit: Speed::of(&args.limit, "--limit")?,
+    };
     let control = axis::enabling(&args.control)?;
-    if let Some(speed) = speed.filter(|_| args.real_time) {
+    let mut recorder = Recorder::of(args.recorded.record.as_deref())?;
+    if args.real_time {
         let wanted = RealTimeJog {
-            speed,
-            time: args.time,
-            limit,
             control,
+            ..RealTimeJog::at(0.0, args.time)
         };
-        return real_time(args, wanted, target, output);
+        return real_time(args, wanted, speeds, &mut recorder, target, output);
     }
     let mut wanted = motion::Jog {
         setpoint: match args.jog {
             2 => Setpoint::Two,
             _ => Setpoint::One,
         },
-        speed,
-        time: args.time,
-        limit,
         control,
+        ..motion::Jog::lasting(args.time)
     };
-    wanted.check()?;
+    // what is wrong whatever the drive is like is found before it is connected
+    if let (Some(Speed::Rpm(speed)), Speed::Rpm(limit)) = (speed, speeds.limit) {
+        (wanted.speed, wanted.limit) = (Some(speed), limit.abs());
+        wanted.check()?;
+    }
     if args.dry_run {
-        let plan = axis::moving(target, Need::Records, output, |session, drive, bound| {
-            wanted.control.bound = bound;
-            let observer = axis::observer(&drive.label(), Box::new(|_, _| None), output);
-            motion::plan_jog(session, drive, &wanted, &observer).wait()
-        })?;
+        let plan = axis::moving(
+            target,
+            Need::Records,
+            output,
+            |(session, drive), bound, observer| {
+                wanted.control.bound = bound;
+                (wanted.speed, wanted.limit) = speeds.in_rpm(session, drive, &observer)?;
+                motion::plan_jog(session, drive, &wanted, &observer).wait()
+            },
+        )?;
         show(&plan, output);
         return Ok(());
     }
-    let seconds = args.time.as_secs_f64();
-    axis::moving(target, Need::Cyclic, output, |session, drive, bound| {
-        wanted.control.bound = bound;
-        let start = Box::new(move |start: &_, _| match start {
-            Start::Jog { speed } => Some(format!("jogs at {} for {seconds} s", value::full(speed))),
-            _ => None,
-        });
-        let observer = axis::observer(&drive.label(), start, output);
-        motion::jog(session, drive, &wanted, &observer).wait()
-    })
-    .map(|_| ())
+    let done = axis::moving(
+        target,
+        Need::Cyclic,
+        output,
+        |(session, drive), bound, observer| {
+            wanted.control.bound = bound;
+            let observer = recorder.tap(observer, session);
+            (wanted.speed, wanted.limit) = speeds.in_rpm(session, drive, &observer)?;
+            motion::jog(session, drive, &wanted, &observer).wait()
+        },
+    );
+    let report = recorder.end(done, output)?;
+    axis::show_travel(unit.as_ref(), &report, output);
+    Ok(())
 }
 
-fn real_time(args: &Jog, mut wanted: RealTimeJog, target: &Target, output: &Output) -> Result<(), Failure> {
-    wanted.check()?;
+/// The speeds of a jog.
+#[derive(Clone, Copy)]
+struct Speeds {
+    speed: Option<Speed>,
+    limit: Speed,
+}
+
+impl Speeds {
+    /// Returns speed and limit in rpm.
+    fn in_rpm(
+        self,
+        session: &mut Live,
+        drive: &mut Drive,
+        observer: &Observer,
+    ) -> Result<(Option<f64>, f64), MotionError> {
+        let speed = match self.speed {
+            Some(speed) => Some(speed.in_rpm(session, drive, observer).wait()?),
+            None => None,
+        };
+        let limit = self.limit.in_rpm(session, drive, &Observer::default()).wait()?;
+        Ok((speed, limit.abs()))
+    }
+}
+
+fn real_time(
+    args: &Jog,
+    mut wanted: RealTimeJog,
+    speeds: Speeds,
+    recorder: &mut Recorder,
+    target: &Target,
+    output: &Output,
+) -> Result<(), Failure> {
+    if let (Some(Speed::Rpm(speed)), Speed::Rpm(limit)) = (speeds.speed, speeds.limit) {
+        (wanted.speed, wanted.limit) = (speed, limit.abs());
+        wanted.check()?;
+    }
     if args.dry_run {
-        let plan = axis::moving(target, Need::Records, output, |session, drive, bound| {
-            wanted.control.bound = bound;
-            let observer = axis::observer(&drive.label(), Box::new(|_, _| None), output);
-            motion::plan_jog_in_real_time(session, drive, &wanted, &observer).wait()
-        })?;
+        let plan = axis::moving(
+            target,
+            Need::Records,
+            output,
+            |(session, drive), bound, observer| {
+                wanted.control.bound = bound;
+                let (speed, limit) = speeds.in_rpm(session, drive, &observer)?;
+                (wanted.speed, wanted.limit) = (speed.unwrap_or_default(), limit);
+                motion::plan_jog_in_real_time(session, drive, &wanted, &observer).wait()
+            },
+        )?;
         show(&plan, output);
         return Ok(());
     }
-    axis::moving(target, Need::Cyclic, output, |session, drive, bound| {
-        wanted.control.bound = bound;
-        let start = Box::new(move |_: &_, telegram| {
-            Some(format!(
-                "jogs at {} rpm for {} s (real-time jogging, telegram {telegram})",
-                number(wanted.speed),
-                wanted.time.as_secs_f64()
-            ))
-        });
-        let observer = axis::observer(&drive.label(), start, output);
-        motion::jog_in_real_time(session, drive, &wanted, &observer).wait()
-    })
-    .map(|_| ())
+    let done = axis::moving(
+        target,
+        Need::Cyclic,
+        output,
+        |(session, drive), bound, observer| {
+            wanted.control.bound = bound;
+            let observer = recorder.tap(observer, session);
+            let (speed, limit) = speeds.in_rpm(session, drive, &observer)?;
+            (wanted.speed, wanted.limit) = (speed.unwrap_or_default(), limit);
+            motion::jog_in_real_time(session, drive, &wanted, &observer).wait()
+        },
+    );
+    recorder.end(done, output).map(|_| ())
 }
 
 fn show(plan: &JogPlan, output: &Output) {
@@ -95,12 +151,6 @@ fn show(plan: &JogPlan, output: &Output) {
             change.parameter
         ));
     }
-    output.say(&format!(
-        "dry run: {} would jog at {} rpm for {} s{}; nothing was sent",
-        plan.drive,
-        number(plan.speed.value),
-        plan.time,
-        telegram_text(&plan.telegrams)
-    ));
+    output.say(&format!("dry run: {} would {plan}; nothing was sent", plan.drive));
     output.json_report(plan);
 }

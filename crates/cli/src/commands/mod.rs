@@ -8,6 +8,8 @@ mod completions;
 mod decode;
 mod demo;
 mod diff;
+mod doctor;
+mod documents;
 mod each;
 mod explain;
 mod faults;
@@ -21,6 +23,9 @@ mod motion;
 mod r#move;
 mod parameters;
 mod record;
+mod record_rows;
+mod recorded;
+mod remark;
 mod restore;
 mod run;
 mod scan;
@@ -67,6 +72,9 @@ pub fn run(cli: &Cli, output: &Output) -> Result<(), Failure> {
         Command::Task(on) => task::run(&on.args, &target(cli, on), output),
         Command::Home(on) => home::run(&on.args, &target(cli, on), output),
         Command::Stop(on) => stop::run(&on.args, &selected(cli, on), output),
+        Command::Doctor(on) => doctor::run(&on.args, &options(cli, &on.options), output),
+        Command::Bundle(on) => documents::bundle(&on.args, &selected(cli, on), output),
+        Command::Report(on) => documents::report(&on.args, &selected(cli, on), output),
         Command::Status(on) => status::run(&on.args, &selected(cli, on), output),
         Command::Ack(on) => motion::ack(&on.args, &selected(cli, on), output),
         Command::Monitor(on) => motion::monitor(&on.args, &selected(cli, on), output),

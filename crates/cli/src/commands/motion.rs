@@ -3,73 +3,101 @@
 use std::time::Duration;
 
 use client::{Drive, Session, Wait};
-use profidrive::WallClock;
 use profidrive::fleet;
 use profidrive::monitor::{Monitor, Observation};
-use profidrive::motion::{self, Observer, Report as MotionReport};
-use profidrive::report::{Drives, MonitorReading, MonitorSilence};
+use profidrive::motion::{self, Control, MotionError, Observer, Report as MotionReport};
+use profidrive::report::{MonitorReading, MonitorSilence};
+use profidrive::{WallClock, lasting};
 use profile::notation::ParameterReference;
 use profile::value::{ParameterProblem, Selection};
 
 use super::axis::{self, UNLIMITED};
-use super::each;
+use super::each::{self, Each, Progress, Shown};
 use crate::advice::Commands;
 use crate::args::{self, Ack, Target};
 use crate::connect::{self, Need};
 use crate::failure::Failure;
 use crate::output::Output;
-use crate::render::table::Table;
 use crate::render::{hex16, value};
 
 pub fn ack(args: &Ack, target: &Target, output: &Output) -> Result<(), Failure> {
-    let control = axis::control(&args.cyclic)?;
-    let need = if args.by_parameter {
-        Need::Records
-    } else {
-        Need::Cyclic
+    let verb = Acknowledging {
+        control: axis::control(&args.cyclic)?,
+        by_parameter: args.by_parameter,
     };
-    let acknowledge = async |session: &mut Session, drive: &mut Drive, observer: &Observer| {
-        if args.by_parameter {
+    if connect::selector(target, output)?.single().is_none() {
+        return each::many(&verb, target, output);
+    }
+    let report = axis::with_drive(target, verb.need(), output, |session, drive| {
+        let observer = axis::observer(&drive.label(), output);
+        verb.carry_out(session, drive, &observer).wait()
+    })?;
+    output.say(acknowledged(&report));
+    Ok(())
+}
+
+/// How faults are acknowledged.
+struct Acknowledging {
+    control: Control,
+    by_parameter: bool,
+}
+
+impl Acknowledging {
+    async fn carry_out(
+        &self,
+        session: &mut Session,
+        drive: &mut Drive,
+        observer: &Observer,
+    ) -> Result<MotionReport, MotionError> {
+        if self.by_parameter {
             motion::acknowledge_by_parameter(session, drive, observer).await
         } else {
-            motion::acknowledge(session, drive, &control, observer).await
+            motion::acknowledge(session, drive, &self.control, observer).await
         }
-    };
-    if connect::selector(target, output)?.single().is_some() {
-        let report = axis::with_drive(target, need, output, |session, drive| {
-            let observer = axis::observer(&drive.label(), Box::new(|_, _| None), output);
-            acknowledge(session, drive, &observer).wait()
-        })?;
-        output.say(acknowledged(&report));
-        return Ok(());
     }
-    let (mut session, found) = connect::drives(target, need, output)?;
-    let members = fleet::each(&session, found.members, async |session, drive| {
-        let report = acknowledge(session, drive, &Observer::default()).await;
-        report.map_err(Failure::from)
-    });
-    let members = members.wait().into_iter();
-    let closed = session.close().wait();
-    let rows: Vec<each::Row<MotionReport>> = members
-        .map(|member| each::Row::new(member, |_, _| Vec::new()))
-        .collect();
-    output.json_report(&Drives {
-        drives: rows
-            .iter()
-            .map(|row| row.entry(|report, _| report.clone()))
-            .collect(),
-        left_out: found.left_out,
-    });
-    if !output.json() {
-        let mut table = Table::new(&["drive", "result"]);
-        for row in &rows {
-            let result = row.done.as_ref().map_or("not acknowledged", acknowledged);
-            table.row([row.name.clone(), result.to_owned()]);
+}
+
+impl Each for Acknowledging {
+    const DOING: &'static str = "acknowledging";
+
+    fn need(&self) -> Need {
+        if self.by_parameter {
+            Need::Records
+        } else {
+            Need::Cyclic
         }
-        output.table(&table);
     }
-    each::ended(&rows, None, output)?;
-    Ok(closed?)
+
+    async fn work(
+        &self,
+        session: &mut Session,
+        drive: &mut Drive,
+        _: &mut Progress<'_>,
+    ) -> Result<MotionReport, Failure> {
+        Ok(self.carry_out(session, drive, &Observer::default()).await?)
+    }
+}
+
+impl Shown for Acknowledging {
+    type Done = MotionReport;
+    type Report = MotionReport;
+    const COLUMNS: &'static [&'static str] = &["result"];
+
+    fn report(&self, done: &MotionReport, _: &Drive) -> MotionReport {
+        done.clone()
+    }
+
+    fn show(&self, done: &MotionReport, _: &Drive, output: &Output) {
+        output.say(acknowledged(done));
+    }
+
+    fn rows(&self, done: &MotionReport, _: &Drive) -> Vec<Vec<String>> {
+        vec![vec![acknowledged(done).to_owned()]]
+    }
+
+    fn missing_row(&self) -> Option<Vec<String>> {
+        Some(vec!["not acknowledged".to_owned()])
+    }
 }
 
 const fn acknowledged(report: &MotionReport) -> &'static str {
@@ -113,7 +141,7 @@ pub fn monitor(args: &args::Monitor, target: &Target, output: &Output) -> Result
     let width = names.iter().map(|name| name.len()).max().unwrap_or_default();
     output.say(&format!(
         "watching {}, reads only; Ctrl-C ends",
-        each::listed(&names)
+        profidrive::listed(&names)
     ));
     let members = fleet::each(&session, found.members, async |session, drive| {
         watching.watch(session, drive, width).await
@@ -169,10 +197,13 @@ impl Watching<'_> {
             let seen = monitor.read_reporting_silence(session, drive, silent).await?;
             let Some(seen) = seen else { return Ok(()) };
             if let Some(outage) = seen.outage() {
-                let seconds = outage.as_secs_f64();
-                self.output.warn(&format!(
-                    "{label} answers again after {seconds:.1} s without an answer"
-                ));
+                let outage = lasting(outage);
+                self.output
+                    .warn(&format!("{label} answers again after {outage} without an answer"));
+            }
+            if seen.restarted {
+                self.output
+                    .warn(&format!("{label} has restarted: it was connected to again"));
             }
             show(&seen, &label, &column, self.raw, self.output);
             for fault in &seen.faults {

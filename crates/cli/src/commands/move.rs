@@ -1,19 +1,23 @@
 //! `profidrive move`
 
-use client::axis::{Move as Order, MovePlan};
+use client::axis::Move as Order;
 use client::{Error, Wait};
-use profidrive::motion::{self, MoveReport, Start};
+use profidrive::motion::{self, MoveReport};
 use profile::notation::Quantity;
 
-use super::axis::{self, rounded};
+use super::axis;
+use super::recorded::Recorder;
 use crate::args::{Move, Target};
 use crate::connect::Need;
 use crate::failure::Failure;
 use crate::output::Output;
-use crate::render::number;
 
 pub fn run(args: &Move, target: &Target, output: &Output) -> Result<(), Failure> {
-    let order = order(args)?;
+    let mut args = args.clone();
+    let ramps = args.acceleration.iter_mut().chain(&mut args.deceleration);
+    let quantities = [&mut args.to, &mut args.velocity, &mut args.limit].into_iter();
+    let unit = axis::in_motor_units(target, quantities.chain(ramps), output)?;
+    let order = order(&args)?;
     let mut wanted = motion::Move {
         order,
         limit: axis::rpm(&args.limit, "--limit")?.abs(),
@@ -21,37 +25,39 @@ pub fn run(args: &Move, target: &Target, output: &Output) -> Result<(), Failure>
         control: axis::in_mode(&args.control)?,
     };
     wanted.check()?;
-    let relative = wanted.order.relative;
+    let mut recorder = Recorder::of(args.recorded.record.as_deref())?;
     if args.dry_run {
         return try_out(wanted, target, output);
     }
-    axis::moving(target, Need::Cyclic, output, |session, drive, bound| {
-        wanted.control.bound = bound;
-        let start = Box::new(move |start: &_, telegram| match start {
-            Start::Move(plan) => Some(format!("{}, telegram {telegram}", plan_text(plan, relative))),
-            _ => None,
-        });
-        let observer = axis::observer(&drive.label(), start, output);
-        motion::move_to(session, drive, &wanted, &observer).wait()
-    })
-    .map(|_| ())
+    let done = axis::moving(
+        target,
+        Need::Cyclic,
+        output,
+        |(session, drive), bound, observer| {
+            wanted.control.bound = bound;
+            let observer = recorder.tap(observer, session);
+            motion::move_to(session, drive, &wanted, &observer).wait()
+        },
+    );
+    let report = recorder.end(done, output)?;
+    axis::show_travel(unit.as_ref(), &report, output);
+    Ok(())
 }
 
 /// Everything that `move` reads and checks; nothing is sent that changes anything.
 fn try_out(mut wanted: motion::Move, target: &Target, output: &Output) -> Result<(), Failure> {
-    let relative = wanted.order.relative;
-    let (plan, report) = axis::moving(target, Need::Records, output, |session, drive, bound| {
-        wanted.control.bound = bound;
-        let observer = axis::observer(&drive.label(), Box::new(|_, _| None), output);
-        let plan = motion::plan_move(session, drive, &wanted, &observer).wait()?;
-        let report = MoveReport::of(&plan, drive);
-        Ok((plan, report))
-    })?;
-    output.say(&format!(
-        "dry run: {} {}; nothing moves",
-        report.drive,
-        plan_text(&plan, relative)
-    ));
+    let (plan, report) = axis::moving(
+        target,
+        Need::Records,
+        output,
+        |(session, drive), bound, observer| {
+            wanted.control.bound = bound;
+            let plan = motion::plan_move(session, drive, &wanted, &observer).wait()?;
+            let report = MoveReport::of(&plan, drive);
+            Ok((plan, report))
+        },
+    )?;
+    output.say(&format!("dry run: {} {}; nothing moves", report.drive, plan));
     output.json_report(&report);
     if plan.objections.is_empty() {
         return Ok(());
@@ -68,6 +74,12 @@ fn order(args: &Move) -> Result<Order, Failure> {
         .to
         .position()
         .map_err(|error| Failure::usage(format!("--to: {error}")))?;
+    if args.velocity.in_hertz().is_some() {
+        return Err(Failure::usage(
+            "--velocity: speeds in Hz are output frequencies of frequency converters, which do not position",
+        )
+        .hint("give the speed in rpm"));
+    }
     let speed = axis::rpm(&args.velocity, "--velocity")?;
     let ramp = |quantity: &Option<Quantity>, what| {
         quantity
@@ -84,33 +96,4 @@ fn order(args: &Move) -> Result<Order, Failure> {
         ramp(&args.acceleration, "--acceleration")?,
         ramp(&args.deceleration, "--deceleration")?,
     ))
-}
-
-/// `goes from 1.2 rev to 10 rev (655360 counts) at 300 rpm, ramps 3052 and 3052 rpm/s, in about 2.1 s`
-fn plan_text(plan: &MovePlan, relative: bool) -> String {
-    let rev = |turns: Option<f64>| turns.map_or_else(|| "?".into(), |turns| number(rounded(turns)));
-    let way = if relative {
-        format!(
-            "goes from {} rev by {} counts to {} rev",
-            rev(plan.from),
-            plan.traverse.target,
-            rev(plan.target)
-        )
-    } else {
-        format!(
-            "goes from {} rev to {} rev ({} counts)",
-            rev(plan.from),
-            rev(plan.target),
-            plan.traverse.target
-        )
-    };
-    let time = plan
-        .duration
-        .map_or_else(String::new, |seconds| format!(", in about {seconds:.1} s"));
-    format!(
-        "{way} at {} rpm, ramps {} and {} rpm/s{time}",
-        number(rounded(plan.speed)),
-        number(plan.acceleration),
-        number(plan.deceleration)
-    )
 }

@@ -11,10 +11,9 @@ use profidrive::report::{Parameter as ParameterValue, ParametersReport};
 use profile::notation::ParameterReference;
 use profile::value::ParameterProblem;
 
-use super::each::{self, Each, Progress};
+use super::each::{self, Each, Progress, Shown};
 use crate::advice::Commands;
 use crate::args::{Read, Target};
-use crate::connect::Need;
 use crate::failure::Failure;
 use crate::output::Output;
 use crate::render::table::Table;
@@ -36,11 +35,7 @@ struct Reading {
 }
 
 impl Each for Reading {
-    type Done = Values;
-    type Report = ParametersReport;
-    const NEED: Need = Need::Records;
     const DOING: &'static str = "reading";
-    const COLUMNS: &'static [&'static str] = &VALUE_COLUMNS;
 
     async fn work(
         &self,
@@ -50,6 +45,12 @@ impl Each for Reading {
     ) -> Result<Values, Failure> {
         Ok(parameters::read(session, drive, &self.references).await?)
     }
+}
+
+impl Shown for Reading {
+    type Done = Values;
+    type Report = ParametersReport;
+    const COLUMNS: &'static [&'static str] = &VALUE_COLUMNS;
 
     fn report(&self, done: &Values, drive: &Drive) -> ParametersReport {
         done.report(drive, &Commands::any())

@@ -5,58 +5,70 @@ use std::path::Path;
 use std::time::Duration;
 
 use client::Wait;
+use profidrive::lasting;
 use profidrive::recording::{
-    CsvLines, Every, Form, Mark, News, PlotError, Recording, RecordingError, RecordingFile, Request, Row,
-    Scope, Sink, Source, Table, WriteError, html, prepare, svg,
+    Every, Form, Mark, PlotError, Recording, RecordingError, RecordingFile, Request, Scope, Source, html,
+    prepare, svg,
 };
 use profidrive::report::{RecordReport, RecordTrigger};
 
 use super::axis;
 use super::each::{self, Row as OfDrive};
+use super::record_rows::{Place, Taken};
 use crate::args::{self, Record, Target};
 use crate::connect::{self, Need};
 use crate::failure::Failure;
+use crate::live_plot::LivePlot;
 use crate::output::Output;
 use crate::render::table::Table as TextTable;
 
+/// What the second signal does to a recording.
+const CLOSES_NOW: &str =
+    "second signal: the connections are closed now; a third one ends this program at once";
+
 pub fn run(args: &Record, target: &Target, output: &Output) -> Result<(), Failure> {
     let request = request(args)?;
-    let form = form(&args.output)?;
-    args.plot.as_deref().map(drawing).transpose()?;
-    if form.is_none() && output.json() {
-        return Err(Failure::usage(
-            "`-o -` prints CSV, --json a document: write the rows to a file",
-        ));
-    }
+    let form = args.output.as_deref().map(form).transpose()?;
+    check(args, form, output)?;
     let need = match request.every {
         Every::Interval(_) => Need::Records,
         Every::Cycle { .. } => Need::Cyclic,
     };
-    let (mut session, found) = connect::drives(target, need, output)?;
+    let (mut session, found) = connect::drives_with(target, need, CLOSES_NOW, output)?;
     let names: Vec<&str> = found.members.iter().map(|member| member.name.as_str()).collect();
     if need == Need::Cyclic {
         output.say(&format!(
-            "opens the cyclic connection of {}; it commands nothing, and refuses a controller as long as it lasts",
-            each::listed(&names)
+            "opens the cyclic connection of {}; it commands nothing, and no controller can connect as long as it lasts",
+            profidrive::listed(&names)
         ));
     }
     let sources = ready(prepare(&session, found.members, &request).wait(), output)?;
     let cyclic: Vec<Option<(Duration, u16)>> = sources.iter().map(Source::cyclic).collect();
     let mut recording = Recording::begin(&session, session.wall_clock(), sources, &request)?;
-    let mut sink = match form {
-        Some(form) => Place::File(Box::new(RecordingFile::create(
-            recording.table(),
-            &args.output,
-            form,
-            args.rotate,
-        )?)),
-        None => Place::printed(recording.table(), output)?,
+    let place = match args.output.as_deref().zip(form) {
+        Some((file, Some(form))) => {
+            let file = RecordingFile::create(recording.table(), file, form, args.rotate)?;
+            Place::File(Box::new(file))
+        }
+        Some((_, None)) => Place::printed(recording.table(), output)?,
+        None => Place::Nowhere,
     };
     output.say(&beginning(&recording, args, &request));
-    let mut scope = args.plot.as_ref().map(|_| Scope::new(recording.table()));
-    let result = record(&mut recording, &mut sink, &mut scope, output).wait();
+    let live = args
+        .live
+        .then(|| LivePlot::begin(recording.table(), recording.stop_handle()))
+        .transpose()?;
+    let mut taken = Taken {
+        place,
+        scope: args.plot.as_ref().map(|_| Scope::new(recording.table())),
+        live,
+        remarks: Vec::new(),
+        output,
+    };
+    let result = taken.record(&mut recording).wait();
+    let (place, scope) = taken.end();
     let closed = session.close().wait();
-    let mut report = RecordReport::of(&recording, &cyclic, sink.files());
+    let mut report = RecordReport::of(&recording, &cyclic, place.files());
     let drawn = match args.plot.as_ref().zip(scope) {
         Some((file, scope)) => {
             let marks: Vec<Mark> = report.trigger.iter().map(mark).collect();
@@ -67,15 +79,37 @@ pub fn run(args: &Record, target: &Target, output: &Output) -> Result<(), Failur
         None => Ok(()),
     };
     output.json_report(&report);
-    if !output.json() && form.is_some() {
-        show(&report, output);
-    }
-    if report.trigger.is_none() && request.trigger.is_some() {
-        output.warn("the trigger did not come: nothing is recorded");
+    if !output.json() {
+        show(&report, !matches!(place, Place::Printed(..)), output);
     }
     each::last(result?, output)?;
     drawn?;
-    Ok(closed?)
+    closed?;
+    Ok(recording.check_triggered()?)
+}
+
+/// What is wrong with files and output is found before drives are connected.
+fn check(args: &Record, form: Option<Option<Form>>, output: &Output) -> Result<(), Failure> {
+    if let Some((file, form)) = args.output.as_deref().zip(form.flatten()) {
+        RecordingFile::check(file, form, args.rotate)?;
+    }
+    args.plot.as_deref().map(check_plot).transpose()?;
+    let prints = form == Some(None);
+    if prints && output.json() {
+        return Err(Failure::usage(
+            "`-o -` prints CSV, --json a document: write the rows to a file",
+        ));
+    }
+    if prints && args.live {
+        return Err(Failure::usage(
+            "`-o -` prints CSV, --live draws on the terminal: write the rows to a file",
+        ));
+    }
+    if args.live {
+        LivePlot::check(output)
+    } else {
+        Ok(())
+    }
 }
 
 fn request(args: &Record) -> Result<Request, Failure> {
@@ -112,13 +146,30 @@ fn mark(trigger: &RecordTrigger) -> Mark {
 /// How a plot is drawn.
 type Drawing = fn(&str, &Scope, &[Mark]) -> Result<String, PlotError>;
 
+/// Checks that a plot can be drawn to a file: its kind is known, and it does not exist.
+pub fn check_plot(file: &Path) -> Result<(), Failure> {
+    drawing(file)?;
+    if file.exists() {
+        return Err(exists(file));
+    }
+    Ok(())
+}
+
+fn exists(file: &Path) -> Failure {
+    Failure::new(
+        client::ErrorKind::Local,
+        format!("`{}` exists already", file.display()),
+    )
+    .hint("choose another name: plots are not replaced")
+}
+
 /// Returns how a file with this name is drawn.
-pub fn drawing(file: &Path) -> Result<Drawing, Failure> {
+fn drawing(file: &Path) -> Result<Drawing, Failure> {
     match file.extension().and_then(std::ffi::OsStr::to_str) {
         Some("svg") => Ok(svg),
         Some("html") => Ok(html),
         _ => Err(Failure::usage(format!(
-            "--plot {}: a plot is drawn as .svg or .html",
+            "--plot {}: unknown file extension; use .svg or .html",
             file.display()
         ))),
     }
@@ -126,15 +177,16 @@ pub fn drawing(file: &Path) -> Result<Drawing, Failure> {
 
 /// Draws curves to a new file.
 pub fn draw(file: &Path, title: &str, scope: &Scope, marks: &[Mark]) -> Result<(), Failure> {
-    let local = |error: &dyn std::fmt::Display| {
-        Failure::new(
+    let local = |error: std::io::Error| match error.kind() {
+        std::io::ErrorKind::AlreadyExists => exists(file),
+        _ => Failure::new(
             client::ErrorKind::Local,
             format!("cannot write {}: {error}", file.display()),
-        )
+        ),
     };
-    let plot = drawing(file)?(title, scope, marks).map_err(|error| local(&error))?;
-    let mut new = std::fs::File::create_new(file).map_err(|error| local(&error))?;
-    new.write_all(plot.as_bytes()).map_err(|error| local(&error))
+    let plot = drawing(file)?(title, scope, marks)?;
+    let mut new = std::fs::File::create_new(file).map_err(local)?;
+    new.write_all(plot.as_bytes()).map_err(local)
 }
 
 /// The form of the file; `None` for CSV that is printed.
@@ -145,10 +197,11 @@ pub fn form(file: &Path) -> Result<Option<Form>, Failure> {
     Form::of(file).map(Some).ok_or_else(|| {
         let ends: Vec<String> = Form::ends().map(|end| format!(".{end}")).collect();
         let message = format!(
-            "-o {}: the form of a recording follows from its end",
-            file.display()
+            "{}: unknown file extension; use {}",
+            file.display(),
+            ends.join(", ")
         );
-        Failure::usage(message).hint(format!("there are {}; `-o -` prints CSV", ends.join(", ")))
+        Failure::usage(message)
     })
 }
 
@@ -179,145 +232,31 @@ fn beginning(recording: &Recording, args: &Record, request: &Request) -> String 
     let wait = request
         .trigger
         .as_ref()
-        .map_or_else(String::new, |trigger| format!(" once there is: {trigger}"));
-    let to = if args.output == Path::new("-") {
-        String::new()
-    } else {
-        format!(" to {}", args.output.display())
-    };
+        .map_or_else(String::new, |trigger| format!("; waits for: {trigger}"));
+    let file = args.output.as_deref().filter(|file| *file != Path::new("-"));
+    let to = file.map_or_else(String::new, |file| format!(" to {}", file.display()));
     let end = if request.time.is_none() {
         "; Ctrl-C ends"
     } else {
         ""
     };
-    format!("records {signals} of {}{to}{wait}{end}", each::listed(&names))
-}
-
-/// Records until the end. Returns what went wrong with single drives.
-async fn record(
-    recording: &mut Recording,
-    sink: &mut Place<'_>,
-    scope: &mut Option<Scope>,
-    output: &Output,
-) -> Result<Vec<Failure>, Failure> {
-    let mut problems = Vec::new();
-    let mut broken: Option<WriteError> = None;
-    let named = |recording: &Recording, drive: usize| {
-        let names = &recording.table().drives;
-        names.get(drive).cloned().unwrap_or_default()
-    };
-    while let Some(news) = recording.next().await? {
-        match news {
-            News::Row(row) if broken.is_none() => {
-                if let Some(scope) = scope {
-                    scope.push(&row);
-                }
-                if let Err(error) = sink.write(&row) {
-                    // the connections are closed in order all the same
-                    recording.stop();
-                    broken = Some(error);
-                }
-            }
-            News::Silent { drive, .. } => {
-                output.warn(&format!(
-                    "{} does not answer; it is tried again",
-                    named(recording, drive)
-                ));
-            }
-            News::Answers { drive, outage } => output.say(&format!(
-                "{} answers again after {:.1} s",
-                named(recording, drive),
-                outage.as_secs_f64()
-            )),
-            News::Triggered(triggered) => output.say(&format!(
-                "{} of {} at {:.3} s",
-                triggered.trigger,
-                named(recording, triggered.drive),
-                triggered.time.as_secs_f64()
-            )),
-            News::Ended { error, .. } => problems.push(error.into()),
-            _ => {}
-        }
-    }
-    if let Some(error) = broken {
-        return Err(error.into());
-    }
-    sink.finish()?;
-    Ok(problems)
-}
-
-/// Where rows go.
-enum Place<'o> {
-    File(Box<RecordingFile>),
-    Printed(Box<CsvLines>, &'o Output),
-}
-
-impl<'o> Place<'o> {
-    fn printed(table: &Table, output: &'o Output) -> Result<Self, Failure> {
-        let lines = CsvLines::new(table).map_err(internal)?;
-        let mut place = Self::Printed(Box::new(lines), output);
-        place.print()?;
-        Ok(place)
-    }
-
-    fn files(&self) -> &[std::path::PathBuf] {
-        match self {
-            Self::File(file) => file.files(),
-            Self::Printed(..) => &[],
-        }
-    }
-
-    fn write(&mut self, row: &Row) -> Result<(), WriteError> {
-        match self {
-            Self::File(file) => file.write(row),
-            Self::Printed(lines, _) => {
-                // memory has room
-                let _ = lines.push(row);
-                let _ = self.print();
-                Ok(())
-            }
-        }
-    }
-
-    fn print(&mut self) -> Result<(), Failure> {
-        if let Self::Printed(lines, output) = self {
-            let text = lines.take().map_err(internal)?;
-            let text = String::from_utf8_lossy(&text);
-            text.lines().for_each(|line| output.line(line));
-        }
-        Ok(())
-    }
-
-    fn finish(&mut self) -> Result<(), WriteError> {
-        match self {
-            Self::File(file) => file.finish(),
-            Self::Printed(..) => Ok(()),
-        }
-    }
-}
-
-fn internal(error: std::io::Error) -> Failure {
-    Failure::new(client::ErrorKind::Internal, error.to_string())
+    format!(
+        "records {signals} of {}{to}{wait}{end}",
+        profidrive::listed(&names)
+    )
 }
 
 impl From<RecordingError> for Failure {
     fn from(error: RecordingError) -> Self {
-        let (kind, advice) = (error.kind(), error.advice());
         match error {
-            RecordingError::Client(error) => error.into(),
             RecordingError::Drive(error) => error.into(),
-            other => Self::new(kind, other.to_string()).hint(advice),
+            other => Self::explained(&other),
         }
     }
 }
 
-impl From<WriteError> for Failure {
-    fn from(error: WriteError) -> Self {
-        Self::new(error.kind(), error.to_string()).hint(error.advice())
-    }
-}
-
-fn show(report: &RecordReport, output: &Output) {
+/// Shows what was recorded; beside rows that are printed, to the person only.
+fn show(report: &RecordReport, to_file: bool, output: &Output) {
     let mut table = TextTable::new(&["drive", "rows", "gaps", "missed", "outages"]);
     for drive in &report.drives {
         table.row([
@@ -328,12 +267,14 @@ fn show(report: &RecordReport, output: &Output) {
             drive.outages.to_string(),
         ]);
     }
-    output.table(&table);
+    let time = lasting(Duration::try_from_secs_f64(report.time).unwrap_or_default());
+    if to_file {
+        output.table(&table);
+    } else {
+        table.lines().iter().for_each(|line| output.say(line));
+        output.say(&format!("{time} recorded"));
+    }
     if !report.files.is_empty() {
-        output.say(&format!(
-            "{:.1} s recorded to {}",
-            report.time,
-            report.files.join(", ")
-        ));
+        output.say(&format!("{time} recorded to {}", report.files.join(", ")));
     }
 }

@@ -2,12 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
-use client::change::{Change, ChangeSet, Choice, Persistence, Plan, Skip, Skipped, Step};
+use client::change::{Change, ChangeSet, Choice, Plan, Skip, Skipped, Step};
 use client::{Drive, Wait};
 use profidrive::report::RestoreReport;
 use profidrive::settings::{self, RestoreError, Shortfall};
 use profile::value::Reading;
 
+use super::remark;
 use crate::advice::Commands;
 use crate::args::{Restore, Target};
 use crate::connect::{self, Need};
@@ -85,7 +86,7 @@ fn way_back(args: &Restore) -> Result<PathBuf, Failure> {
         ))),
         Some(path) => Ok(path.clone()),
         None => settings::way_back(&args.file).ok_or_else(|| {
-            Failure::usage("there are 9999 ways back beside the file; give one with --way-back PATH")
+            Failure::usage("no free name for the values before: `.before-1` to `.before-9999` exist; choose one with --way-back PATH")
         }),
     }
 }
@@ -227,63 +228,12 @@ fn results(set: &ChangeSet, output: &Output) {
     }
 }
 
-/// Describes whether values that were not to be saved persist: one line for those that the drive saves automatically and
-/// one for the others.
-fn unsaved(set: &ChangeSet, drive: &str) -> Vec<String> {
-    let kept = set.kept();
-    let texts = kept.by_itself.len();
-    let others = set.count(Step::is_written).saturating_sub(texts);
-    let mut lines = Vec::new();
-    if texts > 0 {
-        let which = if others == 0 { "them" } else { "the texts" };
-        lines.push(format!(
-            "the drive keeps {which} over power-off: at a serial line it saves text with every write"
-        ));
-    }
-    if others > 0 {
-        let which = if texts == 0 { "" } else { "the other values are " };
-        lines.push(format!("{which}{}", unsaved_words(kept.persistence, drive)));
-    }
-    lines
-}
-
-/// What becomes of written values that were not to be saved.
-fn unsaved_words(persistence: Persistence, drive: &str) -> String {
-    match persistence {
-        Persistence::EveryWrite => "saved in the drive (it saves every write)".into(),
-        Persistence::NotRequested(Some(command)) => format!(
-            "not saved: `profidrive write {drive} {}=1` saves them",
-            command.name
-        ),
-        _ => "not saved: lost at the next power cycle (use --save)".into(),
-    }
-}
-
 fn report(set: &ChangeSet, file: Option<&Path>, drive: &Drive, output: &Output) {
     if set.total() > 0 {
         output.say(&set.summary());
     }
-    let kept = set.kept();
-    match kept.persistence {
-        Persistence::Saved { .. } => {
-            output.say("saved in the drive");
-            if !kept.lost.is_empty() {
-                let lost = kept.lost.len();
-                output.say(&format!(
-                    "{lost} of them are of a kind that the drive does not keep"
-                ));
-            }
-        }
-        Persistence::NotAsPlanned => output.say("not saved, because not every value is as planned"),
-        Persistence::InDoubt => {
-            output.warn("it is not known whether the drive saved: asked for, not answered");
-        }
-        Persistence::Refused(refusal) => output.warn(&format!("not saved: {}", refusal.outcome())),
-        Persistence::EveryWrite | Persistence::NotRequested(_) => {
-            for line in unsaved(set, &drive.label()) {
-                output.say(&line);
-            }
-        }
+    for remark in settings::lasting(set) {
+        remark::print(&remark, "", output);
     }
     if let Some(file) = file {
         output.say(&format!(
@@ -366,30 +316,8 @@ fn document(drive: &Drive, args: &Restore, plan: &Plan, file: Option<&Path>) -> 
 #[allow(clippy::unwrap_used)]
 mod tests {
     use client::backup::Backup;
-    use profile::model::Model;
 
     use super::*;
-
-    #[test]
-    fn only_parameters_of_the_model_are_named_for_saving() {
-        let words_for = |name| {
-            let model = Model::by_name(name).unwrap();
-            let device = model.catalogue.unwrap().device;
-            let head = format!(
-                "model: {}\nvendor: 0x{:04X}\ndevice: 0x{:04X}",
-                model.name, device.vendor_id, device.device_id
-            );
-            let empty = Backup::read(format!("profidrive backup 1\n{head}\n")).unwrap();
-            let plan = Plan::new(&empty, &empty, &Choice::default());
-            unsaved_words(plan.set.kept().persistence, "d")
-        };
-        let akd = words_for("akd");
-        assert!(akd.contains("`profidrive write d DRV.NVSAVE=1`"), "{akd}");
-        let vlt = words_for("vlt");
-        assert!(vlt.contains("--save") && !vlt.contains("NVSAVE"), "{vlt}");
-        let vacon = words_for("vacon");
-        assert!(vacon.starts_with("saved in the drive"), "{vacon}");
-    }
 
     fn backup(lines: &str) -> Backup {
         let head = "profidrive backup 1\nmodel: AKD\nvendor: 0x0105\ndevice: 0x0001\n";

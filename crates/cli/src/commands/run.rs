@@ -1,109 +1,65 @@
 //! `profidrive run`
 
 use client::Wait;
-use client::axis::SpeedUnit;
-use profidrive::motion::{self, Frequency, RunPlan, Telegrams};
-use profile::notation::Quantity;
+use profidrive::motion::{self, RunPlan};
 
 use super::axis;
+use super::recorded::Recorder;
 use crate::args::{Run, Target};
 use crate::connect::Need;
 use crate::failure::Failure;
 use crate::output::Output;
 
 pub fn run(args: &Run, target: &Target, output: &Output) -> Result<(), Failure> {
-    let mut wanted = wanted(args)?;
-    let (number, unit) = wanted
-        .frequency
-        .map_or((wanted.speed, wanted.unit.symbol()), |frequency| {
-            (frequency.hertz, "Hz")
-        });
-    let speed = format!("{number} {unit} {}", duration_text(args));
+    let mut args = args.clone();
+    let quantities = std::iter::once(&mut args.velocity).chain(&mut args.limit);
+    let unit = axis::in_motor_units(target, quantities, output)?;
+    let mut wanted = wanted(&args)?;
+    let mut recorder = Recorder::of(args.recorded.record.as_deref())?;
     if args.dry_run {
-        let plan = axis::moving(target, Need::Records, output, |session, drive, bound| {
-            wanted.control.bound = bound;
-            let observer = axis::observer(&drive.label(), Box::new(|_, _| None), output);
-            motion::plan_run(session, drive, &wanted, &observer).wait()
-        })?;
-        show(&plan, &speed, output);
+        let plan = axis::moving(
+            target,
+            Need::Records,
+            output,
+            |(session, drive), bound, observer| {
+                wanted.control.bound = bound;
+                motion::plan_run(session, drive, &wanted, &observer).wait()
+            },
+        )?;
+        show(&plan, output);
         return Ok(());
     }
-    axis::moving(target, Need::Cyclic, output, |session, drive, bound| {
-        wanted.control.bound = bound;
-        let text = format!("turns at {speed}");
-        let start = Box::new(move |_: &_, _| Some(text.clone()));
-        let observer = axis::observer(&drive.label(), start, output);
-        motion::run(session, drive, &wanted, &observer).wait()
-    })
-    .map(|_| ())
+    let done = axis::moving(
+        target,
+        Need::Cyclic,
+        output,
+        |(session, drive), bound, observer| {
+            wanted.control.bound = bound;
+            let observer = recorder.tap(observer, session);
+            motion::run(session, drive, &wanted, &observer).wait()
+        },
+    );
+    let report = recorder.end(done, output)?;
+    axis::show_travel(unit.as_ref(), &report, output);
+    Ok(())
 }
 
 /// The requested speed, in one unit.
 fn wanted(args: &Run) -> Result<motion::Run, Failure> {
-    let unit = match args.velocity.unit.as_deref() {
-        Some("%") => SpeedUnit::Percent,
-        _ => SpeedUnit::Rpm,
-    };
-    let symbol = unit.symbol();
-    let hertz = args.velocity.in_hertz();
-    let speed = match hertz {
-        Some(_) => 0.0,
-        None => axis::in_unit(&args.velocity, symbol, "--velocity")?,
-    };
-    let usual = match unit {
-        SpeedUnit::Rpm => motion::Run::at(speed),
-        SpeedUnit::Percent => motion::Run::at_percent(speed),
-    };
-    let frequency_limit = args
-        .limit
-        .as_ref()
-        .and_then(Quantity::in_hertz)
-        .filter(|_| hertz.is_some());
-    let limit = args.limit.as_ref().filter(|_| frequency_limit.is_none());
-    let limit = limit
-        .map(|limit| axis::in_unit(limit, symbol, "--limit"))
-        .transpose()?;
     let reference = args.reference_speed.as_ref();
     let reference = reference.map(|speed| axis::rpm(speed, "--reference-speed"));
     let wanted = motion::Run {
-        limit: limit.map_or(usual.limit, f64::abs),
-        frequency: hertz.map(|hertz| Frequency {
-            hertz,
-            limit: frequency_limit.map(f64::abs),
-        }),
         reference_speed: reference.transpose()?,
         telegram: args.telegram,
         time: args.time,
         control: axis::in_mode(&args.control)?,
-        ..usual
+        ..motion::Run::of(&args.velocity, args.limit.as_ref())?
     };
     wanted.check()?;
     Ok(wanted)
 }
 
-fn duration_text(args: &Run) -> String {
-    args.time.map_or_else(
-        || "until Ctrl-C".into(),
-        |time| format!("for {} s", time.as_secs_f64()),
-    )
-}
-
-fn show(plan: &RunPlan, speed: &str, output: &Output) {
-    output.say(&format!(
-        "dry run: {} would turn at {speed}{}; nothing was sent",
-        plan.drive,
-        telegram_text(&plan.telegrams)
-    ));
+fn show(plan: &RunPlan, output: &Output) {
+    output.say(&format!("dry run: {} would {plan}; nothing was sent", plan.drive));
     output.json_report(plan);
-}
-
-/// `, telegram 9 -> 1 (PNU 922)`
-pub fn telegram_text(telegrams: &Telegrams) -> String {
-    let Some(telegram) = telegrams.telegram else {
-        return String::new();
-    };
-    match telegrams.telegram_before.filter(|&before| before != telegram) {
-        Some(before) => format!(", telegram {before} -> {telegram} (PNU 922)"),
-        None => format!(", telegram {telegram}"),
-    }
 }

@@ -7,6 +7,7 @@ use profidrive::report::{
 use profidrive::{Network, Reported, scan};
 
 use crate::args::{Interface, Scan};
+use crate::cache;
 use crate::connect::{self, Need};
 use crate::failure::Failure;
 use crate::output::{Colour, Output};
@@ -40,6 +41,7 @@ pub fn run(args: &Scan, interface: &Interface, output: &Output) -> Result<(), Fa
     bar.finish_and_clear();
     let Reported { report, outcome } = found?;
     network.close().wait()?;
+    cache::remember(report.stations.iter().map(|one| &one.station));
     if args.csv {
         output.raw(&csv(&report)?);
     } else {
@@ -60,7 +62,7 @@ pub fn run(args: &Scan, interface: &Interface, output: &Output) -> Result<(), Fa
     })
 }
 
-/// Tells who comes and goes until the person ends it.
+/// Prints which stations come and go until the person ends it.
 fn watch(args: &Scan, network: &mut Network, output: &Output) -> Result<(), Failure> {
     let mut watch = scan::Watch::default();
     loop {
@@ -174,7 +176,7 @@ impl Page for ScanReport {
                 ip.map_or_else(absent, |(ip, prefix)| format!("{ip}/{prefix}")),
                 vendor(station),
                 station.station_type.clone(),
-                // a column of many times "device" tells nothing
+                // a column with nothing but "device" has no information
                 station
                     .role
                     .filter(|role| *role != "device")

@@ -6,10 +6,9 @@ use profidrive::{Reported, inspection};
 use profile::catalogue::Part;
 use profile::state::Profile;
 
-use super::each::{self, Each, Progress};
+use super::each::{self, Each, Progress, Shown};
 use crate::advice::Commands;
 use crate::args::{Status, Target};
-use crate::connect::Need;
 use crate::failure::Failure;
 use crate::output::{Colour, Output};
 use crate::render::table::clean;
@@ -20,12 +19,7 @@ pub fn run(args: &Status, target: &Target, output: &Output) -> Result<(), Failur
 }
 
 impl Each for Status {
-    type Done = Reported<StatusReport>;
-    type Report = StatusReport;
-    const NEED: Need = Need::Records;
     const DOING: &'static str = "reading the status";
-    const COLUMNS: &'static [&'static str] = &["status", ">speed", "", "why, and what to do"];
-    const MATTER: Option<&'static str> = Some("kept from running");
 
     async fn work(
         &self,
@@ -40,6 +34,13 @@ impl Each for Status {
             Failure::from(error).and_hint(more)
         })
     }
+}
+
+impl Shown for Status {
+    type Done = Reported<StatusReport>;
+    type Report = StatusReport;
+    const COLUMNS: &'static [&'static str] = &["status", ">speed", "", "why, and what to do"];
+    const MATTER: Option<&'static str> = Some("kept from running");
 
     fn report(&self, done: &Self::Done, _: &Drive) -> StatusReport {
         done.report.clone()

@@ -1,15 +1,17 @@
 //! `profidrive step`
 
 use std::path::Path;
+use std::time::Duration;
 
 use client::Wait;
-use client::axis::SpeedUnit;
+use profidrive::lasting;
 use profidrive::motion::{self, Response, StepPoint, Stepped};
-use profidrive::recording::{OverlayError, RecordingFile, Sink, of_samples, overlay, read_step, response_of};
-use profidrive::report::{Quantity, StepReport};
+use profidrive::recording::{EarlierStep, overlay};
+use profidrive::report::{self, StepReport};
 
 use super::axis;
-use super::record::{draw, drawing, form};
+use super::record::{check_plot, draw};
+use super::recorded::Recorder;
 use crate::args::{Step, Target};
 use crate::connect::Need;
 use crate::failure::Failure;
@@ -17,63 +19,54 @@ use crate::output::Output;
 use crate::render::table::Table;
 
 pub fn run(args: &Step, target: &Target, output: &Output) -> Result<(), Failure> {
-    let wanted = wanted(args)?;
-    let form = args.output.as_deref().map(form).transpose()?;
-    if form == Some(None) {
-        return Err(Failure::usage("-o -: a step is written to a file"));
+    let mut wanted = wanted(args)?;
+    // what cannot be written or compared with is found before anything moves
+    let mut recorder = Recorder::of(args.output.as_deref())?;
+    args.plot.as_deref().map(check_plot).transpose()?;
+    let before = args.before.as_deref().map(EarlierStep::read).transpose()?;
+    if let Some(before) = before.as_ref().filter(|_| wanted.run.frequency.is_none()) {
+        before.check_same(&wanted)?;
     }
-    args.plot.as_deref().map(drawing).transpose()?;
-    if let Some(file) = args.output.as_deref().filter(|file| file.exists()) {
-        let message = format!("{} exists already", file.display());
-        return Err(Failure::usage(message).hint("choose another name: recordings are not replaced"));
-    }
-    // what cannot be compared with is found before anything moves
-    let before = args.before.as_deref().map(read_step).transpose()?;
+    let done = axis::moving(
+        target,
+        Need::Cyclic,
+        output,
+        |(session, drive), bound, observer| {
+            wanted.run.control.bound = bound;
+            let observer = recorder.tap(observer, session);
+            wanted = wanted.in_rpm(session, drive, &observer).wait()?;
+            match before
+                .as_ref()
+                .map_or(Ok(()), |before| before.check_same(&wanted))
+            {
+                Ok(()) => motion::step(session, drive, &wanted, &observer).wait().map(Ok),
+                Err(error) => Ok(Err(error)),
+            }
+        },
+    );
+    let stepped = recorder.end(done, output)??;
     let unit = wanted.run.unit.symbol();
-    let mut file = None;
-    let stepped = axis::with_drive(target, Need::Cyclic, output, |session, drive| {
-        let text = format!("steps from {} to {} {unit}", wanted.from, wanted.run.speed);
-        let start = Box::new(move |_: &_, _| Some(text.clone()));
-        let observer = axis::observer(&drive.label(), start, output);
-        let stepped = motion::step(session, drive, &wanted, &observer).wait()?;
-        if let Some((path, form)) = args.output.as_deref().zip(form.flatten()) {
-            let time = (session.wall_clock(), session.now());
-            let (signals, samples) = (&stepped.signals, &stepped.samples);
-            let (table, rows) = of_samples(&stepped.drive, signals, samples, stepped.cycle, time);
-            let write = || {
-                let mut file = RecordingFile::create(&table, path, form, None)?;
-                rows.iter().try_for_each(|row| file.write(row))?;
-                file.finish()
-            };
-            file = Some((path, write()));
-        }
-        Ok(stepped)
-    })?;
     let points = stepped.points();
+    let earlier = before.as_ref().map(EarlierStep::points);
     let drawn = args
         .plot
         .as_deref()
-        .map(|plot| (plot, plot_of(plot, &points, before.as_deref(), unit, &stepped)));
+        .map(|plot| (plot, plot_of(plot, &points, earlier, unit, &stepped)));
     let report = StepReport {
         drive: stepped.drive.clone(),
-        from: Quantity::speed(wanted.from, wanted.run.unit),
-        to: Quantity::speed(wanted.run.speed, wanted.run.unit),
+        from: report::Quantity::speed(wanted.from, wanted.run.unit),
+        to: report::Quantity::speed(wanted.run.speed, wanted.run.unit),
         cycle: stepped.cycle.as_secs_f64(),
         samples: stepped.samples.len(),
         dropped: stepped.dropped,
         response: stepped.response,
-        before: before
-            .as_deref()
-            .and_then(|points| response_of(points, wanted.band)),
-        file: written(file.as_ref()),
+        before: before.as_ref().and_then(|before| before.response(wanted.band)),
+        file: recorder.file(),
         plot: written(drawn.as_ref()),
     };
     output.json_report(&report);
     if !output.json() {
-        show(&report, unit, output);
-    }
-    if let Some((_, result)) = file {
-        result?;
+        show(&report, unit, stepped.cycle, output);
     }
     drawn.map_or(Ok(()), |(_, result)| result)
 }
@@ -107,44 +100,21 @@ fn plot_of(
 /// The requested step, in one unit.
 fn wanted(args: &Step) -> Result<motion::Step, Failure> {
     let (from, to) = &args.velocity;
-    let percent = [from, to].iter().any(|speed| speed.unit.as_deref() == Some("%"));
-    let unit = if percent {
-        SpeedUnit::Percent
-    } else {
-        SpeedUnit::Rpm
-    };
-    let speed = |quantity, what| axis::in_unit(quantity, unit.symbol(), what);
-    let to = speed(to, "--velocity")?;
-    let usual = match unit {
-        SpeedUnit::Rpm => motion::Run::at(to),
-        SpeedUnit::Percent => motion::Run::at_percent(to),
-    };
-    let limit = args
-        .limit
-        .as_ref()
-        .map(|limit| speed(limit, "--limit"))
-        .transpose()?;
+    let step = motion::Step::of(from, to, args.limit.as_ref())?;
     let wanted = motion::Step {
-        from: speed(from, "--velocity")?,
         run: motion::Run {
-            limit: limit.map_or(usual.limit, f64::abs),
             time: Some(args.time),
             control: axis::in_mode(&args.control)?,
-            ..usual
+            ..step.run
         },
         band: axis::in_unit(&args.band, "%", "--band")? / 100.0,
+        ..step
     };
     wanted.check()?;
     Ok(wanted)
 }
 
-impl From<OverlayError> for Failure {
-    fn from(error: OverlayError) -> Self {
-        Self::new(error.kind(), error.to_string()).hint("`profidrive step DRIVE .. -o FILE.csv` records one")
-    }
-}
-
-fn show(report: &StepReport, unit: &str, output: &Output) {
+fn show(report: &StepReport, unit: &str, cycle: Duration, output: &Output) {
     let Some(response) = &report.response else {
         output.warn("no figures: the telegram carries no speed, or no sample of the step arrived");
         return;
@@ -164,6 +134,7 @@ fn show(report: &StepReport, unit: &str, output: &Output) {
         table.row(std::iter::once(title).chain(values));
     }
     output.table(&table);
+    output.say(&format!("times are exact to one cycle: ± {}", lasting(cycle)));
 }
 
 const FIGURES: [&str; 5] = [
@@ -176,8 +147,10 @@ const FIGURES: [&str; 5] = [
 
 /// Returns one of the [`FIGURES`] in words.
 fn figure(name: &str, of: &Response, unit: &str) -> String {
-    let seconds =
-        |time: Option<f64>| time.map_or_else(|| "not reached".to_owned(), |time| format!("{time:.3} s"));
+    let seconds = |time: Option<f64>| {
+        let time = time.and_then(|time| Duration::try_from_secs_f64(time).ok());
+        time.map_or_else(|| "not reached".to_owned(), lasting)
+    };
     match name {
         "overshoot" => format!("{:.1} %", of.overshoot),
         "settled" => seconds(of.settling_time),

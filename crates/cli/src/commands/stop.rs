@@ -1,17 +1,16 @@
 //! `profidrive stop`
 
-use client::{StopWay, Wait};
+use client::{Drive, StopWay, Wait};
 use profidrive::fleet::{self, StopError};
 use profidrive::motion::{self, StopReport};
-use profidrive::report::Drives;
 
 use super::axis;
-use super::each;
+use super::each::{self, Row, Shown};
+use super::remark;
 use crate::args::{Stop, Target};
 use crate::connect::{self, Need};
 use crate::failure::Failure;
 use crate::output::Output;
-use crate::render::table::{Table, clean};
 
 pub fn run(args: &Stop, target: &Target, output: &Output) -> Result<(), Failure> {
     let way = if args.disable {
@@ -22,33 +21,54 @@ pub fn run(args: &Stop, target: &Target, output: &Output) -> Result<(), Failure>
     if connect::selector(target, output)?.single().is_none() {
         return many(way, args, target, output);
     }
-    let report = axis::with_drive(target, Need::Stop, output, |session, drive| {
-        motion::stop(session, drive, way, args.timeout).wait()
+    let (report, drive) = axis::with_drive(target, Need::Stop, output, |session, drive| {
+        let report = motion::stop(session, drive, way, args.timeout).wait()?;
+        Ok((report, drive.clone()))
     })?;
-    if output.json() {
-        output.json_report(&report);
-    } else {
-        output.line(&report.to_string());
+    each::shown_alone(args, &report, &drive, output)
+}
+
+impl Shown for Stop {
+    type Done = StopReport;
+    type Report = StopReport;
+    const COLUMNS: &'static [&'static str] = &["at rest", "what was done"];
+
+    fn report(&self, done: &StopReport, _: &Drive) -> StopReport {
+        done.clone()
     }
-    remarks(&report, output);
-    Ok(report.check()?)
+
+    fn show(&self, done: &StopReport, _: &Drive, output: &Output) {
+        output.line(&done.to_string());
+    }
+
+    fn remark(&self, done: &StopReport, _: &Drive, output: &Output) {
+        remarks(done, output);
+    }
+
+    fn remark_on_all(&self, rows: &[Row<StopReport>], output: &Output) {
+        for report in rows.iter().filter_map(|row| row.done.as_ref()) {
+            remarks(report, output);
+        }
+    }
+
+    fn rows(&self, done: &StopReport, _: &Drive) -> Vec<Vec<String>> {
+        let at_rest = if done.at_rest { "yes" } else { "no" };
+        vec![vec![at_rest.to_owned(), done.to_string()]]
+    }
+
+    fn missing_row(&self) -> Option<Vec<String>> {
+        Some(vec!["not known".to_owned(), String::new()])
+    }
+
+    fn problems(&self, done: &StopReport, _: &Drive) -> Vec<Failure> {
+        done.check().err().map(Failure::from).into_iter().collect()
+    }
 }
 
 /// What is to be known beside how a drive was stopped.
 fn remarks(report: &StopReport, output: &Output) {
-    let label = &report.drive;
-    if let Some(cause) = &report.unread {
-        output.warn(&format!(
-            "parameters of {label} cannot be read ({}): what they say was not taken into account",
-            clean(cause)
-        ));
-    }
-    let controller = report.controller.as_ref().filter(|one| one.connected);
-    if let Some(controller) = controller.filter(|_| report.sent.is_some()) {
-        output.warn(&format!(
-            "controller \"{}\" goes on commanding {label}: what it sends next may move the axis again",
-            clean(controller.name.as_deref().unwrap_or_default())
-        ));
+    for remark in report.remarks() {
+        remark::print(&remark, "", output);
     }
 }
 
@@ -58,32 +78,7 @@ fn many(way: StopWay, args: &Stop, target: &Target, output: &Output) -> Result<(
     let stopped = fleet::stop(&opening, &mut session, &selector, way, args.timeout).wait();
     let stopped = stopped.map_err(Failure::from)?;
     let closed = session.close().wait();
-    let problems = |report: &StopReport| report.check().err().map(Failure::from).into_iter().collect();
-    let rows = stopped.into_iter();
-    let rows: Vec<each::Row<StopReport>> = rows
-        .map(|member| each::Row::new(member, |report, _| problems(report)))
-        .collect();
-    output.json_report(&Drives {
-        drives: rows
-            .iter()
-            .map(|row| row.entry(|report, _| report.clone()))
-            .collect(),
-        left_out: Vec::new(),
-    });
-    if !output.json() {
-        let mut table = Table::new(&["drive", "at rest", "what was done"]);
-        for row in &rows {
-            let report = row.done.as_ref();
-            let at_rest = report.map_or("not known", |report| if report.at_rest { "yes" } else { "no" });
-            let done = report.map_or_else(String::new, StopReport::to_string);
-            table.row([row.name.clone(), at_rest.to_owned(), done]);
-        }
-        output.table(&table);
-    }
-    for report in rows.iter().filter_map(|row| row.done.as_ref()) {
-        remarks(report, output);
-    }
-    each::ended(&rows, None, output)?;
+    each::shown(args, stopped, Vec::new(), output)?;
     Ok(closed?)
 }
 

@@ -4,6 +4,7 @@ use client::Wait;
 use profidrive::motion;
 
 use super::axis;
+use super::recorded::Recorder;
 use crate::args::{Target, Task};
 use crate::connect::Need;
 use crate::failure::Failure;
@@ -16,15 +17,16 @@ pub fn run(args: &Task, target: &Target, output: &Output) -> Result<(), Failure>
         timeout: args.timeout,
         control: axis::in_mode(&args.control)?,
     };
-    axis::moving(target, Need::Cyclic, output, |session, drive, bound| {
-        wanted.control.bound = bound;
-        let start = Box::new(move |_: &_, telegram| {
-            Some(format!(
-                "carries out its motion task {number}, telegram {telegram}"
-            ))
-        });
-        let observer = axis::observer(&drive.label(), start, output);
-        motion::task(session, drive, &wanted, &observer).wait()
-    })
-    .map(|_| ())
+    let mut recorder = Recorder::of(args.recorded.record.as_deref())?;
+    let done = axis::moving(
+        target,
+        Need::Cyclic,
+        output,
+        |(session, drive), bound, observer| {
+            wanted.control.bound = bound;
+            let observer = recorder.tap(observer, session);
+            motion::task(session, drive, &wanted, &observer).wait()
+        },
+    );
+    recorder.end(done, output).map(|_| ())
 }

@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle};
+use profidrive::{Part, Step};
 
 use super::{Output, clean};
 
@@ -28,6 +29,69 @@ pub fn bar(output: &Output, length: usize, words: &'static str) -> ProgressBar {
 /// Shows the octets read of a file on a terminal; nothing without one.
 pub fn bytes(output: &Output, length: u64) -> ProgressBar {
     counter(output, length, "{bar:30} {percent:>3}% {bytes}/{total_bytes}")
+}
+
+/// Shows the parts of long work on one line of a terminal; nothing without one. The line goes with the value.
+pub fn steps(output: &Output) -> Steps {
+    Steps {
+        output: output.clone(),
+        shown: None,
+    }
+}
+
+/// The line of [`steps`].
+pub struct Steps {
+    output: Output,
+    shown: Option<(Part, ProgressBar)>,
+}
+
+impl Steps {
+    /// Shows how far the work is.
+    pub fn show(&mut self, step: &Step) {
+        let other = |(part, _): &(Part, ProgressBar)| *part != step.part;
+        if self.shown.as_ref().is_none_or(other) {
+            self.clear();
+            let words = words(step.part);
+            let bar = match step.all {
+                0 => spinner(&self.output, words.to_owned()),
+                all => bar(&self.output, all, words),
+            };
+            self.shown = Some((step.part, bar));
+        }
+        if let Some((_, bar)) = &self.shown
+            && step.all > 0
+        {
+            bar.set_length(step.all as u64);
+            bar.set_position(step.done as u64);
+        }
+    }
+
+    fn clear(&mut self) {
+        if let Some((_, bar)) = self.shown.take() {
+            bar.finish_and_clear();
+        }
+    }
+}
+
+impl Drop for Steps {
+    fn drop(&mut self) {
+        self.clear();
+    }
+}
+
+/// What a person reads beside the progress.
+const fn words(part: Part) -> &'static str {
+    match part {
+        Part::Searching => "listening for stations",
+        Part::Identities => "reading who they are",
+        Part::Requests => "measuring loss and latency",
+        Part::Timers => "measuring the timers of this computer",
+        Part::Drives => "reading",
+        Part::Settings => "writing settings",
+        Part::Capture => "capturing",
+        Part::Writing => "writing",
+        _ => "working",
+    }
 }
 
 #[expect(

@@ -1,5 +1,6 @@
 //! Tables and live views. Knows how things look, nothing of where they come from.
 
+pub mod chart;
 pub mod live;
 mod page;
 pub mod table;

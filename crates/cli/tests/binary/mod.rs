@@ -23,6 +23,8 @@ pub fn onto(line: &[&str], stdout: Stdio) -> Output {
 fn command(line: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_profidrive"));
     command.args(line).env("NO_COLOR", "1");
+    // no file is there: nothing of the configuration of whoever runs the tests
+    command.env("XDG_CONFIG_HOME", "/nonexistent");
     command
 }
 

@@ -4,8 +4,10 @@ mod facts;
 mod modulo;
 mod objection;
 
+use core::fmt;
+
 use profile::catalogue::{Catalogue, Scaling};
-use profile::notation::Position;
+use profile::notation::{Position, figures};
 use profile::telegram::signal;
 
 use super::command::Traverse;
@@ -73,6 +75,8 @@ impl Move {
 /// A move as it will travel, in both views.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MovePlan {
+    /// True when the target of the order is a distance.
+    pub relative: bool,
     /// As it travels.
     pub traverse: Traverse,
     /// Where the axis is, in turns.
@@ -89,6 +93,29 @@ pub struct MovePlan {
     pub duration: Option<f64>,
     /// All objections to it.
     pub objections: Vec<Objection>,
+}
+
+/// What the axis does, behind its name:
+/// `goes from 1.2 rev to 10 rev (655360 counts) at 300 rpm, ramps 3052 and 3052 rpm/s, in about 2.1 s`.
+impl fmt::Display for MovePlan {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let rounded = |value: f64| figures((value * 1000.0).round() / 1000.0 + 0.0);
+        let rev = |turns: Option<f64>| turns.map_or_else(|| "?".into(), rounded);
+        let (from, to, counts) = (rev(self.from), rev(self.target), self.traverse.target);
+        if self.relative {
+            write!(f, "goes from {from} rev by {counts} counts to {to} rev")?;
+        } else {
+            write!(f, "goes from {from} rev to {to} rev ({counts} counts)")?;
+        }
+        let (speed, up, down) = (
+            rounded(self.speed),
+            figures(self.acceleration),
+            figures(self.deceleration),
+        );
+        write!(f, " at {speed} rpm, ramps {up} and {down} rpm/s")?;
+        self.duration
+            .map_or(Ok(()), |seconds| write!(f, ", in about {seconds:.1} s"))
+    }
 }
 
 /// Plans a move: converts engineering units into telegram values, checked against the facts of the drive and the limits
@@ -116,25 +143,8 @@ pub fn plan_move(
     if order.relative && counts == 0.0 && exact != 0.0 {
         objections.push(Objection::NoDistance { counts: exact });
     }
-    // a target that does not fit says nothing about the way there
-    let known = wire.and(facts.position);
     let wanted = f64::from(wire.unwrap_or(0)) / per_turn;
-    let range = facts.modulo_range.filter(|_| facts.modulo);
-    let (target, distance) = if order.relative {
-        let end = known.map(|position| position + wanted);
-        let target = range.map_or(end, |range| end.map(|end| range.wrap(end)));
-        (target, known.map(|_| wanted))
-    } else {
-        if let Some(range) = range.filter(|range| !(range.low..range.high).contains(&wanted)) {
-            objections.push(Objection::ModuloRange {
-                target: wanted,
-                low: range.low,
-                high: range.high,
-            });
-        }
-        let distance = |from| range.map_or(wanted - from, |range| range.distance(from, wanted));
-        (wire.map(|_| wanted), known.map(distance))
-    };
+    let (target, distance) = way(order.relative, wire.map(|_| wanted), facts, &mut objections);
     speed_objections(order.speed, distance, facts, speed_limit, &mut objections);
     let field = |number, value| {
         let parameter = tables.by_pnu(number);
@@ -143,28 +153,15 @@ pub fn plan_move(
         (raw, taken)
     };
     let (velocity, speed) = field(signal::MDI_VELOCITY, order.speed);
-    let highest = tables
-        .by_pnu(signal::MDI_VELOCITY)
-        .map_or(0.0, |parameter| parameter.engineering(1 << 32, scaling));
-    if order.speed.is_finite() && order.speed > highest {
-        objections.push(Objection::SpeedRange {
-            speed: order.speed,
-            highest,
-        });
-    } else if order.speed > 0.0 && order.speed <= speed_limit && is_other_value(order.speed, speed) {
-        let beside = if speed > order.speed {
-            velocity - 1
-        } else {
-            velocity + 1
-        };
-        let other = tables
-            .by_pnu(signal::MDI_VELOCITY)
-            .map_or(speed, |parameter| parameter.engineering(beside, scaling));
-        objections.push(Objection::SpeedStep {
-            speed: order.speed,
-            nearest: [speed.min(other), speed.max(other)],
-        });
-    }
+    // without the signal no speed is carried
+    let carried = tables.by_pnu(signal::MDI_VELOCITY);
+    let value = |raw| carried.map_or(0.0, |parameter| parameter.engineering(raw, scaling));
+    objections.extend(speed_on_the_wire(
+        order.speed,
+        speed_limit,
+        (velocity, speed),
+        value,
+    ));
     let mut ramp = |number, own: Option<f64>, drives: Option<f64>| {
         let [lowest, highest] = [1, i64::from(u16::MAX)].map(|raw| {
             let parameter = tables.by_pnu(number);
@@ -190,6 +187,7 @@ pub fn plan_move(
         Traverse::absolute(wire.unwrap_or(0))
     };
     MovePlan {
+        relative: order.relative,
         traverse: traverse.with_speed(u32::try_from(velocity).unwrap_or(0), acc, dec),
         from: facts.position,
         target,
@@ -199,6 +197,55 @@ pub fn plan_move(
         duration: distance.map(|distance| duration(distance, speed, acceleration, deceleration)),
         objections,
     }
+}
+
+/// Where a move ends and how far that is, as far as both are known; `wanted` is its target or distance, in turns.
+fn way(
+    relative: bool,
+    wanted: Option<f64>,
+    facts: &MotionFacts,
+    objections: &mut Vec<Objection>,
+) -> (Option<f64>, Option<f64>) {
+    // a target that does not fit says nothing about the way there
+    let known = wanted.and(facts.position);
+    let range = facts.modulo_range.filter(|_| facts.modulo);
+    let turns = wanted.unwrap_or(0.0);
+    if relative {
+        let end = known.map(|position| position + turns);
+        let target = range.map_or(end, |range| end.map(|end| range.wrap(end)));
+        return (target, known.map(|_| turns));
+    }
+    if let Some(range) = range.filter(|range| !(range.low..range.high).contains(&turns)) {
+        objections.push(Objection::ModuloRange {
+            target: turns,
+            low: range.low,
+            high: range.high,
+        });
+    }
+    let distance = |from| range.map_or(turns - from, |range| range.distance(from, turns));
+    (wanted, known.map(distance))
+}
+
+/// The objection to a speed that MDI_VELOCITY does not carry, or not as it is. `taken` is its nearest step with its speed,
+/// `value` the speed of a step.
+fn speed_on_the_wire(
+    speed: f64,
+    limit: f64,
+    (step, taken): (i64, f64),
+    value: impl Fn(i64) -> f64,
+) -> Option<Objection> {
+    let highest = value(1 << 32);
+    if speed.is_finite() && speed > highest {
+        return Some(Objection::SpeedRange { speed, highest });
+    }
+    if !(speed > 0.0 && speed <= limit && is_other_value(speed, taken)) {
+        return None;
+    }
+    let other = value(if taken > speed { step - 1 } else { step + 1 });
+    Some(Objection::SpeedStep {
+        speed,
+        nearest: [taken.min(other), taken.max(other)],
+    })
 }
 
 fn speed_objections(

@@ -49,6 +49,12 @@ impl Seen {
         self.zsw1.has(Zsw1::CONTROL_REQUESTED)
     }
 
+    /// The power stage may be on (S3, S4): bit 1 or 2 is 1.
+    #[must_use]
+    pub const fn power_is_on(self) -> bool {
+        self.zsw1.has(Zsw1::READY_TO_OPERATE) || self.zsw1.has(Zsw1::OPERATION_ENABLED)
+    }
+
     /// ZSW1 bit 1 is 0: the pulses are off for certain (S1, S2, fault).
     #[must_use]
     pub const fn pulses_off(self) -> bool {

@@ -42,8 +42,8 @@ pub enum Persistence {
         /// By a command.
         by_command: bool,
     },
-    /// They are lost: to save them was not requested. The command that saves them, where there is one in the tables.
-    NotRequested(Option<&'static Parameter>),
+    /// They are lost: to save them was not requested.
+    NotRequested,
     /// They are lost: to save them was requested, but not every value is as planned.
     NotAsPlanned,
     /// To save them was requested, and not answered.
@@ -89,6 +89,12 @@ impl ChangeSet {
         kept
     }
 
+    /// Returns whether the drive was requested to save the new values.
+    #[must_use]
+    pub const fn is_to_be_saved(&self) -> bool {
+        self.saves
+    }
+
     fn persistence(&self) -> Persistence {
         if self.saving() == Saving::Always {
             return Persistence::EveryWrite;
@@ -100,13 +106,7 @@ impl ChangeSet {
             Saved::InDoubt => Persistence::InDoubt,
             Saved::Refused(refusal) => Persistence::Refused(refusal),
             Saved::No if self.saves => Persistence::NotAsPlanned,
-            Saved::No => Persistence::NotRequested(match self.saving() {
-                Saving::Command => self
-                    .parameters()
-                    .catalogue
-                    .and_then(|tables| tables.with_role(Role::Save)),
-                Saving::Request | Saving::Always => None,
-            }),
+            Saved::No => Persistence::NotRequested,
         }
     }
 }

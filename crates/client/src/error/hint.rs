@@ -12,6 +12,9 @@ use crate::axis::{Objection, SpeedUnit, Trouble};
 use crate::names::in_models;
 use crate::{Action, Advice, Choice, Drive, LocalControl, LossReaction, Remedy};
 
+/// What works without a cyclic connection.
+const BY_READING: &str = "parameters can be read at an interval, which opens no cyclic connection";
+
 impl Error {
     /// The drive is there, its parameters are not: they are silent, late or make no sense.
     #[must_use]
@@ -104,6 +107,11 @@ impl Error {
             Self::Objections { objections, .. } => of_each(objections)?,
             Self::LocalOperation { by, .. } => by.remedy().into(),
             Self::RunsOn { reaction, .. } => runs_on(reaction),
+            Self::MovesWhenLost { reaction, .. } => {
+                let remedy = reaction.remedy.as_ref().map(Remedy::sentence);
+                remedy.unwrap_or_default().then(BY_READING.into())
+            }
+            Self::StatusUnread { .. } => BY_READING.into(),
             Self::Channel { error, .. } => error.remedy(PkwErrorNames::Profile).into(),
             Self::NoAnswer { telegrams, noise, .. } => of_silence(*telegrams, *noise).into(),
             Self::ForeignModule { wanted, plugged, .. } => {

@@ -121,6 +121,7 @@ impl Error {
             Self::Objections { objections, .. } if objections.iter().all(is_number) => ErrorKind::Usage,
             Self::Parameter(_)
             | Self::SpeedStep { .. }
+            | Self::NoFrequency { .. }
             | Self::NotOnLine { .. }
             | Self::OtherWire { .. }
             | Self::Misuse(_) => ErrorKind::Usage,
@@ -128,6 +129,8 @@ impl Error {
             | Self::LocalOperation { .. }
             | Self::Ownerless { .. }
             | Self::RunsOn { .. }
+            | Self::MovesWhenLost { .. }
+            | Self::StatusUnread { .. }
             | Self::SpeedLimit { .. }
             | Self::SpeedRange { .. }
             | Self::Objections { .. }
@@ -149,7 +152,6 @@ impl Error {
             | Self::ForeignModule { .. }
             | Self::NoStopBeside { .. }
             | Self::SpeedUnit { .. }
-            | Self::NoFrequency { .. }
             | Self::NoSuchTelegram { .. }
             | Self::UnknownModel { .. }
             | Self::TooManyKinds { .. }

@@ -109,7 +109,7 @@ pub(super) const fn frequency_text(converter: bool) -> &'static str {
     if converter {
         "pole pairs, nominal frequency and nominal speed of its motor are not known"
     } else {
-        "it is not known as a frequency converter"
+        "it is not a frequency converter"
     }
 }
 

@@ -474,6 +474,10 @@ impl Session {
         match self.wait(RECORD_LIMIT, |client| client.take_record(call)).await? {
             Some(Ok(data)) => Ok(data),
             Some(Err(ServiceError::Closed { what: service })) => Err(self.lost_access(drive, ar, service)),
+            // a drive that has restarted does not know the connection any more
+            Some(Err(_)) if matches!(self.connection(ar), Connection::Lost(_)) => {
+                Err(self.lost_access(drive, ar, "record access"))
+            }
             Some(Err(error)) => Err(Error::Record {
                 drive: drive.label(),
                 what: what(),

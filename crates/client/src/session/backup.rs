@@ -75,8 +75,8 @@ impl Session {
 
     /// Reads all settings of a drive and its motion tasks. No setting is written. Motion tasks are loaded into the edit
     /// window of the drive, whose content is restored. They are read only while the power stage is off and no
-    /// controller is connected; otherwise the header has the reason for leaving them out. `progress` receives the
-    /// number of parameters read and their total.
+    /// controller is connected; otherwise the header has the reason for leaving them out. `progress` receives how many
+    /// settings and motion tasks are read, and their total.
     ///
     /// # Errors
     /// When the drive cannot be reached. A refused parameter stands in the backup as refused.
@@ -86,13 +86,20 @@ impl Session {
         progress: &mut (dyn FnMut(usize, usize) + Send),
     ) -> Result<Backup, Error> {
         let settings = self.settings(drive).await?;
-        let mut backup = self.backup_of(drive, &settings, progress).await?;
+        let window = drive.model.catalogue.and_then(Window::of);
+        let rows: Vec<u16> = window.map_or_else(Vec::new, |window| window.rows().collect());
+        let all = settings.len() + rows.len();
+        let mut backup = self
+            .backup_of(drive, &settings, &mut |done, _| progress(done, all))
+            .await?;
         let telegram = Selection::number(pnu::TELEGRAM, drive.parameters.notation());
         let telegram = self.read(drive, &[telegram]).await?.into_iter().flatten().next();
         backup.header.telegram = telegram.and_then(|reading| u16::try_from(reading.raw()?).ok());
-        let window = drive.model.catalogue.and_then(Window::of);
-        let rows: Vec<u16> = window.map_or_else(Vec::new, |window| window.rows().collect());
-        self.read_tasks(drive, &mut backup, &rows).await?;
+        self.read_tasks(drive, &mut backup, &rows, &mut |done| {
+            progress(settings.len() + done, all)
+        })
+        .await?;
+        progress(all, all);
         Ok(backup)
     }
 
@@ -117,7 +124,8 @@ impl Session {
             })
             .collect();
         let mut backup = self.backup_of(drive, &selections, &mut |_, _| {}).await?;
-        self.read_tasks(drive, &mut backup, &like.task_numbers()).await?;
+        self.read_tasks(drive, &mut backup, &like.task_numbers(), &mut |_| {})
+            .await?;
         Ok(backup)
     }
 

@@ -86,7 +86,7 @@ impl fmt::Display for WarningEntry {
     }
 }
 
-/// In the place of a meaning that nobody knows.
+/// In the place of a meaning that is not known.
 const UNKNOWN: &str = "not in the tables";
 
 /// One warning.

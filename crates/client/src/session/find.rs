@@ -49,6 +49,51 @@ impl Session {
         self.identify_each(Filter::all(), quick, report).await.map(|_| ())
     }
 
+    /// Sends one Identify request, without a repetition, and returns who answered within `time`, each with the time until its
+    /// answer was here. Ends early once `expected` stations answered. Who is missing lost the request or the answer.
+    ///
+    /// # Errors
+    /// When the medium fails or the caller requests a stop.
+    pub async fn identify_once(
+        &mut self,
+        expected: usize,
+        time: Duration,
+    ) -> Result<Vec<(Station, Duration)>, Error> {
+        let options = IdentifyOptions {
+            delay_factor: 1,
+            margin: time.saturating_sub(Duration::from_millis(10)),
+            sends: 1,
+        };
+        let begin = self.now();
+        let id = self
+            .client()
+            .controller()
+            .identify_with(begin, Filter::all(), options)?;
+        let mut times = Vec::new();
+        loop {
+            let known = times.len();
+            let answered = self
+                .wait(time + DCP_LIMIT, |client| {
+                    let count = client.stations_so_far(id).len();
+                    if count > known {
+                        return Some((count, None));
+                    }
+                    client.take_stations(id).map(|all| (all.len(), Some(all)))
+                })
+                .await?;
+            let (count, all) = answered.unwrap_or((known, None));
+            times.resize(count, self.now() - begin);
+            if let Some(all) = all {
+                return Ok(all.into_iter().zip(times).collect());
+            }
+            if count == known || count >= expected {
+                self.client().controller().cancel_dcp(id);
+                let all = self.client().take_stations_so_far(id);
+                return Ok(all.into_iter().zip(times).collect());
+            }
+        }
+    }
+
     async fn identify(&mut self, filter: Filter, options: IdentifyOptions) -> Result<Vec<Station>, Error> {
         self.identify_each(filter, options, |_| ()).await
     }

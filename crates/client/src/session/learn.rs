@@ -9,7 +9,7 @@ use profinet::controller::ServiceError;
 
 use super::Session;
 use super::backup::LISTS;
-use crate::learn::{self, KindOfDrive};
+use crate::learn::{self, KindOfDrive, Row};
 use crate::{Drive, Error};
 use profile::model::Model;
 use profile::value::{Parameters, Reading, Selection};
@@ -86,18 +86,21 @@ impl Session {
             own.code_space
         };
         let dialect = if generic { learn::in_space(own, space) } else { own };
-        let mut parameters = Vec::new();
-        for (pnu, description) in &described {
+        let mut rows = Vec::new();
+        for (pnu, description) in described {
             let texts = if description.identifier.has(Identifier::TEXT) {
-                self.texts(drive, *pnu).await?
+                self.texts(drive, pnu).await?
             } else {
                 Vec::new()
             };
-            parameters.push(learn::parameter(*pnu, description, space, texts));
+            rows.push(Row {
+                pnu,
+                description,
+                texts,
+            });
         }
         progress(numbers.len(), numbers.len());
-        let station = drive.station.clone();
-        let tables = learn::keep(&kind, dialect, learn::tables(&station, parameters))
+        let tables = learn::keep(&kind, dialect, &drive.station, rows)
             .ok_or_else(|| Error::TooManyKinds { drive: drive.label() })?;
         adopt(drive, tables, dialect);
         Ok(())

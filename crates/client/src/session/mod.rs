@@ -229,6 +229,12 @@ impl Session {
         }
     }
 
+    /// Returns true once the caller requests that what takes its time is cut short ([`hurry_with`](Self::hurry_with)).
+    #[must_use]
+    pub fn hurry_requested(&self) -> bool {
+        locked(&self.hurry).is_requested()
+    }
+
     /// True once the caller requested a quick stop.
     fn has_hurried(&self) -> bool {
         locked(&self.hurry).requested

@@ -380,6 +380,9 @@ impl Session {
     /// Checks that control can be taken for a purpose. Control alone can be taken of a drive that is in operation without
     /// a controller; a motion is never begun on one.
     async fn free(&mut self, drive: &mut Drive, word: Option<Zsw1>, purpose: Purpose) -> Result<(), Error> {
+        if purpose == Purpose::Observe && word.is_none() {
+            return Err(Error::StatusUnread { drive: drive.label() });
+        }
         match self.authority_by(drive, word).await? {
             Authority::Ownerless if purpose == Purpose::Control => Ok(()),
             // what a controller does not command is not seen to stop when this connection ends

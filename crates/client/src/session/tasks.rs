@@ -33,11 +33,12 @@ impl Session {
         drive: &mut Drive,
         backup: &mut Backup,
         numbers: &[u16],
+        progress: &mut (dyn FnMut(usize) + Send),
     ) -> Result<(), Error> {
         let Some(window) = drive.model.catalogue.and_then(Window::of) else {
             return Ok(());
         };
-        let result = self.tasks(drive, &window, numbers).await?;
+        let result = self.tasks(drive, &window, numbers, progress).await?;
         match result {
             Ok(tasks) => {
                 backup.header.tasks = if window.rows().eq(numbers.iter().copied()) {
@@ -72,7 +73,7 @@ impl Session {
         let window = drive.model.catalogue.and_then(Window::of);
         let row = match window {
             Some(window) if window.rows().contains(&number) => {
-                self.tasks(drive, &window, &[number]).await?.ok()
+                self.tasks(drive, &window, &[number], &mut |_| {}).await?.ok()
             }
             Some(_) => Some(vec![Task::Empty]),
             None => None,
@@ -94,6 +95,7 @@ impl Session {
         drive: &mut Drive,
         window: &Window,
         numbers: &[u16],
+        progress: &mut (dyn FnMut(usize) + Send),
     ) -> Result<Result<Vec<Task>, String>, Error> {
         if numbers.is_empty() {
             return Ok(Ok(Vec::new()));
@@ -116,6 +118,7 @@ impl Session {
         let mut tasks = Vec::with_capacity(numbers.len());
         let mut ended = None;
         for &number in numbers {
+            progress(tasks.len());
             match self.look(drive, window, number).await {
                 Ok(Look::Task(task)) => tasks.push(task),
                 Ok(Look::Not(why)) => {

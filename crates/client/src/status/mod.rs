@@ -1,5 +1,7 @@
 //! How a drive is, and in one sentence why it does not run.
 
+mod advice;
+mod facts;
 mod generated;
 mod notes;
 mod rules;
@@ -12,9 +14,9 @@ use profile::state::{Mode, Profile, State, Stw1, Zsw1};
 use crate::session::power_is_on;
 use crate::{Action, Advice, FaultEntry, LocalControl, LossReaction, WarningEntry};
 
+pub use advice::moved_advice;
 pub use generated::Cause;
 pub use notes::Note;
-pub use rules::moved_advice;
 
 /// All values that decide whether an axis runs; `None` where the drive does not report them.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -107,18 +109,27 @@ pub enum Verdict {
     Held,
 }
 
-impl fmt::Display for Verdict {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
+impl Verdict {
+    /// Stable name for programs.
+    #[must_use]
+    pub const fn id(self) -> &'static str {
+        match self {
             Self::Runs => "runs",
             Self::Waits => "waits",
             Self::Held => "held",
-        })
+        }
+    }
+}
+
+impl fmt::Display for Verdict {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.id())
     }
 }
 
 /// Why a drive does not run, or that it does.
 #[derive(Debug, Clone, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Diagnosis {
     /// What it comes down to.
     pub cause: Cause,

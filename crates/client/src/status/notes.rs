@@ -3,8 +3,9 @@
 use profile::catalogue::Part;
 use profile::state::Zsw1;
 
+use super::advice::{advice, moved_advice};
 use super::rules::{self, RULES};
-use super::{Cause, DriveStatus, vendors};
+use super::{Cause, DriveStatus, facts, vendors};
 use crate::names::in_model;
 use crate::{Advice, WarningEntry};
 
@@ -20,6 +21,7 @@ const NOTED: [Cause; 6] = [
 
 /// Something that speaks against running, beside the cause that matters most.
 #[derive(Debug, Clone, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Note {
     /// Stable name for programs: that of a cause, `brake` or `warning`.
     pub id: &'static str,
@@ -41,15 +43,15 @@ pub(super) fn beside(main: Cause, status: &DriveStatus) -> Vec<Note> {
         notes.push(Note {
             id: rule.cause.id(),
             sentence: (rule.sentence)(status),
-            next: rules::advice(rule, status),
+            next: advice(rule.cause, status),
         });
     }
     let moved = Cause::MovedExternally;
-    if main != moved && rules::turns(status) && status.unpowered() {
+    if main != moved && facts::turns(status) && status.unpowered() {
         notes.push(Note {
             id: moved.id(),
-            sentence: rules::moved(status),
-            next: Some(rules::moved_advice(status.model).into()),
+            sentence: facts::moved(status),
+            next: Some(moved_advice(status.model).into()),
         });
     }
     if status.brake_fitted == Some(true) && status.brake_released == Some(false) && status.unpowered() {

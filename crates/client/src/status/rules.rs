@@ -1,20 +1,17 @@
 //! When a cause applies and how it is reported, the most important first: a table that is walked. Verdict and advice of each
 //! cause are in `data/profile/causes.csv`.
 
-use profile::catalogue::{Cleared, Part};
-use profile::notation::fixed;
-use profile::state::{
-    Mode, PositionMachine, Profile, SetpointChannel, SpeedCommand, Start, State, Stw1, Zsw1,
+use profile::catalogue::Part;
+use profile::state::{Start, State, Stw1, Zsw1};
+
+use super::advice::{actions, advice};
+use super::facts::{
+    STANDS, bus_is_low, but, by, fault, in_force, jog_bits, jogs, jogs_at_once, motion, moved, moves,
+    positioning, sources, speed, stands_in, telegram, turns,
 };
-
 use super::{Cause, Diagnosis, DriveStatus, Verdict, notes, vendors};
-use crate::names::in_model;
-use crate::{Action, Advice, FaultEntry, LossReaction, Remedy};
+use crate::Advice;
 
-/// Speed below which an axis counts as standing, rpm.
-const STANDS: f64 = 1.0;
-/// The same in percent of the reference.
-const STANDS_PERCENT: f64 = 0.2;
 /// Bits of the part `disable-sources` that stand for the hardware; bit 0 is the software, bit 1 the fault.
 const HARDWARE_DISABLE: u16 = 1 << 2;
 const CONTROLLED_STOP: u16 = 1 << 5;
@@ -25,8 +22,6 @@ const OTHER_SOURCES: u16 = !(1 | 1 << 1 | HARDWARE_DISABLE | CONTROLLED_STOP);
 const HOMING: u32 = 1 << 3;
 const HOMING_ERROR: u32 = 1 << 4;
 const NOT_STARTED: u32 = 1 << 10;
-/// Without this voltage on its DC bus no drive runs, whatever its own limit is.
-const NO_VOLTAGE: f64 = 50.0;
 
 pub(super) struct Rule {
     pub cause: Cause,
@@ -185,7 +180,7 @@ pub(super) const RULES: &[Rule] = &[
         |s| s.lacks(Stw1::CONTROL_BY_PLC),
         |s| {
             format!(
-                "{} does not take control {}: its program is stopped, or does not want to",
+                "{} does not take control {}: its program is stopped, only records, or does not request control",
                 s.owner(),
                 s.bit_is_0(10)
             )
@@ -505,251 +500,8 @@ pub(super) fn first(status: &DriveStatus) -> Diagnosis {
         sentence: (rule.sentence)(status),
         next: actions(rule.cause, status)
             .into_iter()
-            .chain(advice(rule, status))
+            .chain(advice(rule.cause, status))
             .reduce(Advice::then),
         notes: notes::beside(rule.cause, status),
     }
-}
-
-/// What brings an axis to rest that no controller has.
-fn actions(cause: Cause, status: &DriveStatus) -> Vec<Advice> {
-    let by_parameter = vendors::disable(status.model).is_some();
-    // a stop by parameter leaves the power stage on
-    let stop = if by_parameter {
-        Action::Disable.sentence()
-    } else {
-        Action::Stop.sentence()
-    };
-    match cause {
-        Cause::TurnsOwnerless | Cause::EnabledOwnerless => {
-            let remedy = status.loss.as_ref().and_then(|loss| loss.remedy.as_ref());
-            [Some(stop), remedy.map(Remedy::sentence)]
-                .into_iter()
-                .flatten()
-                .collect()
-        }
-        // it is ownerless, and whether it turns cannot be read
-        Cause::Silent if status.controller == Some(None) => vec![Action::Stop.sentence()],
-        // what its service channel has enabled a parameter switches off
-        Cause::LocalOperation if by_parameter && status.has(Zsw1::OPERATION_ENABLED) => vec![stop],
-        _ => Vec::new(),
-    }
-}
-
-/// Returns the advice for a cause: that of the model of the drive, else the general one.
-pub(super) fn advice(rule: &Rule, status: &DriveStatus) -> Option<Advice> {
-    if let (Cause::LocalOperation, Some(local)) = (rule.cause, &status.local) {
-        return Some(local.remedy().into());
-    }
-    if rule.cause == Cause::NoController && !status.motions.is_empty() {
-        return Some(taking(rule.cause.advice(), &status.motions));
-    }
-    let own = vendors::advice(rule.cause, status.model);
-    let general = || {
-        vendors::in_words_of(status, rule.cause.advice())
-            .unwrap_or_else(|| in_words_of_mode(status, rule.cause.advice()))
-    };
-    let next = own.map_or_else(general, str::to_owned);
-    if rule.cause == Cause::Fault {
-        return Some(fault_advice(status, &next));
-    }
-    (!next.is_empty()).then(|| next.as_str().into())
-}
-
-/// What else can command the axis: that of the actions that the drive can do.
-fn taking(next: &str, motions: &[Action]) -> Advice {
-    let names: Vec<String> = motions.iter().map(|action| format!("{{{action}}}")).collect();
-    let listed = match names.as_slice() {
-        [more @ .., last] if !more.is_empty() => format!("{} or {last}", more.join(", ")),
-        one => one.concat(),
-    };
-    format!("{next}, or take the axis with {listed}").as_str().into()
-}
-
-/// What ends the faults that are present: the remedy of the first by the table, then `acknowledge`, or a restart where
-/// one of them goes away by nothing else.
-fn fault_advice(status: &DriveStatus, acknowledge: &str) -> Advice {
-    let remedy = status.faults.first().and_then(|fault| fault.remedy);
-    let remedy = remedy.filter(|text| !text.is_empty());
-    let restart = |fault: &&FaultEntry| fault.cleared == Some(Cleared::Restart);
-    let restart = status.faults.iter().find(restart);
-    match (remedy, restart.and_then(|fault| fault.clearing.as_deref())) {
-        (Some(remedy), None) => {
-            let acknowledge = acknowledge.trim_start_matches("remove the cause, ");
-            Advice::from(remedy).then(acknowledge.into())
-        }
-        (None, None) => acknowledge.into(),
-        (remedy, Some(clearing)) => {
-            Advice::from(remedy.unwrap_or("remove the cause")).and(format!("; then {clearing}"))
-        }
-    }
-}
-
-/// Returns the advice for an axis of this model that an external force turns.
-#[must_use]
-pub fn moved_advice(model: &str) -> &'static str {
-    vendors::advice(Cause::MovedExternally, model).unwrap_or(Cause::MovedExternally.advice())
-}
-
-pub(super) fn moved(status: &DriveStatus) -> String {
-    format!(
-        "it turns at {} with its power stage off: it coasts, or something outside moves it (a load that hangs on it, a brake that does not hold)",
-        speed(status)
-    )
-}
-
-/// Describes what commands an ownerless drive.
-fn in_force(status: &DriveStatus) -> String {
-    if let Some((loss, parameter, setting)) = status.loss.as_ref().and_then(by_reaction) {
-        let from = loss.after.map_or_else(String::new, |after| {
-            format!(", from {} s after the last control word", after.as_secs_f64())
-        });
-        return format!(
-            "what it does when its controller is lost commands it ({parameter} is {setting}){from}"
-        );
-    }
-    match status.control_word {
-        Some(word) if status.sent(Stw1::CONTROL_BY_PLC | Stw1::ON) => {
-            format!("the last control word, 0x{word:04X}, is still in force")
-        }
-        _ => "what commanded it last is still in force".to_owned(),
-    }
-}
-
-/// What commands a drive that has lost its controller, where that is not the last control word.
-fn by_reaction(loss: &LossReaction) -> Option<(&LossReaction, &str, &str)> {
-    let (parameter, setting) = loss.parameter.as_deref().zip(loss.setting.as_deref())?;
-    loss.commands.then_some((loss, parameter, setting))
-}
-
-fn bus_is_low(status: &DriveStatus) -> bool {
-    let least = status.bus_lowest.unwrap_or_default().max(NO_VOLTAGE);
-    status.bus_voltage.is_some_and(|volts| volts < least)
-}
-
-/// What goes before something that keeps an enabled axis from moving.
-fn but(status: &DriveStatus) -> &'static str {
-    if status.state() == Some(State::S4) {
-        "enabled (S4), but "
-    } else {
-        ""
-    }
-}
-
-fn fault(status: &DriveStatus) -> String {
-    match status.faults.as_slice() {
-        [] => "a fault is present (ZSW1 bit 3), the drive does not report its number".into(),
-        [fault, more @ ..] => {
-            let text = fault.meaning.unwrap_or("not in the tables");
-            let others = match more {
-                [] => String::new(),
-                [other] => format!(", then F{}", other.number),
-                _ => format!(", then {} more", more.len()),
-            };
-            format!("fault F{} is present: {text}{others}", fault.number)
-        }
-    }
-}
-
-/// The parameter that shows it, by its name in the model: ` (STO.STATE is 0)`. Nothing for a drive without a name for it.
-fn by(status: &DriveStatus, part: Part, says: &str) -> String {
-    in_model(status.model, part).map_or_else(String::new, |name| {
-        format!(" ({})", format!("{name} {says}").trim_end())
-    })
-}
-
-fn sources(status: &DriveStatus) -> u16 {
-    status.disable_sources.unwrap_or(0)
-}
-
-fn motion(status: &DriveStatus) -> u32 {
-    status.motion.unwrap_or(0)
-}
-
-fn positioning(status: &DriveStatus) -> bool {
-    status.mode == Some(2)
-}
-
-pub(super) fn turns(status: &DriveStatus) -> bool {
-    let above = |speed: Option<f64>, least: f64| speed.is_some_and(|speed| speed.abs() >= least);
-    above(status.speed_actual, STANDS) || above(status.speed_percent, STANDS_PERCENT)
-}
-
-/// The speed in the unit in which it is known.
-fn speed(status: &DriveStatus) -> String {
-    match (status.speed_actual, status.speed_percent) {
-        (None, Some(percent)) => format!("{} % of its reference", fixed(percent, 1)),
-        (speed, _) => format!("{} rpm", fixed(speed.unwrap_or_default(), 1)),
-    }
-}
-
-/// In operation and turning; in position mode the drive reports it itself.
-fn moves(status: &DriveStatus) -> bool {
-    turns(status) || (positioning(status) && !status.has(Zsw1::STOPPED))
-}
-
-/// True when the control word alone commands a jog.
-fn jogs(status: &DriveStatus) -> bool {
-    let Some(word) = status.stw1 else {
-        return false;
-    };
-    if positioning(status) {
-        return PositionMachine::commanded(word).is_jogging();
-    }
-    let command = SetpointChannel::default().step(State::S4, word, true);
-    matches!(command, SpeedCommand::Jog1 | SpeedCommand::Jog2)
-}
-
-/// True when two bits command a jog and nothing else has the axis.
-fn jogs_at_once(status: &DriveStatus) -> bool {
-    status.stw1.is_some_and(|word| {
-        let closed = (word & (Stw1::ENABLE_RAMP | Stw1::UNFREEZE_RAMP | Stw1::ENABLE_SETPOINT)).0 == 0;
-        match positioning(status) {
-            true => word.jogs_at_once(Mode::Position),
-            false => closed && word.jogs_at_once(Mode::Velocity),
-        }
-    })
-}
-
-/// The jog bits that are set: `(STW1 bits 8 and 9)`; where the words have other bits, the word itself.
-fn jog_bits(status: &DriveStatus) -> String {
-    match status.control_word {
-        Some(word) if status.profile != Profile::Profidrive => {
-            return format!("(control word 0x{word:04X}, {})", status.profile.name());
-        }
-        _ => {}
-    }
-    let word = status.stw1.unwrap_or_default();
-    let jogs = [(8, Stw1::JOG_1), (9, Stw1::JOG_2), (12, Stw1::REAL_TIME_JOG)];
-    let numbers: Vec<String> = jogs
-        .iter()
-        .filter(|(number, bit)| word.has(*bit) && (*number != 12 || positioning(status)))
-        .map(|(number, _)| number.to_string())
-        .collect();
-    let plural = if numbers.len() > 1 { "s" } else { "" };
-    format!("(STW1 bit{plural} {})", numbers.join(" and "))
-}
-
-/// Advice with the control words of the mode: in position mode bit 6 starts a task, so that OFF and ON are without it.
-fn in_words_of_mode(status: &DriveStatus, advice: &str) -> String {
-    if !positioning(status) {
-        return advice.to_owned();
-    }
-    [Stw1::READY, Stw1::RUN]
-        .iter()
-        .fold(advice.to_owned(), |text, word| {
-            text.replace(&word.to_string(), &word.without(Stw1::ACTIVATE_TASK).to_string())
-        })
-}
-
-fn stands_in(status: &DriveStatus) -> String {
-    status
-        .state()
-        .map_or_else(String::new, |state| format!(" (the drive is in {state})"))
-}
-
-fn telegram(status: &DriveStatus) -> String {
-    status
-        .telegram
-        .map_or_else(|| "its telegram".into(), |number| format!("telegram {number}"))
 }

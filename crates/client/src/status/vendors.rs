@@ -35,7 +35,7 @@ pub(super) fn in_words_of(status: &DriveStatus, advice: &str) -> Option<String> 
     if advice_text.contains("STW1") {
         let operation = word(OPERATION);
         return Some(format!(
-            "in the controller: control word {operation} asks for operation ({})",
+            "in the controller: control word {operation} requests operation ({})",
             profile.name()
         ));
     }

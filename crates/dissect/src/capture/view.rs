@@ -157,7 +157,7 @@ impl View {
 mod tests {
     use super::*;
 
-    /// A DCP identify request of a station that nobody has named.
+    /// A DCP identify request of a name that no station has.
     fn identify(source: u8) -> Vec<u8> {
         let mut frame = vec![0x01, 0x0E, 0xCF, 0, 0, 0, 2, 0, 0, 0, 0, source, 0x88, 0x92];
         frame.extend([0xFE, 0xFE, 5, 0, 0, 0, 0, 1, 0, 1, 0, 4, 0xFF, 0xFF, 0, 0]);
@@ -182,7 +182,7 @@ mod tests {
     fn only_what_is_wanted_is_returned() {
         let tenth = |tenth: u64| Some(Duration::from_millis(tenth * 100));
         let station = |name: &str| Some(name.to_owned());
-        // nobody answers
+        // no station answers
         let (times, unanswered, _) = seen(Selection::default());
         assert_eq!((times, unanswered), (vec![0, 1, 2], true));
         let since = Selection {

@@ -47,6 +47,27 @@ impl Beside {
             .map_err(|source| at(&self.place, "write", source))
     }
 
+    /// Gives the new content its name, where nothing has that name.
+    ///
+    /// # Errors
+    /// When something has the name, or the file cannot be named.
+    pub fn put_where_nothing_is(self) -> Result<(), StateFileError> {
+        let named = match &self.path {
+            None => name(&self.file, &self.place),
+            Some(path) => match fs::hard_link(path, &self.place) {
+                // a file system without links: what comes into being meanwhile is replaced
+                Err(error) if error.kind() != io::ErrorKind::AlreadyExists => {
+                    match fs::symlink_metadata(&self.place) {
+                        Ok(_) => Err(io::ErrorKind::AlreadyExists.into()),
+                        Err(_) => fs::rename(path, &self.place),
+                    }
+                }
+                linked => linked,
+            },
+        };
+        named.map_err(|source| at(&self.place, "create", source))
+    }
+
     /// Puts the new content in the place of the old one, at once.
     ///
     /// # Errors

@@ -10,6 +10,7 @@ use std::time::Duration;
 use profinet::Instant;
 use serialport::SerialPort;
 
+use super::diagnosis::{Link, Permissions, PortHolder};
 use super::stop::SAME_SIGNAL;
 use super::udp::Ports;
 use super::{Calls, Error, InterfaceInfo, Stop, ThreadTime};
@@ -39,6 +40,24 @@ pub const fn free_memory() -> Option<u64> {
 pub const fn thread_time() -> Option<ThreadTime> {
     None
 }
+
+/// Returns nothing: not available in the standard library.
+pub const fn permissions() -> Option<Permissions> {
+    None
+}
+
+/// Returns nothing: not available in the standard library.
+pub fn link(_interface: &str) -> Link {
+    Link::default()
+}
+
+/// Returns nothing: not available in the standard library.
+pub const fn holders(_port: u16) -> Option<Vec<PortHolder>> {
+    None
+}
+
+/// Does nothing: timers are as the system sets them.
+pub const fn sharpen_timers() {}
 
 /// Interfaces are used for raw Ethernet only.
 pub fn interfaces() -> Result<Vec<InterfaceInfo>, Error> {

@@ -6,8 +6,10 @@
 //! | a client without the right to raw sockets: records only, no discovery, no cyclic data | [`UdpMedium`] |
 //! | what interfaces there are | [`InterfaceInfo`] |
 //! | Ctrl-C | [`Stop`] |
+//! | what decides how well this computer works as a controller | [`Permissions`], [`Link`], [`PortHolder`], [`lateness`] |
 //! | a folder that one program uses at a time | [`FolderLock`] |
 
+mod diagnosis;
 #[cfg(any(test, not(target_os = "linux")))]
 #[cfg_attr(target_os = "linux", allow(dead_code))]
 mod elsewhere;
@@ -30,6 +32,7 @@ use elsewhere as os;
 #[cfg(target_os = "linux")]
 use linux as os;
 
+pub use diagnosis::{Link, Permissions, PortHolder, lateness};
 pub use error::Error;
 pub use interface::InterfaceInfo;
 pub use lock::{FolderLock, LockError};

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::time::Duration;
 
-use super::condition::Condition;
+use super::condition::{Condition, Source, Test};
 
 /// Something that is expected of drives of a plant.
 #[derive(Debug, Clone, PartialEq)]
@@ -57,6 +57,37 @@ impl Expectation {
     #[must_use]
     pub fn name(&self) -> &str {
         &self.name
+    }
+
+    /// Returns true when a condition of it looks at a parameter.
+    #[must_use]
+    pub fn reads_parameters(&self) -> bool {
+        let mut conditions = self.all_targets().flat_map(|target| &target.conditions);
+        conditions.any(|condition| {
+            matches!(
+                &condition.test,
+                Test::Number {
+                    source: Source::Parameter(..),
+                    ..
+                }
+            )
+        })
+    }
+
+    /// Returns the number in the plant of each drive that it looks at.
+    pub(crate) fn drives(&self) -> impl Iterator<Item = usize> {
+        self.all_targets().map(|target| target.drive)
+    }
+
+    fn all_targets(&self) -> impl Iterator<Item = &Target> {
+        let after = match &self.rule {
+            Rule::Within {
+                after: After::Condition(targets),
+                ..
+            } => targets.as_slice(),
+            _ => &[],
+        };
+        self.targets.iter().chain(after)
     }
 
     /// Returns the line where it begins, from 1.

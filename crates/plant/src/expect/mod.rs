@@ -4,6 +4,7 @@
 //! |---|---|
 //! | `condition` | what must hold of a drive, and how it is looked at |
 //! | `expectation` | an expectation as it was read |
+//! | `goal` | conditions that a run waits for |
 //! | `parse` | expectations as TOML, with the line of each mistake |
 //! | `monitor` | the checks, tick by tick, in bounded memory |
 //! | `result` | what came of an expectation, in words and as data |
@@ -11,17 +12,20 @@
 
 mod condition;
 mod expectation;
+mod goal;
 #[cfg(feature = "junit")]
 mod junit;
 mod monitor;
 mod parse;
 mod result;
+mod value;
 
 pub(crate) use condition::revolutions;
 pub use condition::{Live, Observed, Quantity};
 pub use expectation::Expectation;
+pub use goal::Goal;
 #[cfg(feature = "junit")]
 pub use junit::{Suite, junit};
 pub use monitor::Monitor;
-pub(crate) use parse::{Scope, read_all, read_list};
+pub(crate) use parse::{Scope, read_all, read_goal, read_list};
 pub use result::{ExpectationResult, Nearest, Outcome};

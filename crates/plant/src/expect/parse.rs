@@ -4,25 +4,27 @@ use std::ops::Range;
 use std::time::Duration;
 
 use profile::catalogue::{Parameter, Scaling};
-use profile::notation::{Quantity as Written, wildcard_fits};
-use profile::state::{Stw1, Zsw1};
+use profile::notation::wildcard_fits;
 use profile::value::Parameters;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 use virtual_drive::drive::Drive;
 
-use super::condition::{Bounds, Condition, Flag, Numbers, Quantity, Source, Test};
-use super::expectation::{After, Expectation, Rule, Target, quoted};
-use crate::file::{Located, PlantError, line_of};
+use super::condition::{Bounds, Condition, Flag, Quantity, Source, Test};
+use super::expectation::{After, Expectation, Rule, Target};
+use super::goal::Goal;
+use super::value::{
+    Value, duration, entries, get, number, numbers, states, table, text, tolerance, word, wrong,
+};
+use crate::located::{Located, PlantError, line_of};
 use crate::plan::DrivePlan;
 use crate::text::time;
 
 /// Most expectations of one list, and most pairs of an expectation and a drive.
 const MOST: usize = 10_000;
+
 /// Longest text, in octets.
 const LONGEST: usize = 1 << 20;
-
-type Value<'a> = Spanned<DeValue<'a>>;
 
 /// The drives that an expectation may name.
 #[derive(Debug, Clone, Copy)]
@@ -67,6 +69,35 @@ pub(crate) fn read_all(text: &str, scope: Scope<'_>) -> Result<Vec<Expectation>,
     Ok(found)
 }
 
+/// Reads the conditions of a run that waits for them, one inline table.
+pub(crate) fn read_goal(text: &str, scope: Scope<'_>) -> Result<Goal, PlantError> {
+    let error = |message: String| PlantError { line: 1, message };
+    if text.len() > LONGEST {
+        return Err(error(format!("the text is longer than {LONGEST} octets")));
+    }
+    let whole = format!("goal = {text}");
+    let wrong_text = |Located(span, message): Located| PlantError {
+        line: line_of(&whole, span.start),
+        message,
+    };
+    let parsed = DeTable::parse(&whole).map_err(|wrong| error(wrong.message().to_owned()))?;
+    let mut entries_of_text = parsed.get_ref().iter();
+    let (Some((_, value)), None) = (entries_of_text.next(), entries_of_text.next()) else {
+        return Err(error("a goal is one table: { drive = .., CONDITION .. }".into()));
+    };
+    let table = table(value).map_err(wrong_text)?;
+    check_keys(table, &["drive", "for"]).map_err(wrong_text)?;
+    let rule = Rule::At(Duration::ZERO);
+    let expectation = conditions(table, &value.span(), scope, rule).map_err(wrong_text)?;
+    let several = || error("a goal has one drive: name it with `drive`".into());
+    Goal::of(Expectation {
+        name: "goal".into(),
+        line: 1,
+        ..expectation
+    })
+    .ok_or_else(several)
+}
+
 /// Reads the value of the key `expect`.
 pub(crate) fn read_list(
     value: &Value<'_>,
@@ -100,35 +131,6 @@ pub(crate) fn read_list(
         found.push(expectation);
     }
     Ok(found)
-}
-
-fn wrong(value: &Value<'_>, message: &str) -> Located {
-    Located(value.span(), message.to_owned())
-}
-
-fn table<'a, 'b>(value: &'b Value<'a>) -> Result<&'b DeTable<'a>, Located> {
-    match value.get_ref() {
-        DeValue::Table(table) => Ok(table),
-        _ => Err(wrong(value, "a table is expected, { KEY = VALUE, .. }")),
-    }
-}
-
-fn text<'a>(value: &'a Value<'_>) -> Result<&'a str, Located> {
-    match value.get_ref() {
-        DeValue::String(text) => Ok(text),
-        _ => Err(wrong(value, "a text is expected, \"..\"")),
-    }
-}
-
-fn get<'a, 'b>(table: &'b DeTable<'a>, key: &str) -> Option<&'b Value<'a>> {
-    table
-        .iter()
-        .find(|(name, _)| name.get_ref() == key)
-        .map(|(_, value)| value)
-}
-
-fn duration(value: &Value<'_>) -> Result<Duration, Located> {
-    time(text(value)?).map_err(|message| wrong(value, &message))
 }
 
 /// Fails for a key that is neither one of `own` nor that of a condition.
@@ -171,6 +173,24 @@ fn read(
         &["name", "at", "within", "after", "always", "never", "drive", "for"],
     )?;
     let rule = rule(table, span, scope)?;
+    let name = match get(table, "name") {
+        Some(value) => text(value)?.to_owned(),
+        None => format!("expectation {number}"),
+    };
+    Ok(Expectation {
+        name,
+        line: line_of(whole, span.start),
+        ..conditions(table, span, scope, rule)?
+    })
+}
+
+/// Reads what each expectation has, beside its name and its place.
+fn conditions(
+    table: &DeTable<'_>,
+    span: &Range<usize>,
+    scope: Scope<'_>,
+    rule: Rule,
+) -> Result<Expectation, Located> {
     let lasts = match get(table, "for") {
         Some(value) if matches!(rule, Rule::Whole { .. }) => {
             return Err(wrong(
@@ -184,14 +204,10 @@ fn read(
         None => (0..scope.drives.len()).collect(),
         Some(value) => drives(value, scope)?,
     };
-    let name = match get(table, "name") {
-        Some(value) => text(value)?.to_owned(),
-        None => format!("expectation {number}"),
-    };
     Ok(Expectation {
         file: None,
-        name,
-        line: line_of(whole, span.start),
+        name: String::new(),
+        line: 1,
         rule,
         lasts,
         targets: targets(table, span, scope, &drives)?,
@@ -533,205 +549,5 @@ impl Reader<'_, '_> {
             }
         };
         Ok(open((target - tolerance, true), (target + tolerance, true)))
-    }
-}
-
-/// Returns a number in `unit`.
-fn number(text: &str, unit: &str) -> Result<f64, String> {
-    let quantity: Written = text.trim().parse().map_err(|error| format!("{error}"))?;
-    let number = quantity.in_unit(unit).map_err(|error| error.to_string())?;
-    if number.is_finite() {
-        Ok(number)
-    } else {
-        Err(format!("`{text}` is not a finite number"))
-    }
-}
-
-/// Returns half the width around a target: `2rpm` or `1%` of it.
-fn tolerance(value: &Value<'_>, target: f64, unit: &str) -> Result<f64, Located> {
-    let written = text(value)?;
-    let half = match written.trim().strip_suffix('%').filter(|_| unit != "%") {
-        Some(share) => number(share, "").map(|share| target.abs() * share / 100.0),
-        None => number(written, unit),
-    };
-    let half = half.map_err(|message| wrong(value, &format!("tolerance: {message}")))?;
-    if half < 0.0 {
-        return Err(wrong(value, "a tolerance is not negative"));
-    }
-    Ok(half)
-}
-
-fn states(value: &Value<'_>) -> Result<Vec<u8>, Located> {
-    let state = |text: &str| match text.trim() {
-        "S1" => Ok(1),
-        "S2" => Ok(2),
-        "S3" => Ok(3),
-        "S4" => Ok(4),
-        "S5" => Ok(5),
-        other => Err(wrong(
-            value,
-            &format!("`{other}`: states are S1 to S5, several as \"S1|S2\""),
-        )),
-    };
-    text(value)?.split('|').map(state).collect()
-}
-
-fn numbers(value: &Value<'_>, warnings: bool, drive: &DrivePlan) -> Result<Numbers, Located> {
-    let kind = if warnings { "warning" } else { "fault" };
-    let form = format!("a {kind} is a number, a list of numbers, \"none\" or \"any\"");
-    let one = |value: &Value<'_>| {
-        let number = match value.get_ref() {
-            DeValue::Integer(written) => written.to_string().parse::<u16>().ok(),
-            _ => None,
-        };
-        let number = number.ok_or_else(|| wrong(value, &form))?;
-        match drive.model.catalogue.fault(number, warnings) {
-            Some(_) => Ok(number),
-            None => Err(wrong(
-                value,
-                &format!(
-                    "{}: {} has no {kind} {number}",
-                    drive.name, drive.model.catalogue.device.station_type
-                ),
-            )),
-        }
-    };
-    match value.get_ref() {
-        DeValue::String(text) if text == "none" => Ok(Numbers::None),
-        DeValue::String(text) if text == "any" => Ok(Numbers::Any),
-        DeValue::Array(list) if !list.is_empty() => {
-            Ok(Numbers::These(list.iter().map(one).collect::<Result<_, _>>()?))
-        }
-        _ => Ok(Numbers::These(vec![one(value)?])),
-    }
-}
-
-/// Names of the bits of the status word, as the library has them.
-const ZSW1: [(&str, Zsw1); 15] = [
-    ("READY_TO_SWITCH_ON", Zsw1::READY_TO_SWITCH_ON),
-    ("READY_TO_OPERATE", Zsw1::READY_TO_OPERATE),
-    ("OPERATION_ENABLED", Zsw1::OPERATION_ENABLED),
-    ("FAULT", Zsw1::FAULT),
-    ("NO_COAST_STOP", Zsw1::NO_COAST_STOP),
-    ("NO_QUICK_STOP", Zsw1::NO_QUICK_STOP),
-    ("INHIBITED", Zsw1::INHIBITED),
-    ("WARNING", Zsw1::WARNING),
-    ("IN_TOLERANCE", Zsw1::IN_TOLERANCE),
-    ("CONTROL_REQUESTED", Zsw1::CONTROL_REQUESTED),
-    ("REACHED", Zsw1::REACHED),
-    ("HOMED", Zsw1::HOMED),
-    ("TASK_ACKNOWLEDGED", Zsw1::TASK_ACKNOWLEDGED),
-    ("STOPPED", Zsw1::STOPPED),
-    ("TASK_ACTIVE", Zsw1::TASK_ACTIVE),
-];
-
-/// Names of the bits of the control word.
-const STW1: [(&str, Stw1); 17] = [
-    ("ON", Stw1::ON),
-    ("NO_COAST_STOP", Stw1::NO_COAST_STOP),
-    ("NO_QUICK_STOP", Stw1::NO_QUICK_STOP),
-    ("ENABLE_OPERATION", Stw1::ENABLE_OPERATION),
-    ("ENABLE_RAMP", Stw1::ENABLE_RAMP),
-    ("NO_REJECT", Stw1::NO_REJECT),
-    ("UNFREEZE_RAMP", Stw1::UNFREEZE_RAMP),
-    ("NO_INTERMEDIATE_STOP", Stw1::NO_INTERMEDIATE_STOP),
-    ("ENABLE_SETPOINT", Stw1::ENABLE_SETPOINT),
-    ("ACTIVATE_TASK", Stw1::ACTIVATE_TASK),
-    ("ACKNOWLEDGE_FAULT", Stw1::ACKNOWLEDGE_FAULT),
-    ("JOG_1", Stw1::JOG_1),
-    ("JOG_2", Stw1::JOG_2),
-    ("CONTROL_BY_PLC", Stw1::CONTROL_BY_PLC),
-    ("START_HOMING", Stw1::START_HOMING),
-    ("REAL_TIME_JOG", Stw1::REAL_TIME_JOG),
-    ("REAL_TIME_JOG_REVERSE", Stw1::REAL_TIME_JOG_REVERSE),
-];
-
-/// `0x0737/0x0FFF`, `0x0737`, or names of bits, those that must be 0 with a `!`.
-fn word(value: &Value<'_>, status: bool) -> Result<Test, Located> {
-    let written = text(value)?.trim();
-    let number = |text: &str| {
-        let digits = text.trim().strip_prefix("0x").unwrap_or("");
-        u16::from_str_radix(digits, 16)
-            .map_err(|_| wrong(value, &format!("`{text}` is not a word, 0x0000 to 0xFFFF")))
-    };
-    let (mut mask, mut wanted) = (0, 0);
-    if written.starts_with("0x") {
-        let (word, only) = written.split_once('/').unwrap_or((written, "0xFFFF"));
-        (wanted, mask) = (number(word)?, number(only)?);
-    } else {
-        for name in written.split_whitespace() {
-            let bare = name.strip_prefix('!').unwrap_or(name);
-            let bit = if status {
-                ZSW1.iter()
-                    .find(|(known, _)| *known == bare)
-                    .map(|(_, bit)| bit.0)
-            } else {
-                STW1.iter()
-                    .find(|(known, _)| *known == bare)
-                    .map(|(_, bit)| bit.0)
-            };
-            let bit = bit.ok_or_else(|| {
-                let zsw1 = ZSW1.iter().map(|(name, _)| *name).filter(|_| status);
-                let stw1 = STW1.iter().map(|(name, _)| *name).filter(|_| !status);
-                let names: Vec<_> = zsw1.chain(stw1).collect();
-                wrong(
-                    value,
-                    &format!("no bit `{bare}`; there are: {}", names.join(", ")),
-                )
-            })?;
-            mask |= bit;
-            if bare == name {
-                wanted |= bit;
-            } else if wanted & bit != 0 {
-                return Err(wrong(value, &format!("`{bare}` cannot be 0 and 1")));
-            }
-        }
-    }
-    if wanted & !mask != 0 || mask == 0 {
-        return Err(wrong(
-            value,
-            "a word is VALUE/MASK, and VALUE has no bit outside of MASK; or names of bits",
-        ));
-    }
-    Ok(Test::Word {
-        status,
-        mask,
-        value: wanted,
-    })
-}
-
-/// The entries of a table as TOML, in the order in which they were written; without one key.
-fn entries(table: &DeTable<'_>, without: &str) -> Vec<String> {
-    let mut all: Vec<_> = table.iter().filter(|(key, _)| key.get_ref() != without).collect();
-    all.sort_by_key(|(key, _)| key.span().start);
-    all.into_iter()
-        .map(|(key, value)| entry(key.get_ref(), value))
-        .collect()
-}
-
-/// `key = value` as TOML.
-fn entry(key: &str, value: &Value<'_>) -> String {
-    let bare = !key.is_empty()
-        && key
-            .bytes()
-            .all(|octet| octet.is_ascii_alphanumeric() || matches!(octet, b'-' | b'_'));
-    let key = if bare { key.to_owned() } else { quoted(key) };
-    format!("{key} = {}", written(value))
-}
-
-fn written(value: &Value<'_>) -> String {
-    match value.get_ref() {
-        DeValue::String(text) => quoted(text),
-        DeValue::Integer(number) => number.to_string(),
-        DeValue::Float(number) => number.to_string(),
-        DeValue::Boolean(is) => is.to_string(),
-        DeValue::Datetime(time) => time.to_string(),
-        DeValue::Array(list) => {
-            let items: Vec<_> = list.iter().map(written).collect();
-            format!("[{}]", items.join(", "))
-        }
-        DeValue::Table(table) => {
-            format!("{{ {} }}", entries(table, "").join(", "))
-        }
     }
 }

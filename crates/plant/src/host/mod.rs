@@ -9,6 +9,7 @@ mod description;
 mod duplicate_check;
 mod error;
 mod event;
+mod expected;
 mod fleet;
 mod injection;
 mod load;
@@ -36,6 +37,7 @@ use virtual_drive::station::StationConfig;
 
 use crate::control_socket::{ControlSocket, Request};
 use crate::event::Unit;
+use crate::expect::{Expectation, ExpectationResult};
 use crate::plan::DrivePlan;
 use crate::timeline::Timeline;
 
@@ -50,6 +52,7 @@ pub use state_folder::{DriveState, Found, StateFolder};
 
 use description::description_of;
 use duplicate_check::{DuplicateCheck, Wanted};
+use expected::Expected;
 use fleet::Plan;
 use load::Tally;
 use persistence::Persistence;
@@ -111,6 +114,8 @@ pub struct HostConfig {
     pub refuses_in_operation: bool,
     /// File for the traffic of the drives.
     pub capture: Option<PathBuf>,
+    /// What is expected of the drives of a plant. Times count from the first connection of a controller.
+    pub expectations: Vec<Expectation>,
     /// How long the simulation goes on; `None` until it is stopped.
     pub time: Option<Duration>,
     /// Time between two reports of its [`Load`]; `None` for no reports.
@@ -196,6 +201,7 @@ pub struct Host {
     control_socket: Option<ControlSocket>,
     duplicate_check: Option<DuplicateCheck>,
     events: EventSender,
+    expected: Expected,
     start: Instant,
     end: Option<Instant>,
     tally: Tally,
@@ -250,6 +256,7 @@ impl Host {
             control_socket: None,
             duplicate_check: Some(duplicate_check),
             events,
+            expected: Expected::new(config.expectations, config.seed),
             start,
             end: config.time.map(|time| start + time),
             tally: Tally::default(),
@@ -307,16 +314,18 @@ impl Host {
         if !running.timeline.is_over() {
             self.timed.insert(id);
         }
+        self.expected.add(id, &key);
         self.drives.insert(id, running);
         Ok((key, ready))
     }
 
-    /// Runs the drives until the time is over or the simulation is stopped, then saves what is still to be saved.
+    /// Runs the drives until the time is over or the simulation is stopped, then saves what is still to be saved. Returns what came
+    /// of each expectation for each of its drives.
     ///
     /// # Errors
     /// When the interface fails for good, when a station on the segment has the MAC address of a drive, or when the
     /// capture file is not complete.
-    pub fn run(mut self) -> Result<(), HostError> {
+    pub fn run(mut self) -> Result<Vec<ExpectationResult>, HostError> {
         loop {
             let turn = self.step()?;
             self.reopen()?;
@@ -327,9 +336,11 @@ impl Host {
             }
             self.handle_events();
             self.play_timelines();
+            self.expected.look(now(), &self.runner);
             self.report_load();
             if turn == Turn::Stopped || self.end.is_some_and(|end| now() >= end) {
-                return self.finish();
+                let results = self.expected.finish(now());
+                return self.finish().map(|()| results);
             }
         }
     }
@@ -426,6 +437,8 @@ impl Host {
         let station = unit.inner_mut().endpoint_mut();
         while let Some(event) = station.poll_event() {
             self.tally.note(&event, &mut running.exchanging);
+            let catalogue = running.drive.model.catalogue;
+            self.expected.take(id, now(), &event, catalogue);
             self.persistence.handle(&running.drive, now() - self.start, event);
         }
         let cycle = station.device().send_interval().filter(|_| running.exchanging);
@@ -480,6 +493,7 @@ impl Host {
             drives,
             runner,
             events,
+            expected,
             start,
             ..
         } = self;
@@ -494,6 +508,7 @@ impl Host {
                         .is_some_and(|unit| timeline.is_due(at, unit));
             if due && let Some(unit) = runner.station_mut::<Unit>(*id) {
                 for played in timeline.play(at, unit) {
+                    expected.note(*id, at, played.into());
                     events.drive(&drive.key, at - *start, DriveEvent::Played(played));
                 }
             }

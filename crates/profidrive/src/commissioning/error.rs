@@ -1,14 +1,17 @@
 //! Why a drive of a machine file is not as the file says.
 
+use std::path::PathBuf;
+
 use client::change::Skip;
-use client::{Advice, DriveAddress, Error, ErrorKind};
+use client::{DriveAddress, Error, ErrorKind};
 use profinet::MacAddress;
 
 use crate::DriveError;
 use crate::addressing::AddressingError;
+use crate::machine::MachineError;
 use crate::settings::{FileError, RestoreError};
 
-/// What speaks against commissioning a drive, or went wrong with it.
+/// What speaks against commissioning a drive or against writing the file of drives, or went wrong with it.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum CommissionError {
@@ -99,10 +102,38 @@ pub enum CommissionError {
     #[error("{}: {source}", path.display())]
     Note {
         /// The file.
-        path: std::path::PathBuf,
+        path: PathBuf,
         /// Why.
         source: std::io::Error,
     },
+    /// A machine file is there and is not to be replaced.
+    #[error("{} is there already", .0.display())]
+    Exists(PathBuf),
+    /// A drive that is there cannot be in a machine file.
+    #[error("{drive} cannot be in a machine file: {why}")]
+    NotInFile {
+        /// The drive.
+        drive: String,
+        /// Why.
+        why: &'static str,
+    },
+    /// A new machine file would lose drives of the one that is there.
+    #[error("{} is not replaced: it has drives that were not read: {drives}", path.display())]
+    NotRead {
+        /// The machine file.
+        path: PathBuf,
+        /// The drives.
+        drives: String,
+    },
+    /// Nothing was read for a machine file.
+    #[error("{} is not written: no drive was read", .0.display())]
+    NothingRead(PathBuf),
+    /// The caller requested a stop before all drives were read.
+    #[error("{} is not written: interrupted", .0.display())]
+    Interrupted(PathBuf),
+    /// The machine file that is there is not valid, or the new one would not be.
+    #[error(transparent)]
+    Machine(#[from] MachineError),
     /// The drive cannot be worked with.
     #[error(transparent)]
     Drive(#[from] DriveError),
@@ -134,26 +165,17 @@ impl CommissionError {
             Self::Setting { problem, .. } => problem.kind(),
             Self::LeftOut { .. } | Self::TasksLeftOut { .. } | Self::Differs { .. } => ErrorKind::Difference,
             Self::Refused { .. } => ErrorKind::Refused,
-            Self::NoFolder => ErrorKind::Usage,
+            Self::NoFolder | Self::Exists(_) => ErrorKind::Usage,
+            Self::NotInFile { .. } => ErrorKind::Unsupported,
+            Self::NotRead { .. } | Self::NothingRead(_) => ErrorKind::Partial,
+            Self::Interrupted(_) => ErrorKind::Interrupted,
             Self::Note { .. } => ErrorKind::Local,
+            Self::Machine(error) => error.kind(),
             Self::Drive(error) => error.kind(),
             Self::Addressing(error) => error.kind(),
             Self::Restore(error) => error.kind(),
             Self::File(error) => error.kind(),
             Self::Client(error) => error.kind(),
-        }
-    }
-
-    /// What to do; empty where there is nothing to add.
-    #[must_use]
-    pub fn advice(&self) -> Advice {
-        match self {
-            Self::NotFound { .. } => Advice::from("{scan} lists who answers"),
-            Self::Setting { problem, .. } => problem.advice().unwrap_or_default(),
-            Self::Client(error) | Self::Restore(RestoreError::Client(error)) => {
-                error.advice().unwrap_or_default()
-            }
-            _ => Advice::default(),
         }
     }
 }

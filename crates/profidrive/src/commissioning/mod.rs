@@ -2,7 +2,8 @@
 //!
 //! [`plan`] reads only and returns all objections of all drives. [`carry_out`] gives names and addresses, writes the settings,
 //! saves them and reads everything back. A run that was killed is finished by the next one: a note beside the machine file stays
-//! until a drive is verified, and the values before are in files that [`settings::plan`] restores from.
+//! until a drive is verified, and the values before are in files that [`settings::plan`] restores from. [`from_drives`] is the other
+//! way: it writes the file of the drives that are there.
 //!
 //! ```
 //! # #[cfg(feature = "simulate")] {
@@ -21,6 +22,7 @@
 //! ```
 
 mod error;
+mod from_drives;
 mod station;
 mod wanted;
 
@@ -33,6 +35,7 @@ use client::{Drive, DriveAddress, Session};
 use futures::{StreamExt, stream};
 
 pub use error::CommissionError;
+pub use from_drives::{FromDrives, MachineFile, from_drives};
 pub use wanted::PlannedSettings;
 
 use crate::drive::DriveError;
@@ -41,6 +44,7 @@ use crate::machine::{Machine, MachineDrive};
 use crate::open::{Caller, Opening, Transport};
 use crate::report::{IpReport, NameReport};
 use crate::settings;
+use crate::{Part, Sum};
 
 /// Time for all stations to answer.
 const SEARCH: Duration = Duration::from_secs(1);
@@ -218,7 +222,7 @@ fn beside(machine: &Machine, drive: &str) -> Result<PathBuf, CommissionError> {
 
 /// Carries out a plan: first all names and addresses, one after the other, then the settings of all drives side by side, each
 /// saved and read back. Where there is an objection to any drive, nothing is changed; where one fails later, the others go on.
-/// `done` receives the name of each drive that is finished.
+/// `progress` receives how many of all settings are written.
 ///
 /// # Errors
 /// [`CommissionError::NoFolder`]. What went wrong with a drive is in its entry.
@@ -227,7 +231,7 @@ pub async fn carry_out(
     network: &mut Caller,
     machine: &Machine,
     mut planned: Vec<Planned>,
-    done: impl Fn(&str) + Sync,
+    progress: impl Fn(crate::Step) + Sync,
 ) -> Result<Vec<Planned>, CommissionError> {
     if machine.path.is_none() {
         return Err(CommissionError::NoFolder);
@@ -242,15 +246,25 @@ pub async fn carry_out(
     }
     let transport = network.transport().clone();
     let session: &Session = network;
-    let done = &done;
+    let changing = planned.iter().filter(|one| one.is_change()).count();
+    let sum = &Sum::new(Part::Settings, changing, progress);
     let all = stream::iter(planned).map(|mut one| {
         let mut session = session.clone();
         let transport = &transport;
         async move {
             if one.objections.is_empty() {
-                let finished = finish(opening, &mut session, transport, machine, &mut one).await;
+                let name = one.wanted.name.clone();
+                let counted = |done, all| sum.report(&name, done, all);
+                let finished = finish(opening, &mut session, transport, machine, &mut one, &counted).await;
                 one.objections.extend(finished.err());
-                done(&one.wanted.name);
+                let all = one
+                    .settings
+                    .as_ref()
+                    .map_or(0, |settings| settings.plan.set.total())
+                    + 1;
+                if one.is_change() {
+                    counted(all, all);
+                }
             }
             one
         }
@@ -281,6 +295,7 @@ async fn finish(
     transport: &Transport,
     machine: &Machine,
     one: &mut Planned,
+    progress: &(dyn Fn(usize, usize) + Sync),
 ) -> Result<(), CommissionError> {
     if !one.is_change() {
         one.verified = true;
@@ -305,13 +320,18 @@ async fn finish(
             return Ok(());
         }
     }
-    write(session, machine, one).await?;
+    write(session, machine, one, progress).await?;
     one.verified = true;
     let path = note(machine, &one.wanted.name)?;
     fs::remove_file(&path).map_err(|source| CommissionError::Note { path, source })
 }
 
-async fn write(session: &mut Session, machine: &Machine, one: &mut Planned) -> Result<(), CommissionError> {
+async fn write(
+    session: &mut Session,
+    machine: &Machine,
+    one: &mut Planned,
+    progress: &(dyn Fn(usize, usize) + Sync),
+) -> Result<(), CommissionError> {
     let (Some(drive), Some(settings)) = (&mut one.drive, &mut one.settings) else {
         return Ok(());
     };
@@ -323,7 +343,10 @@ async fn write(session: &mut Session, machine: &Machine, one: &mut Planned) -> R
     let name = &one.wanted.name;
     let way_back = settings::way_back(&beside(machine, name)?);
     let way_back = way_back.ok_or(CommissionError::NoFolder)?;
-    let result = settings::carry_out(session, drive, wanted, request, plan, &way_back, |_| {}).await;
+    // the last part is the comparison
+    let all = plan.set.total() + 1;
+    let counted = |done| progress(done, all);
+    let result = settings::carry_out(session, drive, wanted, request, plan, &way_back, counted).await;
     one.way_back = way_back.exists().then_some(way_back);
     result?;
     let refused = plan.set.count(Step::is_refused);

@@ -146,7 +146,7 @@ fn objections(plan: &Plan, explicit: &[Explicit], wanted: &MachineDrive) -> Vec<
     let mut objections = Vec::new();
     for skipped in plan.skipped.iter().filter(|skipped| skipped.why != Skip::Same) {
         let of_file = line_of(explicit, &skipped.reading);
-        // the rules of a backup leave out what nobody wrote into the file
+        // the rules of a backup leave out what is not in the file
         if of_file.is_none() && !skipped.why.is_refusal() {
             continue;
         }

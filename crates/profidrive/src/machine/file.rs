@@ -13,7 +13,7 @@ use profinet::{IpSuite, MacAddress};
 use serde::Deserialize;
 use toml::Spanned;
 
-use super::{LONGEST_FILE, MOST_DRIVES, Machine, MachineDrive, MachineProblem, SpeedBound};
+use super::{LONGEST_FILE, MOST_DRIVES, Machine, MachineDrive, MachineProblem, SpeedBound, UserUnit};
 
 /// The format that this version reads. A later one that older programs cannot read has a higher number.
 const FORMAT: i64 = 1;
@@ -54,6 +54,8 @@ struct RawDrive {
     #[serde(default)]
     groups: Vec<Spanned<String>>,
     max_speed: Option<Spanned<String>>,
+    pitch: Option<Spanned<String>>,
+    gear: Option<Spanned<String>>,
     backup: Option<Spanned<String>>,
     #[serde(default)]
     parameters: BTreeMap<Spanned<String>, Spanned<toml::Value>>,
@@ -181,6 +183,7 @@ fn read_drive(raw: &RawDrive, line: &dyn Fn(usize) -> usize) -> Result<MachineDr
         telegram: raw.telegram.as_ref().map(|telegram| *telegram.get_ref()),
         groups: groups.collect::<Result<_, _>>()?,
         max_speed: raw.max_speed.as_ref().map(|text| bound(text, line)).transpose()?,
+        user_unit: user_unit(raw)?,
         backup: backup.transpose()?,
         parameters: parameters(raw, &model, line)?,
     })
@@ -273,6 +276,61 @@ fn bound(text: &Spanned<String>, line: &dyn Fn(usize) -> usize) -> Result<SpeedB
         rpm,
         line: line(text.span().start),
     })
+}
+
+/// `pitch = "10mm"` for a turn of the load, `gear = "5:1"` turns of the motor to turns of the load.
+fn user_unit(raw: &RawDrive) -> Result<Option<UserUnit>, Located> {
+    let Some(pitch) = &raw.pitch else {
+        return match &raw.gear {
+            Some(gear) => Err(Located(
+                gear.span(),
+                "a gear needs the travel for a turn of its load: pitch = \"10mm\"".to_owned(),
+            )),
+            None => Ok(None),
+        };
+    };
+    let gear = match &raw.gear {
+        Some(gear) => located(gear, |text| ratio(text))?,
+        None => 1.0,
+    };
+    located(pitch, |text| {
+        let pitch: Quantity = text.parse().map_err(|error| format!("{error}"))?;
+        let travel = pitch.number.as_f64();
+        if !(travel.is_finite() && travel != 0.0) {
+            return Err(format!("`{text}`: the travel for a turn is not 0"));
+        }
+        match pitch.unit.as_deref() {
+            Some(unit) if pitch.position().is_err() && fits(unit) => {
+                Ok(Some(UserUnit::new(unit, travel, gear)))
+            }
+            Some(unit) if !fits(unit) => Err(format!("`{unit}` is not the name of a unit: use letters")),
+            // 90deg and 10rev are angles of the motor
+            _ => Err(format!(
+                "`{text}`: a travel needs a unit of its own, such as 10mm; turns, angles and counts are those of the motor"
+            )),
+        }
+    })
+}
+
+fn fits(unit: &str) -> bool {
+    !unit.is_empty() && unit.len() <= 16 && unit.chars().all(char::is_alphabetic)
+}
+
+/// `5:1`, `7:3`, `5`
+fn ratio(text: &str) -> Result<f64, String> {
+    let number = |text: &str| {
+        text.trim()
+            .parse::<f64>()
+            .ok()
+            .filter(|number| number.is_finite() && *number > 0.0)
+    };
+    let (motor, load) = text.split_once(':').unwrap_or((text, "1"));
+    match (number(motor), number(load)) {
+        (Some(motor), Some(load)) => Ok(motor / load),
+        _ => Err(format!(
+            "`{text}`: a gear is written as 5:1, turns of the motor to turns of the load"
+        )),
+    }
 }
 
 /// The settings, in the order of the file. Values that depend on scalings of the drive are checked again when it is there.

@@ -22,9 +22,12 @@
 //! ```
 
 mod file;
+mod kept;
+mod user_unit;
 mod write;
 
 use std::io::{self, Read as _};
+use std::net::Ipv4Addr;
 use std::path::{Path, PathBuf};
 
 use client::{Drive, ErrorKind};
@@ -33,6 +36,9 @@ use profile::value::Assignment;
 use profinet::{IpSuite, MacAddress};
 
 use crate::Selector;
+
+pub(crate) use kept::Kept;
+pub use user_unit::UserUnit;
 
 /// Octets of a machine file at most.
 pub const LONGEST_FILE: usize = 1 << 20;
@@ -70,6 +76,8 @@ pub struct MachineDrive {
     pub groups: Vec<String>,
     /// Highest speed of the drive itself; see [`Machine::bound`].
     pub max_speed: Option<SpeedBound>,
+    /// The unit of its load; `None` where the file sets none.
+    pub user_unit: Option<UserUnit>,
     /// The backup with its settings, below the folder of the file; see [`Machine::beside`].
     pub backup: Option<PathBuf>,
     /// Its settings, with their lines. They come before those of the backup.
@@ -151,6 +159,10 @@ impl Machine {
     /// # Errors
     /// When it cannot be read, or something in it is not valid.
     pub fn read(path: &Path) -> Result<Self, MachineError> {
+        Self::read_with_text(path).map(|(machine, _)| machine)
+    }
+
+    fn read_with_text(path: &Path) -> Result<(Self, String), MachineError> {
         let unreadable = |source| MachineError::Read {
             path: path.to_owned(),
             source,
@@ -166,10 +178,8 @@ impl Machine {
             path: path.to_owned(),
             problem,
         })?;
-        Ok(Self {
-            path: Some(path.to_owned()),
-            ..machine
-        })
+        let path = Some(path.to_owned());
+        Ok((Self { path, ..machine }, text))
     }
 
     /// Returns the drive of this name.
@@ -233,6 +243,19 @@ impl Machine {
             .filter(means)
             .filter_map(|one| self.bound(&one.name));
         bounds.min_by(|a, b| a.rpm.total_cmp(&b.rpm))
+    }
+
+    /// Returns the unit of the load of a drive, by its name, MAC address or IP address.
+    #[must_use]
+    pub fn user_unit(&self, drive: &str) -> Option<&UserUnit> {
+        let mac: Option<MacAddress> = drive.parse().ok();
+        let ip: Option<Ipv4Addr> = drive.parse().ok();
+        let means = |one: &&MachineDrive| {
+            one.name == drive
+                || mac.is_some() && one.mac == mac
+                || ip.is_some() && one.ip.map(|suite| suite.address) == ip
+        };
+        self.drives.iter().find(means)?.user_unit.as_ref()
     }
 
     /// Returns the machine with the drives that a selector means; `None` where it means none of them.

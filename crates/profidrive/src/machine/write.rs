@@ -9,15 +9,18 @@ use profile::model::Model;
 use profile::parameter::pnu;
 use profile::value::Parameters;
 
-use super::{Machine, MachineDrive};
+use super::{Kept, Machine, MachineDrive};
+use crate::settings::file_in;
 
 impl Machine {
-    /// Returns the text of a machine file of drives, each with its name, its address and the file that has its settings, which
-    /// has to be beside the machine file.
-    #[must_use]
-    pub fn text_of<'d>(drives: impl IntoIterator<Item = (&'d Drive, &'d Backup, &'d Path)>) -> String {
-        let mut text = String::from("format = 1\n");
-        for (drive, backup, file) in drives {
+    /// Returns the text of a machine file of drives, each with its name, its address, the file beside the machine file that has
+    /// its settings, and what is kept of an older file.
+    pub(crate) fn text_of<'d>(
+        drives: impl IntoIterator<Item = (&'d Drive, &'d Backup)>,
+        kept: &Kept,
+    ) -> String {
+        let mut text = format!("format = 1\n{}", kept.head());
+        for (drive, backup) in drives {
             let quoted = |text: &str| toml::Value::String(text.to_owned()).to_string();
             let mut line = |key: &str, value: &str| {
                 // a text takes everything
@@ -36,7 +39,9 @@ impl Machine {
             if let Some(telegram) = telegram(&drive.model, backup) {
                 line("telegram", &telegram.to_string());
             }
+            let file = file_in(Path::new(""), drive);
             line("backup", &quoted(&file.display().to_string()));
+            text.push_str(&kept.lines(drive));
         }
         text
     }
@@ -55,6 +60,7 @@ impl Machine {
             telegram: telegram(&model, backup),
             groups: Vec::new(),
             max_speed: None,
+            user_unit: None,
             backup: Some(PathBuf::from(file.file_name().unwrap_or_default())),
             parameters: Vec::new(),
         };

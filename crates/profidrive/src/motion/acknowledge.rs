@@ -12,8 +12,9 @@ use profile::value::Assignment;
 use super::Control;
 use super::axis::Taken;
 use super::error::{End, MotionError};
-use super::event::{Ended, Event, Observer, Start};
+use super::event::{Ended, Event, Observer};
 use super::report::{MotionResult, Report};
+use super::start::Start;
 use crate::report::Fault;
 
 /// Acknowledges the faults of a drive by an edge of STW1 bit 7. Enables nothing. Where there is none, control of the axis is
@@ -48,7 +49,7 @@ pub async fn acknowledge(
     let axis = session
         .take_axis(drive, control.settings(Purpose::Control, 0.0))
         .await?;
-    let mut taken = Taken::begin(axis, End::Time, Start::Acknowledge, false, observer);
+    let mut taken = Taken::begin(axis, End::Time, Start::Acknowledge, false, observer).await?;
     let result = match taken.axis.ready_or_fault().await {
         Ok(()) => taken.axis.acknowledge().await,
         Err(error) => Err(error),

@@ -4,12 +4,14 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use client::axis::{Goal, MotionFacts, SpeedUnit};
-use client::{Axis, AxisStatus, Drive, Error, Released, Rest, Session};
+use client::{Axis, AxisStatus, Drive, Enabled, Error, Released, Rest, Session};
 
 use super::Control;
 use super::error::{End, MotionError, explained};
-use super::event::{Arrival, Ended, Event, Observer, Setting, Start, TelegramChange};
+use super::event::{Arrival, Ended, Event, Observer, Setting, TelegramChange};
 use super::report::{Frames, MotionResult, PutBack, Report};
+use super::start::Start;
+use super::tap::Tapped;
 use crate::report::Quantity;
 
 /// From which time on a stop is a long one.
@@ -137,11 +139,28 @@ pub(super) struct Taken {
     observer: Observer,
     course: Arc<Mutex<Course>>,
     end: End,
+    tapped: Option<Tapped>,
 }
 
 impl Taken {
     /// Reports the start and what taking the axis has changed at the drive, and watches it from now on.
-    pub(super) fn begin(mut axis: Axis, end: End, start: Start, set_mode: bool, observer: &Observer) -> Self {
+    ///
+    /// # Errors
+    /// When the tap of the observer does not begin: the axis is released.
+    pub(super) async fn begin(
+        mut axis: Axis,
+        end: End,
+        start: Start,
+        set_mode: bool,
+        observer: &Observer,
+    ) -> Result<Self, MotionError> {
+        let tapped = match observer.tap().map(|tap| Tapped::begin(&axis, tap)).transpose() {
+            Ok(tapped) => tapped,
+            Err(error) => {
+                let _ = axis.release().await;
+                return Err(error);
+            }
+        };
         let telegram = axis.telegram();
         observer.report(&Event::Starting { telegram, start });
         if let Some(before) = axis.telegram_before() {
@@ -162,8 +181,11 @@ impl Taken {
                 warnings: warnings.to_vec(),
             });
         });
-        let (watched, shown) = (Arc::clone(&course), observer.clone());
+        let (watched, shown, samples) = (Arc::clone(&course), observer.clone(), tapped.clone());
         axis.watch(move |status| {
+            if let Some(samples) = &samples {
+                samples.take();
+            }
             let long = {
                 let mut course = locked(&watched);
                 course.look(status);
@@ -174,16 +196,32 @@ impl Taken {
                 shown.report(&Event::LongStop);
             }
         });
-        Self {
+        Ok(Self {
             axis,
             observer: observer.clone(),
             course,
             end,
+            tapped,
+        })
+    }
+
+    /// The samples that follow are no part of the motion.
+    pub(super) fn end_tap(&self) {
+        if let Some(tapped) = &self.tapped {
+            tapped.end();
         }
     }
 
     pub(super) const fn observer(&self) -> &Observer {
         &self.observer
+    }
+
+    /// Enables the axis and moves it.
+    pub(super) async fn move_by(
+        &mut self,
+        motion: impl AsyncFnOnce(&mut Enabled<'_>) -> Result<(), Error>,
+    ) -> Result<(), Error> {
+        motion(&mut self.axis.enable().await?).await
     }
 
     /// The last speed of the motor that was seen.
@@ -224,6 +262,9 @@ impl Taken {
             closed,
             result: released,
         } = self.axis.release_and_look().await;
+        if let Some(tapped) = self.tapped {
+            tapped.end();
+        }
         let interrupted = matches!(result, Err(Error::Interrupted));
         let result = match (result, self.end) {
             (Err(Error::Interrupted), End::Open) => Ok(()),

@@ -5,6 +5,10 @@ use crate::machine::SpeedBound;
 use client::axis::Trouble;
 use client::status::{Cause, Diagnosis, Note, Verdict, diagnose, switched_off_beside};
 use client::{Action, Advice, Choice, Drive, Error, ErrorKind, FaultEntry, Session};
+use profile::notation::{UnitMismatch, figures};
+
+/// Why a tap of a motion cannot receive samples.
+pub type TapError = Box<dyn std::error::Error + Send + Sync>;
 
 /// How a motion ends by itself.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -64,6 +68,14 @@ pub enum MotionError {
         /// What it was like until then.
         report: Box<Report>,
     },
+    /// The cyclic samples of the motion were to be recorded, and cannot be; nothing was enabled.
+    #[error("{drive}: not moved, as its samples cannot be recorded: {error}")]
+    NotRecorded {
+        /// The drive.
+        drive: String,
+        /// Why.
+        error: TapError,
+    },
     /// The motion went well, but a setting that was changed for it does not have its value from before.
     #[error("{drive}: {}", kept(.report))]
     NotPutBack {
@@ -85,7 +97,7 @@ pub enum MotionError {
         by: Option<String>,
     },
     /// The speed is above the limit of the machine file.
-    #[error("the speed {speed} rpm is above the limit of {} rpm in line {} of the machine file", .bound.rpm, .bound.line)]
+    #[error("the speed {} rpm is above the limit of {} rpm in line {} of the machine file", figures(*.speed), figures(.bound.rpm), .bound.line)]
     AboveBound {
         /// Requested speed, rpm.
         speed: f64,
@@ -95,7 +107,7 @@ pub enum MotionError {
     /// The machine file limits the speed, and it is not known whether the motion is within the limit.
     #[error(
         "{drive}: {what} may be faster than the {} rpm in line {} of the machine file: the drive has no limit that is as low",
-        .bound.rpm, .bound.line
+        figures(.bound.rpm), .bound.line
     )]
     NotBounded {
         /// The drive.
@@ -124,6 +136,14 @@ pub enum MotionError {
     Invalid {
         /// What is not valid.
         what: &'static str,
+    },
+    /// A quantity of the call has another unit.
+    #[error("{what}: {problem}")]
+    Unit {
+        /// What was given.
+        what: &'static str,
+        /// What is wrong.
+        problem: UnitMismatch,
     },
     /// A fault is present that no command clears.
     #[error("{drive}: no command clears what is present")]
@@ -182,6 +202,7 @@ impl MotionError {
             Self::Failed { error, .. } => error.kind(),
             Self::Stopped { .. } => ErrorKind::Interrupted,
             Self::NotPutBack { .. } => ErrorKind::Partial,
+            Self::NotRecorded { .. } => ErrorKind::Local,
             Self::AboveLimit { .. }
             | Self::AboveBound { .. }
             | Self::NotBounded { .. }
@@ -189,7 +210,7 @@ impl MotionError {
             Self::Held { .. } => ErrorKind::Refused,
             Self::NeedsRestart { .. } | Self::FaultsStay { .. } => ErrorKind::Fault,
             Self::NoClearParameter { .. } => ErrorKind::Unsupported,
-            Self::NoPpo { .. } | Self::Invalid { .. } => ErrorKind::Usage,
+            Self::NoPpo { .. } | Self::Invalid { .. } | Self::Unit { .. } => ErrorKind::Usage,
             Self::NotAtRest { .. } => ErrorKind::NotReached,
         }
     }
@@ -252,7 +273,9 @@ impl MotionError {
             Self::NotAtRest { .. } => Some(
                 "stop it at its controller or with its safety circuit; this is not an emergency stop".into(),
             ),
-            Self::Stopped { .. } | Self::Invalid { .. } => None,
+            Self::Stopped { .. } | Self::Invalid { .. } | Self::Unit { .. } | Self::NotRecorded { .. } => {
+                None
+            }
         }
     }
 

@@ -4,7 +4,7 @@ use std::fmt;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
-use client::axis::{Evidence, MovePlan, Strained};
+use client::axis::{Evidence, Strained};
 use client::{AxisStatus, FaultEntry, LossReaction, WarningEntry};
 use profile::notation::Quantity;
 use profile::state::Mode;
@@ -14,6 +14,8 @@ use serde::Serialize;
 
 use super::leftover::{Leftover, UnreadableNote};
 use super::report::Report;
+use super::start::Start;
+use super::tap::{SampleTap, SharedTap};
 use crate::report::Parameter;
 
 /// Something that happened on the way.
@@ -219,34 +221,6 @@ impl Setting {
     }
 }
 
-/// What begins.
-#[derive(Debug, Clone)]
-#[non_exhaustive]
-pub enum Start {
-    /// Nothing yet: the axis is held, and moves by the calls of its owner.
-    Hold,
-    /// A speed.
-    Run,
-    /// The jog function of the drive.
-    Jog {
-        /// Its speed, as the drive has it.
-        speed: Box<Reading>,
-    },
-    /// Real-time jogging.
-    RealTimeJog,
-    /// A move.
-    Move(Box<MovePlan>),
-    /// A motion task of the drive.
-    Task,
-    /// The homing procedure of the drive.
-    Home {
-        /// What decides over the procedure, as far as the drive reports it: name and value.
-        procedure: Vec<(&'static str, Reading)>,
-    },
-    /// Nothing moves: faults are acknowledged.
-    Acknowledge,
-}
-
 /// What an axis arrived at.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Arrival {
@@ -260,18 +234,37 @@ pub enum Arrival {
 
 /// Receives the events of a motion, on the thread that waits for it or that polls its future.
 #[derive(Clone)]
-pub struct Observer(Arc<Mutex<Receiver>>);
+pub struct Observer {
+    receiver: Arc<Mutex<Receiver>>,
+    tap: Option<SharedTap>,
+}
 
 type Receiver = dyn FnMut(&Event) + Send;
 
 impl Observer {
     /// Calls `receive` for every event.
     pub fn new(receive: impl FnMut(&Event) + Send + 'static) -> Self {
-        Self(Arc::new(Mutex::new(receive)))
+        Self {
+            receiver: Arc::new(Mutex::new(receive)),
+            tap: None,
+        }
+    }
+
+    /// Returns the same with a tap that receives every cyclic sample.
+    #[must_use]
+    pub fn tapped_by(self, tap: impl SampleTap + 'static) -> Self {
+        Self {
+            tap: Some(Arc::new(Mutex::new(tap))),
+            ..self
+        }
+    }
+
+    pub(super) fn tap(&self) -> Option<SharedTap> {
+        self.tap.clone()
     }
 
     pub(super) fn report(&self, event: &Event) {
-        (self.0.lock().unwrap_or_else(PoisonError::into_inner))(event);
+        (self.receiver.lock().unwrap_or_else(PoisonError::into_inner))(event);
     }
 }
 

@@ -8,10 +8,11 @@ use profile::state::Mode;
 
 use super::axis::{Taken, check_controller_loss, report_rounded, report_switch};
 use super::error::{End, MotionError};
-use super::event::{Observer, Start};
+use super::event::Observer;
 use super::limit::{self, within};
 use super::report::{MotionResult, Report};
 use super::run::permit_speed;
+use super::start::Start;
 use super::{Control, SPEED_LIMIT, mode};
 
 /// How an axis is held.
@@ -120,7 +121,13 @@ pub async fn hold(
             return Err(error.into());
         }
     };
-    let taken = Taken::begin(axis, End::Open, Start::Hold, wanted.control.set_mode, observer);
+    let taken = match Taken::begin(axis, End::Open, Start::Hold, wanted.control.set_mode, observer).await {
+        Ok(taken) => taken,
+        Err(error) => {
+            mode::leave(change, observer).await;
+            return Err(error);
+        }
+    };
     Ok(HeldAxis {
         taken,
         change,
@@ -141,9 +148,16 @@ impl HeldAxis {
         Ok(())
     }
 
-    fn operation(&mut self) -> Result<Enabled<'_>, Error> {
+    /// Works on the axis, which stays in operation with the motion that is under way then.
+    async fn in_operation<T>(
+        &mut self,
+        work: impl AsyncFnOnce(&mut Enabled<'_>) -> Result<T, Error>,
+    ) -> Result<T, Error> {
         let drive = self.drive.label();
-        self.taken.axis.operation().ok_or(Error::NotEnabled { drive })
+        let mut enabled = self.taken.axis.operation().ok_or(Error::NotEnabled { drive })?;
+        let result = work(&mut enabled).await;
+        enabled.leave();
+        result
     }
 
     /// Follows this speed from now on, in rpm. Another speed is taken on the fly.
@@ -157,10 +171,9 @@ impl HeldAxis {
         if let Some(nearest) = self.taken.axis.rounded_speed(speed) {
             report_rounded(speed, nearest, SpeedUnit::Rpm.symbol(), &observer);
         }
-        let mut enabled = self.operation()?;
-        let result = enabled.run(speed).await;
-        enabled.leave();
-        Ok(result?)
+        Ok(self
+            .in_operation(async |enabled| enabled.run(speed).await)
+            .await?)
     }
 
     /// Jogs by the jog function of the drive, at the speed that the drive has; returns it, in rpm.
@@ -176,10 +189,8 @@ impl HeldAxis {
         let facts = self.session.motion_facts(&mut self.drive).await?;
         limit::jog(speed, &facts, &self.drive)?;
         report_switch(speed, &facts, self.taken.observer());
-        let mut enabled = self.operation()?;
-        let result = enabled.jog(setpoint).await;
-        enabled.leave();
-        result?;
+        self.in_operation(async |enabled| enabled.jog(setpoint).await)
+            .await?;
         Ok(speed)
     }
 
@@ -194,10 +205,9 @@ impl HeldAxis {
         report_rounded(speed, sent, SpeedUnit::Rpm.symbol(), &observer);
         let facts = self.session.motion_facts(&mut self.drive).await?;
         report_switch(speed, &facts, &observer);
-        let mut enabled = self.operation()?;
-        let result = enabled.jog_at(speed).await;
-        enabled.leave();
-        Ok(result?)
+        Ok(self
+            .in_operation(async |enabled| enabled.jog_at(speed).await)
+            .await?)
     }
 
     /// Starts a move and returns its plan once the drive has accepted it. A move under way is replaced on the fly;
@@ -207,15 +217,12 @@ impl HeldAxis {
     /// A speed above the limit, what speaks against the move ([`Error::Objections`]), and when the axis is not enabled.
     pub async fn start(&mut self, order: &Order) -> Result<MovePlan, MotionError> {
         within(order.speed, self.limit, SpeedUnit::Rpm, &self.control)?;
-        let mut enabled = self.operation()?;
-        let result = async {
+        let start = async |enabled: &mut Enabled<'_>| {
             let plan = enabled.plan(order).await?;
             enabled.start(&plan).await?;
-            Ok::<_, Error>(plan)
+            Ok(plan)
         };
-        let result = result.await;
-        enabled.leave();
-        Ok(result?)
+        Ok(self.in_operation(start).await?)
     }
 
     /// Starts a motion task of the drive; [`arrive`](Self::arrive) waits for its end.
@@ -225,10 +232,9 @@ impl HeldAxis {
     pub async fn start_task(&mut self, number: u16) -> Result<(), MotionError> {
         self.session.check_task(&mut self.drive, number).await?;
         self.bounded("a motion task").await?;
-        let mut enabled = self.operation()?;
-        let result = enabled.start_task(number).await;
-        enabled.leave();
-        Ok(result?)
+        Ok(self
+            .in_operation(async |enabled| enabled.start_task(number).await)
+            .await?)
     }
 
     /// Waits until the move or task under way is at its target; returns how the axis was then. The axis goes on where the time is
@@ -237,10 +243,8 @@ impl HeldAxis {
     /// # Errors
     /// When it takes longer than `limit`, the axis stops elsewhere, or it leaves operation.
     pub async fn arrive(&mut self, limit: Duration) -> Result<AxisStatus, Error> {
-        let mut enabled = self.operation()?;
-        let result = enabled.reach_target(Some(limit)).await;
-        enabled.leave();
-        result
+        self.in_operation(async |enabled| enabled.reach_target(Some(limit)).await)
+            .await
     }
 
     /// Homes the axis as the drive is set up, and waits for the end.
@@ -249,10 +253,9 @@ impl HeldAxis {
     /// When homing fails or takes longer than `limit`, and when the axis is not enabled.
     pub async fn home(&mut self, limit: Duration) -> Result<(), MotionError> {
         self.bounded("homing").await?;
-        let mut enabled = self.operation()?;
-        let result = enabled.home(Some(limit)).await;
-        enabled.leave();
-        Ok(result?)
+        Ok(self
+            .in_operation(async |enabled| enabled.home(Some(limit)).await)
+            .await?)
     }
 
     /// Refuses a motion whose speed only the drive has, where the machine bounds it.
@@ -273,10 +276,7 @@ impl HeldAxis {
     /// # Errors
     /// When the axis does not come to a standstill, or is not enabled.
     pub async fn halt(&mut self) -> Result<(), Error> {
-        let mut enabled = self.operation()?;
-        let result = enabled.halt().await;
-        enabled.leave();
-        result
+        self.in_operation(async |enabled| enabled.halt().await).await
     }
 
     /// Ramp stop (OFF1) and the end of operation; control is kept. Returns at standstill.

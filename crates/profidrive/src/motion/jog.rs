@@ -11,11 +11,12 @@ use profile::value::{Assignment, CheckedValue, Content, Reading};
 use super::axis::{Done, Restored, Taken, check_controller_loss, report_rounded, report_switch};
 use super::check::checked_axis;
 use super::error::{End, MotionError};
-use super::event::{Event, Observer, Setting, Start};
+use super::event::{Event, Observer, Setting};
 use super::leftover::{Leftover, NoteFile, UnreadableNote};
 use super::limit::{self, within};
 use super::plan::{JogChange, JogPlan};
 use super::report::{MotionResult, Report};
+use super::start::Start;
 use super::{Control, SPEED_LIMIT};
 use crate::report;
 
@@ -143,16 +144,18 @@ pub async fn jog_in_real_time(
     report_switch(wanted.speed, &facts, observer);
     real_time_speed(session, drive, wanted, observer).await?;
     let settings = wanted.control.settings(Purpose::RealTimeJog, wanted.limit);
-    let axis = session.take_axis(drive, settings).await?;
-    let mut taken = Taken::begin(axis, End::Time, Start::RealTimeJog, false, observer);
-    let mut found = MotionResult::default();
-    let result = match taken.axis.enable().await {
-        Ok(mut enabled) => match enabled.jog_at(wanted.speed).await {
-            Ok(()) => keep(&mut enabled, wanted.speed, wanted.time, &mut found, observer).await,
-            Err(error) => Err(error),
-        },
-        Err(error) => Err(error),
+    let start = Start::RealTimeJog {
+        speed: wanted.speed,
+        time: wanted.time,
     };
+    let axis = session.take_axis(drive, settings).await?;
+    let mut taken = Taken::begin(axis, End::Time, start, false, observer).await?;
+    let mut found = MotionResult::default();
+    let motion = async |enabled: &mut Enabled<'_>| {
+        enabled.jog_at(wanted.speed).await?;
+        keep(enabled, wanted.speed, wanted.time, &mut found, observer).await
+    };
+    let result = taken.move_by(motion).await;
     found.speed = taken.speed();
     let done = taken.finish(result, found).await;
     done.report(Vec::new(), observer, (session, drive)).await
@@ -264,16 +267,15 @@ async fn with_setting(
     report_switch(speed, &facts, observer);
     let start = Start::Jog {
         speed: Box::new(reading),
+        time: wanted.time,
     };
-    let mut taken = Taken::begin(axis, End::Time, start, false, observer);
+    let mut taken = Taken::begin(axis, End::Time, start, false, observer).await?;
     let mut found = MotionResult::default();
-    let result = match taken.axis.enable().await {
-        Ok(mut enabled) => match enabled.jog(wanted.setpoint).await {
-            Ok(()) => keep(&mut enabled, speed, wanted.time, &mut found, observer).await,
-            Err(error) => Err(error),
-        },
-        Err(error) => Err(error),
+    let motion = async |enabled: &mut Enabled<'_>| {
+        enabled.jog(wanted.setpoint).await?;
+        keep(enabled, speed, wanted.time, &mut found, observer).await
     };
+    let result = taken.move_by(motion).await;
     found.speed = taken.speed();
     Ok(taken.finish(result, found).await)
 }
@@ -336,7 +338,7 @@ async fn prepared(
         return Ok(speed);
     }
     let temporary = session.temporarily(drive, std::slice::from_ref(&speed))?;
-    // what is not readable stays: somebody may need it
+    // a note that is not readable stays: a person may need it
     let mut unnoted = noted
         .err()
         .map(|unreadable| format!("{} is kept", unreadable.file.display()));

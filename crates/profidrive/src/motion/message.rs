@@ -7,8 +7,8 @@ use profile::state::{Profile, bits};
 use serde::Serialize;
 
 use super::event::{Event, TelegramChange};
-use super::remark::Remark;
 use super::report::Report;
+use crate::Remark;
 use crate::report::{DriveWords, LossReaction, Quantity, Warning, Word, Wording};
 
 /// An [`Event`] of a motion that serialises. Its fields identify the event.

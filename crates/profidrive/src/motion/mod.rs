@@ -75,8 +75,11 @@ mod remark;
 mod report;
 mod response;
 mod run;
+mod speed;
+mod start;
 mod step;
 mod stop;
+mod tap;
 
 use std::time::Duration;
 
@@ -85,21 +88,25 @@ use client::axis::Purpose;
 
 use crate::machine::SpeedBound;
 
+pub use crate::remark::Remark;
+
 pub use acknowledge::{acknowledge, acknowledge_by_parameter};
-pub use error::{End, MotionError};
-pub use event::{Arrival, Ended, Event, Observer, Setting, Start, TelegramChange};
+pub use error::{End, MotionError, TapError};
+pub use event::{Arrival, Ended, Event, Observer, Setting, TelegramChange};
 pub use held::{HeldAxis, Hold, hold};
 pub use jog::{Jog, RealTimeJog, jog, jog_in_real_time, plan_jog, plan_jog_in_real_time};
 pub use leftover::{Leftover, UnreadableNote, leftovers};
 pub use message::{AxisState, CycleStrained, Message, RunsOn};
 pub use plan::{JogChange, JogPlan, MoveReport, RunPlan, Telegrams};
 pub use position::{Home, Move, Task, home, move_to, plan_move, task};
-pub use remark::Remark;
 pub use report::{Frames, MotionResult, PutBack, Report};
 pub use response::{Response, StepPoint, step_in};
-pub use run::{Frequency, Run, TelegramName, plan_run, run};
+pub use run::{Frequency, Run, TelegramName, plan_run, run, speed_at};
+pub use speed::Speed;
+pub use start::Start;
 pub use step::{LONGEST_STEP, Step, Stepped, step};
 pub use stop::{StopReport, stop};
+pub use tap::SampleTap;
 
 /// What all motions have in common.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

@@ -4,8 +4,10 @@ use client::{Drive, Error, ModeChange, PutBack, Session};
 use profile::state::Mode;
 
 use super::Control;
-use super::axis::Restored;
+use super::axis::{Done, Restored};
+use super::error::MotionError;
 use super::event::{Event, Observer, Setting};
+use super::report::Report;
 
 /// Puts the drive into the mode that is needed, where the caller allows that. What this returns puts mode and telegram back, also when it is
 /// dropped.
@@ -33,6 +35,23 @@ pub(super) async fn enter(
         });
     }
     Ok(Some(change))
+}
+
+/// Carries out a motion in the mode that it needs. Mode and telegram are put back, whatever became of it.
+///
+/// [`hold`](super::hold) and [`step`](super::step) enter and leave by themselves: a held axis keeps the mode beyond the call, and a step
+/// returns samples beside its report, also when it fails.
+pub(super) async fn during<W>(
+    (session, drive): (&mut Session, &mut Drive),
+    (needed, control): (Mode, &Control),
+    wanted: &W,
+    observer: &Observer,
+    motion: impl AsyncFnOnce(&mut Session, &mut Drive, &W, &Observer) -> Result<Done, MotionError>,
+) -> Result<Report, MotionError> {
+    let change = enter(session, drive, needed, control, observer).await?;
+    let result = motion(session, drive, wanted, observer).await;
+    let restored = leave(change, observer).await;
+    result?.report(restored, observer, (session, drive)).await
 }
 
 /// Puts mode and telegram back, whatever became of the motion.

@@ -10,10 +10,11 @@ use profile::value::{Reading, Selection};
 
 use super::axis::{Done, Taken, check_controller_loss};
 use super::error::{End, MotionError};
-use super::event::{Arrival, Observer, Start};
+use super::event::{Arrival, Observer};
 use super::limit::{self, within};
 use super::plan::MoveReport;
 use super::report::{MotionResult, Report};
+use super::start::Start;
 use super::{Control, SPEED_LIMIT, mode};
 use crate::report::Quantity;
 
@@ -96,10 +97,8 @@ pub async fn move_to(
 ) -> Result<Report, MotionError> {
     wanted.check()?;
     check_mode(session, drive, &wanted.control).await?;
-    let change = mode::enter(session, drive, Mode::Position, &wanted.control, observer).await?;
-    let result = travel(session, drive, wanted, observer).await;
-    let restored = mode::leave(change, observer).await;
-    result?.report(restored, observer, (session, drive)).await
+    let mode = (Mode::Position, &wanted.control);
+    mode::during((session, drive), mode, wanted, observer, travel).await
 }
 
 /// What a move would be, with everything that speaks against it. Reads only.
@@ -145,12 +144,10 @@ async fn travel(
     let settings = wanted.control.settings(Purpose::Move, wanted.limit);
     let axis = session.take_axis(drive, settings).await?;
     let start = Start::Move(Box::new(plan.clone()));
-    let mut taken = Taken::begin(axis, End::Target, start, wanted.control.set_mode, observer);
+    let mut taken = Taken::begin(axis, End::Target, start, wanted.control.set_mode, observer).await?;
     let mut last = None;
-    let result = match taken.axis.enable().await {
-        Ok(mut enabled) => reach(&mut enabled, wanted, &mut last).await,
-        Err(error) => Err(error),
-    };
+    let motion = async |enabled: &mut Enabled<'_>| reach(enabled, wanted, &mut last).await;
+    let result = taken.move_by(motion).await;
     let position = last.and_then(|status| status.position);
     let left_to = taken.arrived(Arrival::Target, position, &result).await;
     let found = MotionResult {
@@ -200,10 +197,8 @@ pub async fn task(
     observer: &Observer,
 ) -> Result<Report, MotionError> {
     limit::of_drive(session, drive, &wanted.control, "a motion task").await?;
-    let change = mode::enter(session, drive, Mode::Position, &wanted.control, observer).await?;
-    let result = carry_out(session, drive, wanted, observer).await;
-    let restored = mode::leave(change, observer).await;
-    result?.report(restored, observer, (session, drive)).await
+    let mode = (Mode::Position, &wanted.control);
+    mode::during((session, drive), mode, wanted, observer, carry_out).await
 }
 
 async fn carry_out(
@@ -218,15 +213,20 @@ async fn carry_out(
     check_controller_loss(session, drive, &wanted.control, observer).await?;
     let settings = wanted.control.settings(Purpose::Task, f64::INFINITY);
     let axis = session.take_axis(drive, settings).await?;
-    let mut taken = Taken::begin(axis, End::Task, Start::Task, wanted.control.set_mode, observer);
+    let mut taken = Taken::begin(
+        axis,
+        End::Task,
+        Start::Task(wanted.number),
+        wanted.control.set_mode,
+        observer,
+    )
+    .await?;
     let mut last = None;
-    let result = match taken.axis.enable().await {
-        Ok(mut enabled) => match enabled.start_task(wanted.number).await {
-            Ok(()) => arrive(&mut enabled, wanted.timeout, &mut last).await,
-            Err(error) => Err(error),
-        },
-        Err(error) => Err(error),
+    let motion = async |enabled: &mut Enabled<'_>| {
+        enabled.start_task(wanted.number).await?;
+        arrive(enabled, wanted.timeout, &mut last).await
     };
+    let result = taken.move_by(motion).await;
     let position = last.and_then(|status| status.position);
     let left_to = taken
         .arrived(Arrival::Task(wanted.number), position, &result)
@@ -253,10 +253,8 @@ pub async fn home(
     observer: &Observer,
 ) -> Result<Report, MotionError> {
     limit::of_drive(session, drive, &wanted.control, "homing").await?;
-    let change = mode::enter(session, drive, Mode::Position, &wanted.control, observer).await?;
-    let result = set_home(session, drive, wanted, observer).await;
-    let restored = mode::leave(change, observer).await;
-    result?.report(restored, observer, (session, drive)).await
+    let mode = (Mode::Position, &wanted.control);
+    mode::during((session, drive), mode, wanted, observer, set_home).await
 }
 
 async fn set_home(
@@ -270,16 +268,14 @@ async fn set_home(
     let settings = wanted.control.settings(Purpose::Home, f64::INFINITY);
     let axis = session.take_axis(drive, settings).await?;
     let start = Start::Home { procedure };
-    let mut taken = Taken::begin(axis, End::Home, start, wanted.control.set_mode, observer);
+    let mut taken = Taken::begin(axis, End::Home, start, wanted.control.set_mode, observer).await?;
     let mut position = None;
-    let result = match taken.axis.enable().await {
-        Ok(mut enabled) => {
-            let result = enabled.home(Some(wanted.timeout)).await;
-            position = enabled.status().and_then(|status| status.position);
-            result
-        }
-        Err(error) => Err(error),
+    let motion = async |enabled: &mut Enabled<'_>| {
+        let result = enabled.home(Some(wanted.timeout)).await;
+        position = enabled.status().and_then(|status| status.position);
+        result
     };
+    let result = taken.move_by(motion).await;
     let left_to = taken.arrived(Arrival::Home, position, &result).await;
     let found = MotionResult {
         reached: result.is_ok(),

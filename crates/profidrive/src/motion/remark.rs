@@ -6,82 +6,20 @@ use profile::state::Mode;
 use profinet::cyclic::CyclicStatistics;
 
 use super::Setting;
-use super::event::{Arrival, Ended, Event, Start, TelegramChange};
+use super::event::{Arrival, Ended, Event, TelegramChange};
 use super::report::PutBack;
-
-/// A sentence on what happened.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Remark {
-    /// What happened.
-    pub sentence: String,
-    /// Whether something is not as it should be.
-    pub is_warning: bool,
-    /// What to do, where there is something to do.
-    pub next: Option<Advice>,
-}
-
-impl Remark {
-    fn news(sentence: impl Into<String>) -> Self {
-        Self {
-            sentence: sentence.into(),
-            is_warning: false,
-            next: None,
-        }
-    }
-
-    fn warning(sentence: impl Into<String>) -> Self {
-        Self {
-            is_warning: true,
-            ..Self::news(sentence)
-        }
-    }
-
-    fn and(self, next: Option<Advice>) -> Self {
-        Self { next, ..self }
-    }
-}
+use super::start::Start;
+use crate::Remark;
 
 impl Event {
     /// Returns what a person is to know of it. Empty for a sample of the axis, and for what only a front end can word: that a
     /// motion begins, and a cycle that this computer does not keep.
     #[must_use]
     pub fn remarks(&self) -> Vec<Remark> {
+        if let Some(remark) = self.of_settings() {
+            return vec![remark];
+        }
         let one = match self {
-            Self::ModeChanged {
-                before: Some(before),
-                now,
-            } => Remark::news(format!(
-                "PNU 930: {} -> {} for this motion",
-                mode_number(*before),
-                mode_number(*now)
-            )),
-            Self::ModeChanged { before: None, now } => Remark::news(format!(
-                "PNU 930 is {} now; what it was is none of 1 and 2 and is not put back",
-                mode_number(*now)
-            )),
-            Self::ModeWouldChange(mode) => Remark::news(format!(
-                "PNU 930 would be set to {} mode for this and put back; the telegram is chosen then",
-                match mode {
-                    Mode::Position => "position",
-                    Mode::Velocity => "velocity",
-                }
-            )),
-            Self::PutBack(setting) => {
-                Remark::news(format!("{} is {} again", setting.name(), setting.value()))
-            }
-            Self::NotPutBack { setting, cause } => {
-                Remark::warning(PutBack::of(setting.as_ref(), Some(cause.clone())).to_string())
-            }
-            Self::LeftOver(left) => Remark::warning(left.note().sentence),
-            Self::NoteUnreadable(note) => {
-                let note = note.note();
-                Remark::warning(note.sentence).and(note.next)
-            }
-            Self::NotNoted { setting, cause } => Remark::warning(format!(
-                "if this program is killed, {} stays changed; it was {}: {cause}",
-                setting.name(),
-                setting.value()
-            )),
             Self::RunsOn(loss) => runs_on(loss),
             Self::AtSwitch => {
                 Remark::warning("the limit switch in this direction is hit: the drive may not turn")
@@ -157,9 +95,51 @@ impl Event {
                 Remark::warning(format!("which fault there is cannot be read: {cause}"))
             }
             Self::Ended(ended) => return ending(ended),
-            Self::Starting { .. } | Self::Strained(_) | Self::Sample(_) => return Vec::new(),
+            _ => return Vec::new(),
         };
         vec![one]
+    }
+
+    /// What is changed at the drive for a motion, and put back.
+    fn of_settings(&self) -> Option<Remark> {
+        Some(match self {
+            Self::ModeChanged {
+                before: Some(before),
+                now,
+            } => Remark::news(format!(
+                "PNU 930: {} -> {} for this motion",
+                mode_number(*before),
+                mode_number(*now)
+            )),
+            Self::ModeChanged { before: None, now } => Remark::news(format!(
+                "PNU 930 is {} now; what it was is none of 1 and 2 and is not put back",
+                mode_number(*now)
+            )),
+            Self::ModeWouldChange(mode) => Remark::news(format!(
+                "PNU 930 would be set to {} mode for this and put back; the telegram is chosen then",
+                match mode {
+                    Mode::Position => "position",
+                    Mode::Velocity => "velocity",
+                }
+            )),
+            Self::PutBack(setting) => {
+                Remark::news(format!("{} is {} again", setting.name(), setting.value()))
+            }
+            Self::NotPutBack { setting, cause } => {
+                Remark::warning(PutBack::of(setting.as_ref(), Some(cause.clone())).to_string())
+            }
+            Self::LeftOver(left) => Remark::warning(left.note().sentence),
+            Self::NoteUnreadable(note) => {
+                let note = note.note();
+                Remark::warning(note.sentence).and(note.next)
+            }
+            Self::NotNoted { setting, cause } => Remark::warning(format!(
+                "if this program is killed, {} stays changed; it was {}: {cause}",
+                setting.name(),
+                setting.value()
+            )),
+            _ => return None,
+        })
     }
 }
 

@@ -11,10 +11,11 @@ use profile::telegram::Telegram;
 use super::axis::{Done, Taken, check_controller_loss, report_rounded, report_switch};
 use super::check::checked_axis;
 use super::error::{End, MotionError};
-use super::event::{Event, Observer, Start};
+use super::event::{Event, Observer};
 use super::limit::{self, above, too_fast, within};
 use super::plan::RunPlan;
 use super::report::{MotionResult, Report};
+use super::start::Start;
 use super::{Control, SPEED_LIMIT, UNLIMITED, mode};
 use crate::report::Quantity;
 
@@ -114,7 +115,7 @@ impl Run {
     }
 
     /// Returns the run with its speed in place of a frequency.
-    async fn in_rpm(
+    pub(super) async fn in_rpm(
         &self,
         session: &mut Session,
         drive: &mut Drive,
@@ -123,17 +124,11 @@ impl Run {
         let Some(Frequency { hertz, limit }) = self.frequency else {
             return Ok(*self);
         };
-        let pole_pairs = session.pole_pairs(drive).await?;
-        let speed = synchronous_speed(hertz, pole_pairs);
-        observer.report(&Event::Converted {
-            hertz,
-            rpm: speed,
-            pole_pairs,
-        });
+        let (speed, pole_pairs) = converted(session, drive, hertz, observer).await?;
         let wanted = Self {
             speed,
             unit: SpeedUnit::Rpm,
-            limit: limit.map_or(self.limit, |limit| synchronous_speed(limit, pole_pairs)),
+            limit: limit.map_or(self.limit, |limit| synchronous_speed(limit, pole_pairs).abs()),
             frequency: None,
             ..*self
         };
@@ -167,6 +162,37 @@ impl Run {
     }
 }
 
+/// Returns the speed of a frequency converter at an output frequency, rpm: that of the motor without slip. The pole pairs are read
+/// from the drive, and the conversion is reported.
+///
+/// # Errors
+/// [`Error::NoFrequency`] where the drive is not a frequency converter or its motor data are not valid.
+pub async fn speed_at(
+    session: &mut Session,
+    drive: &mut Drive,
+    hertz: f64,
+    observer: &Observer,
+) -> Result<f64, MotionError> {
+    Ok(converted(session, drive, hertz, observer).await?.0)
+}
+
+/// The same with the pole pairs of the motor.
+pub(super) async fn converted(
+    session: &mut Session,
+    drive: &mut Drive,
+    hertz: f64,
+    observer: &Observer,
+) -> Result<(f64, f64), MotionError> {
+    let pole_pairs = session.pole_pairs(drive).await?;
+    let rpm = synchronous_speed(hertz, pole_pairs);
+    observer.report(&Event::Converted {
+        hertz,
+        rpm,
+        pole_pairs,
+    });
+    Ok((rpm, pole_pairs))
+}
+
 /// Turns the axis at a speed.
 ///
 /// # Errors
@@ -180,10 +206,8 @@ pub async fn run(
 ) -> Result<Report, MotionError> {
     wanted.check()?;
     let wanted = &wanted.in_rpm(session, drive, observer).await?;
-    let change = mode::enter(session, drive, Mode::Velocity, &wanted.control, observer).await?;
-    let result = turn(session, drive, wanted, observer).await;
-    let restored = mode::leave(change, observer).await;
-    result?.report(restored, observer, (session, drive)).await
+    let mode = (Mode::Velocity, &wanted.control);
+    mode::during((session, drive), mode, wanted, observer, turn).await
 }
 
 /// Reads and checks everything that [`run`] does; nothing is sent that changes anything.
@@ -225,6 +249,17 @@ pub(super) async fn permitted(
     wanted: &Run,
     observer: &Observer,
 ) -> Result<(), MotionError> {
+    permitted_speed(session, drive, wanted, observer).await?;
+    Ok(check_controller_loss(session, drive, &wanted.control, observer).await?)
+}
+
+/// The objections of the drive to the speed of a run.
+pub(super) async fn permitted_speed(
+    session: &mut Session,
+    drive: &mut Drive,
+    wanted: &Run,
+    observer: &Observer,
+) -> Result<(), MotionError> {
     let speed = wanted.speed;
     if wanted.unit == SpeedUnit::Rpm {
         // of all others the scale is known with the telegram only
@@ -238,7 +273,7 @@ pub(super) async fn permitted(
         let facts = session.motion_facts(drive).await?;
         limit::share(speed, wanted.reference_speed, &facts, &wanted.control, drive)?;
     }
-    Ok(check_controller_loss(session, drive, &wanted.control, observer).await?)
+    Ok(())
 }
 
 /// The objections of the drive to a speed in rpm: its own limits. A limit switch in that direction is reported. The value for
@@ -275,12 +310,14 @@ async fn turn(
     if let Some(nearest) = axis.rounded_speed(wanted.speed) {
         report_rounded(wanted.speed, nearest, wanted.unit.symbol(), observer);
     }
-    let mut taken = Taken::begin(axis, end, Start::Run, wanted.control.set_mode, observer);
-    let mut found = MotionResult::default();
-    let result = match taken.axis.enable().await {
-        Ok(mut enabled) => keep(&mut enabled, wanted, &mut found, observer).await,
-        Err(error) => Err(error),
+    let start = Start::Run {
+        speed: Quantity::speed(wanted.speed, wanted.unit),
+        time: wanted.time,
     };
+    let mut taken = Taken::begin(axis, end, start, wanted.control.set_mode, observer).await?;
+    let mut found = MotionResult::default();
+    let motion = async |enabled: &mut Enabled<'_>| keep(enabled, wanted, &mut found, observer).await;
+    let result = taken.move_by(motion).await;
     found.speed = taken.speed();
     Ok(taken.finish(result, found).await)
 }

@@ -9,11 +9,13 @@ use profile::telegram::signal;
 
 use super::axis::Taken;
 use super::error::{End, MotionError};
-use super::event::{Observer, Start};
+use super::event::Observer;
 use super::report::{MotionResult, Report};
 use super::response::{StepPoint, step_in};
-use super::run::{Run, permitted};
+use super::run::{Frequency, Run, permitted, permitted_speed};
+use super::start::Start;
 use super::{Response, mode};
+use crate::report::Quantity;
 
 /// How long the first speed is kept before the step.
 const BEFORE: Duration = Duration::from_millis(300);
@@ -25,7 +27,7 @@ const MOST_SAMPLES: usize = 120_000;
 /// A step from one speed to another, which is kept for some time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Step {
-    /// Speed before the step, in the unit of `run`.
+    /// Speed before the step, in the unit of `run`; an output frequency in Hz where `run` has one.
     pub from: f64,
     /// The speed after the step, the time for which it is commanded, and what all motions have in common.
     pub run: Run,
@@ -61,7 +63,8 @@ impl Step {
         self.run.check()?;
         self.before().check()?;
         let invalid = |what| Err(MotionError::Invalid { what });
-        if (self.run.speed - self.from).abs() < f64::EPSILON {
+        let to = self.run.frequency.map_or(self.run.speed, |to| to.hertz);
+        if (to - self.from).abs() < f64::EPSILON {
             return invalid("both speeds of the step are the same");
         }
         if !(self.band > 0.0 && self.band < 1.0) {
@@ -75,10 +78,40 @@ impl Step {
 
     /// The speed before the step, as a run.
     fn before(&self) -> Run {
-        Run {
-            speed: self.from,
-            ..self.run
+        match self.run.frequency {
+            None => Run {
+                speed: self.from,
+                ..self.run
+            },
+            Some(to) => Run {
+                frequency: Some(Frequency {
+                    hertz: self.from,
+                    ..to
+                }),
+                ..self.run
+            },
         }
+    }
+
+    /// Returns the step with its speeds in place of frequencies.
+    ///
+    /// # Errors
+    /// Where the drive is not a frequency converter or its motor data are not valid, and a speed above the limit.
+    pub async fn in_rpm(
+        &self,
+        session: &mut Session,
+        drive: &mut Drive,
+        observer: &Observer,
+    ) -> Result<Self, MotionError> {
+        if self.run.frequency.is_none() {
+            return Ok(*self);
+        }
+        let from = self.before().in_rpm(session, drive, &Observer::default()).await?;
+        Ok(Self {
+            from: from.speed,
+            run: self.run.in_rpm(session, drive, observer).await?,
+            ..*self
+        })
     }
 }
 
@@ -94,6 +127,7 @@ pub async fn step(
     observer: &Observer,
 ) -> Result<Stepped, MotionError> {
     wanted.check()?;
+    let wanted = &wanted.in_rpm(session, drive, observer).await?;
     let change = mode::enter(session, drive, Mode::Velocity, &wanted.run.control, observer).await?;
     let mut stepped = Stepped {
         report: Report::default(),
@@ -118,14 +152,18 @@ async fn turn(
     observer: &Observer,
     stepped: &mut Stepped,
 ) -> Result<super::axis::Done, MotionError> {
-    permitted(session, drive, &wanted.before(), observer).await?;
+    permitted_speed(session, drive, &wanted.before(), observer).await?;
     permitted(session, drive, &wanted.run, observer).await?;
     let axis = session.take_axis(drive, wanted.run.settings(drive)?).await?;
     let mut samples = axis.samples(MOST_SAMPLES);
     stepped.signals = axis.signals();
     stepped.cycle = axis.cycle();
     let set_mode = wanted.run.control.set_mode;
-    let mut taken = Taken::begin(axis, End::Time, Start::Run, set_mode, observer);
+    let start = Start::Step {
+        from: Quantity::speed(wanted.from, wanted.run.unit),
+        to: Quantity::speed(wanted.run.speed, wanted.run.unit),
+    };
+    let mut taken = Taken::begin(axis, End::Time, start, set_mode, observer).await?;
     let mut found = MotionResult::default();
     let result = match taken.axis.enable().await {
         Ok(mut enabled) => both(&mut enabled, wanted, &mut found).await,
@@ -133,6 +171,7 @@ async fn turn(
     };
     found.speed = taken.speed();
     // the stop that follows is no part of the step
+    taken.end_tap();
     while let Some(sample) = samples.take() {
         stepped.samples.push(sample);
     }

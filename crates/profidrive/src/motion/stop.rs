@@ -8,6 +8,7 @@ use client::{Drive, Session, StopOutcome, StopWay};
 use serde::Serialize;
 
 use super::error::MotionError;
+use crate::Remark;
 use crate::report::{Controller, Quantity};
 use profile::notation::fixed;
 
@@ -110,6 +111,26 @@ fn failure(
 }
 
 impl StopReport {
+    /// Returns what a person is to know beside what was done: that parameters could not be read, and that a controller goes on
+    /// commanding the drive.
+    #[must_use]
+    pub fn remarks(&self) -> Vec<Remark> {
+        let drive = &self.drive;
+        let unread = self.unread.as_ref().map(|cause| {
+            Remark::warning(format!(
+                "parameters of {drive} cannot be read ({cause}): what they say was not taken into account"
+            ))
+        });
+        let connected = self.controller.as_ref().filter(|one| one.connected);
+        let commands = connected.filter(|_| self.sent.is_some()).map(|controller| {
+            let name = controller.name.as_deref().unwrap_or_default();
+            Remark::warning(format!(
+                "controller \"{name}\" goes on commanding {drive}: what it sends next may move the axis again"
+            ))
+        });
+        unread.into_iter().chain(commands).collect()
+    }
+
     /// Whether the axis is at rest.
     ///
     /// # Errors
@@ -231,5 +252,34 @@ mod tests {
             slave.to_string(),
             "OFF1 sent to akd-1 at 60.0 % of its reference: it stands (0.0 % of its reference), the power stage is off"
         );
+    }
+    #[test]
+    fn a_controller_that_goes_on_is_a_warning_where_something_was_sent() {
+        let report = |sent, connected| StopReport {
+            drive: "vlt-1".into(),
+            sent,
+            speed_before: None,
+            speed: None,
+            enabled: Some(true),
+            at_rest: true,
+            controller: Some(Controller {
+                connected,
+                name: Some("plc".into()),
+            }),
+            unread: None,
+            failure: None,
+        };
+        let remarks = report(Some("OFF1"), true).remarks();
+        assert!(
+            remarks.len() == 1
+                && remarks[0].is_warning
+                && remarks[0]
+                    .sentence
+                    .starts_with("controller \"plc\" goes on commanding vlt-1"),
+            "{remarks:?}"
+        );
+        for report in [report(None, true), report(Some("OFF1"), false)] {
+            assert_eq!(report.remarks(), []);
+        }
     }
 }

@@ -21,6 +21,7 @@ mod describe;
 mod error;
 mod limits;
 mod list;
+mod remark;
 mod write;
 
 use client::{Drive, Error, Refusal, Session};

@@ -4,9 +4,9 @@ use client::change::{Change, ChangeSet, Step};
 use client::{Drive, Error, Session};
 use profile::value::Assignment;
 
-use super::ParameterError;
-use crate::Outcome;
+use super::{ParameterError, remark};
 use crate::report::{Controller, Wording, WriteReport};
+use crate::{Outcome, Remark, settings};
 
 /// How values are written.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -26,6 +26,8 @@ pub struct Written {
     pub controller: Option<Option<String>>,
     /// How it was requested.
     pub wanted: Write,
+    /// What was requested, in the order of the changes.
+    pub assignments: Vec<Assignment>,
 }
 
 impl Written {
@@ -76,6 +78,31 @@ impl Written {
         }
     }
 
+    /// Returns what a person is to know of the values on their way to the drive: a raw number in its unit, a value that is
+    /// rounded, blanks of a text that are left out.
+    #[must_use]
+    pub fn of_values(&self) -> Vec<Remark> {
+        let pairs = self.assignments.iter().zip(self.set.changes());
+        pairs
+            .filter_map(|(assignment, change)| remark::of_value(assignment, change))
+            .collect()
+    }
+
+    /// Returns the warning that a controller is connected, for whose motion the new values count at once.
+    #[must_use]
+    pub fn of_controller(&self, drive: &str) -> Option<Remark> {
+        let name = self.affected_controller()?;
+        Some(Remark::warning(format!(
+            "controller \"{name}\" is connected to {drive}: what was written counts for its motion at once"
+        )))
+    }
+
+    /// Returns which of the new values are lost at the next power cycle, and which are not.
+    #[must_use]
+    pub fn lasting(&self) -> Vec<Remark> {
+        settings::lasting(&self.set)
+    }
+
     /// Returns it as a report.
     #[must_use]
     pub fn report(&self, drive: &Drive, wording: &dyn Wording) -> WriteReport {
@@ -117,6 +144,7 @@ pub async fn plan(
         controller: session.owner(drive).await?,
         set: session.plan_write(drive, assignments, wanted.save).await?,
         wanted,
+        assignments: assignments.to_vec(),
     })
 }
 

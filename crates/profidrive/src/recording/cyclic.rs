@@ -2,108 +2,195 @@
 
 use std::time::Duration;
 
-use client::axis::{AxisSignal, Sample};
-use client::{Axis, Error, ErrorKind, Samples};
+use client::axis::{AxisSignal, Sample, Seen};
+use client::{Axis, Error, Samples, Session};
 use profinet::Instant;
 
-use super::producer::{Place, Producer};
-use super::source::{Observed, chosen, column_of};
-use super::table::{Column, Kind, Table, Value};
+use super::error::RecordingError;
+use super::producer::{Absence, Away, Place, Producer};
+use super::source::{Observed, same_signals};
+use super::table::{Column, Kind, Value};
 
-/// Samples of one drive that wait to be taken: some four seconds of the shortest cycle.
+/// Samples of one drive that are buffered: about four seconds of the shortest cycle.
 pub(super) const WAITING: usize = 4096;
-/// How often waiting samples are taken. They are stamped when they arrive.
+/// Interval at which buffered samples are read. Their time stamps are those of their arrival.
 const TAKEN: Duration = Duration::from_millis(20);
-/// How long a drive that was lost is left alone before it is tried again.
+/// Time between two attempts to connect to a drive that was lost or is in use.
 const AGAIN: Duration = Duration::from_secs(1);
 
-/// Records the cyclic data of a drive until the recording ends. A drive that was lost is connected to again.
+/// Records the cyclic data of a drive until the recording ends. A drive that was lost is connected to again. The connection of a
+/// drive that is in use is closed until it is at rest, where that does not stop its motor.
 pub(super) async fn observe(
-    mut producer: Producer,
+    producer: &mut Producer,
     observed: Observed,
-    names: Vec<String>,
-    table: Table,
-) -> Result<(), Error> {
+    columns: &[Column],
+) -> Result<(), RecordingError> {
     let Observed {
         mut axis,
         mut signals,
         settings,
     } = observed;
     let mut drive = axis.drive().clone();
+    let mut samples = axis.samples(WAITING);
     loop {
-        let lost = record(&mut producer, &mut axis, &signals).await;
-        let since = producer.session.now();
-        // its end says nothing new about a connection that is lost
-        let released = axis.release().await;
-        match lost {
-            Ok(true) => {}
-            Ok(false) => return released,
-            Err(error) => return Err(error),
+        let end = record(producer, &mut axis, &mut samples, &signals).await;
+        if matches!(end, Ok(End::Recording)) {
+            wait_for_rest(producer, &mut axis, &mut samples).await;
         }
+        let since = producer.session.now();
+        // of a connection that is lost, the result of the release has no information
+        let released = axis.release().await;
+        let absence = match end? {
+            End::Recording => return Ok(released?),
+            End::Drive(absence) => absence,
+        };
+        let mut away: Option<Away> = None;
         producer.gap(since, 0).await;
-        producer.silent(since);
-        producer.flush().await;
-        let mut due = since + AGAIN;
+        producer.away(&mut away, since, absence);
         axis = loop {
+            producer.flush().await;
+            let wait = away.as_mut().map_or(AGAIN, |away| away.wait(AGAIN));
+            let due = producer.session.now() + wait;
             if !producer.wait_until(due).await? {
                 return Ok(());
             }
             match producer.session.take_axis(&mut drive, settings).await {
                 Ok(axis) => break axis,
                 Err(Error::Interrupted) => return Ok(()),
-                Err(error) if is_passing(&error) => due = producer.session.now() + AGAIN,
-                // it belongs to somebody else now
-                Err(error) => return Err(error),
+                Err(error) => match Absence::of(&error) {
+                    Some(absence) => producer.away(&mut away, since, absence),
+                    None => return Err(error.into()),
+                },
             }
+            // a drive that was lost would not receive a release
+            producer.session.forget(&drive);
         };
         // the drive may have another telegram since
-        signals = chosen(&axis, &names).unwrap_or_default();
-        let columns: Vec<Column> = signals.iter().map(column_of).collect();
-        producer.wire(&table, &columns);
-        let now = producer.session.now();
-        producer.answers(now, since);
-        let cycles = (now - since).as_nanos() / axis.cycle().as_nanos().max(1);
+        signals = match same_signals(&axis, columns) {
+            Ok(signals) => signals,
+            Err(error) => {
+                let _ = axis.release().await;
+                return Err(error);
+            }
+        };
+        samples = axis.samples(WAITING);
+        let cycles = (producer.session.now() - since).as_nanos() / axis.cycle().as_nanos().max(1);
         producer.missed(u64::try_from(cycles).unwrap_or(u64::MAX));
+        producer.back(&mut drive, since).await;
     }
 }
 
-/// Whether a drive that could not be connected to may be there later. One that another controller has meanwhile, or that is
-/// in operation, is left alone.
-fn is_passing(error: &Error) -> bool {
-    let others = matches!(error, Error::OwnedByController { .. });
-    !others && matches!(error.kind(), ErrorKind::Unreachable | ErrorKind::Lost)
+/// Keeps the connection of a recording that has ended until its end does not stop the motor, or the caller insists. A first wish to
+/// stop is the normal end of a recording without a time, and does not end the wait.
+async fn wait_for_rest(producer: &mut Producer, axis: &mut Axis, samples: &mut Samples) {
+    let mut reported = false;
+    let mut seen = axis.status().and_then(|status| status.view.seen);
+    loop {
+        let lost = axis.status().is_none_or(|status| status.lost);
+        let stays = seen.is_some_and(|seen| matches!(use_of(seen, axis), Use::Stay));
+        let insists = producer.is_stopped_at_once() || producer.session.hurry_requested();
+        if lost || !stays || insists {
+            return;
+        }
+        if !reported {
+            reported = true;
+            producer.waits(axis.loss_reaction());
+            producer.flush().await;
+        }
+        let session = &mut producer.session;
+        let passed = session.uninterrupted(async |session: &mut Session| session.pass(TAKEN).await);
+        if passed.await.is_err() {
+            return;
+        }
+        while let Some(sample) = samples.take() {
+            seen = Some(sample.seen);
+        }
+    }
 }
 
-/// Sends the samples of a connection until the recording ends (false) or it is lost (true).
-async fn record(producer: &mut Producer, axis: &mut Axis, signals: &[AxisSignal]) -> Result<bool, Error> {
-    let mut samples = axis.samples(WAITING);
+/// How the recording of a connection ends.
+enum End {
+    /// The recording ended.
+    Recording,
+    /// The drive is not recorded for a while.
+    Drive(Absence),
+}
+
+/// Sends the samples of a connection until the recording ends, the connection is lost or the drive is in use.
+async fn record(
+    producer: &mut Producer,
+    axis: &mut Axis,
+    samples: &mut Samples,
+    signals: &[AxisSignal],
+) -> Result<End, Error> {
     let mut last = None;
+    let mut noticed = false;
     loop {
-        // looked at first: what came before the loss is recorded
+        // read before the samples, so that all samples before the loss are recorded
         let lost = axis.status().is_none_or(|status| status.lost);
-        send(producer, &mut samples, signals, axis.cycle(), &mut last).await;
+        let seen = send(producer, samples, signals, axis.cycle(), &mut last).await;
         if lost {
-            return Ok(true);
+            return Ok(End::Drive(Absence::Silent));
+        }
+        match seen.map(|seen| use_of(seen, axis)) {
+            Some(Use::Leave) => return Ok(End::Drive(Absence::InUse)),
+            Some(Use::Stay) if !noticed => {
+                noticed = true;
+                producer.power_on(axis.loss_reaction());
+                producer.flush().await;
+            }
+            Some(Use::None) => noticed = false,
+            _ => {}
         }
         let due = producer.session.now() + TAKEN;
         if !producer.wait_until(due).await? {
-            send(producer, &mut samples, signals, axis.cycle(), &mut last).await;
-            return Ok(false);
+            send(producer, samples, signals, axis.cycle(), &mut last).await;
+            return Ok(End::Recording);
         }
     }
 }
 
-/// When a sample came, its number, and how many had been lost until then.
+/// What the use of the drive means for the connection.
+enum Use {
+    /// At rest, and not operated.
+    None,
+    /// In use: the end of the connection does not disturb it now.
+    Leave,
+    /// The power stage is on, and the end of the connection would stop the motor.
+    Stay,
+}
+
+/// Returns what to do about a drive that reports this. A drive reacts to the end of a connection while its power stage is on as to
+/// a lost controller.
+fn use_of(seen: Seen, axis: &Axis) -> Use {
+    if seen.power_is_on() {
+        if axis.loss_reaction().leaves_alone() {
+            Use::Leave
+        } else {
+            Use::Stay
+        }
+    } else if seen.control_requested() {
+        Use::None
+    } else {
+        // in local operation it can be started at any time
+        Use::Leave
+    }
+}
+
+/// Arrival and number of a sample, and the cycles that were lost until then.
 pub(super) type Last = Option<(Instant, u64, u64)>;
 
+/// Sends the buffered samples. Returns what the drive reported in the last one.
 async fn send(
     producer: &mut Producer,
     samples: &mut Samples,
     signals: &[AxisSignal],
     cycle: Duration,
     last: &mut Last,
-) {
+) -> Option<Seen> {
+    let mut seen = None;
     while let Some(sample) = samples.take() {
+        seen = Some(sample.seen);
         let missing = missing(last, &sample);
         if let Some((at, ..)) = *last {
             producer.lost_cycles(at + cycle, cycle, missing).await;
@@ -114,9 +201,10 @@ async fn send(
         producer.row(sample.at, fault, warning, value).await;
     }
     producer.flush().await;
+    seen
 }
 
-/// Returns the cycles between two samples that have none: lost on the network, or dropped because they were not taken in time.
+/// Returns the cycles between two samples that have none: lost on the network, or dropped because the buffer was full.
 pub(super) fn missing(last: &Last, sample: &Sample) -> u64 {
     last.map_or(0, |(_, number, missed)| {
         let lost = sample.missed.saturating_sub(missed);

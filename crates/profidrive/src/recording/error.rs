@@ -1,14 +1,20 @@
 //! Why something cannot be recorded, or cannot be written.
 
 use std::io;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use client::{Advice, Error, ErrorKind};
 use profile::value::ParameterProblem;
 
-use super::trigger::MOST_BEFORE;
+use super::trigger::{MOST_BEFORE, Trigger};
+use crate::clock::lasting;
 use crate::drive::DriveError;
+use crate::explained::Explained;
 use crate::monitor::TooFast;
+
+/// End of the name of a file that grows until it is made into one of another form.
+pub(super) const PART: &str = "part";
 
 /// Why something cannot be recorded.
 #[derive(Debug, thiserror::Error)]
@@ -86,6 +92,29 @@ pub enum RecordingError {
         /// Rows that it would have.
         rows: u128,
     },
+    /// The time to record is none.
+    #[error("a recording of 0 s has no rows")]
+    NoTime,
+    /// A drive that was away has another telegram, without a signal that was recorded or with another unit of it.
+    #[error("{drive}: telegram {telegram}, which it has now, does not carry `{name}` in {} as before", shown(.unit))]
+    Changed {
+        /// The drive.
+        drive: String,
+        /// Its telegram now.
+        telegram: u16,
+        /// The signal.
+        name: String,
+        /// The unit that its values had.
+        unit: String,
+    },
+    /// The event at which the recording was to begin did not happen.
+    #[error("`{trigger}` did not happen within {}: nothing was recorded", lasting(*.waited))]
+    NotTriggered {
+        /// What was waited for.
+        trigger: Trigger,
+        /// For how long.
+        waited: Duration,
+    },
     /// The drive could not be found or worked with.
     #[error(transparent)]
     Drive(#[from] DriveError),
@@ -98,28 +127,35 @@ fn shown(unit: &str) -> &str {
     if unit.is_empty() { "no unit" } else { unit }
 }
 
-impl RecordingError {
-    /// What kind of error it is.
-    #[must_use]
-    pub fn kind(&self) -> ErrorKind {
+impl Explained for RecordingError {
+    fn kind(&self) -> ErrorKind {
         match self {
             Self::Parameter { problem, .. } => Error::from(problem.clone()).kind(),
             Self::Drive(error) => error.kind(),
             Self::Client(error) => error.kind(),
+            Self::Changed { .. } => ErrorKind::Difference,
+            Self::NotTriggered { .. } => ErrorKind::NotReached,
             _ => ErrorKind::Usage,
         }
     }
 
-    /// What to do; empty where there is nothing to add.
-    #[must_use]
-    pub fn advice(&self) -> Advice {
+    fn message(&self) -> String {
+        match self {
+            Self::Drive(error) => error.message(),
+            Self::Client(error) => error.message(),
+            other => other.to_string(),
+        }
+    }
+
+    fn advice(&self) -> Advice {
         match self {
             Self::Parameter { problem, .. } => Error::from(problem.clone()).advice().unwrap_or_default(),
             Self::TooFast(_) => Advice::from(
                 "the parameter channel of the drive would be blocked for others; cyclic signals come with each cycle",
             ),
             Self::Units { .. } => Advice::from("record these drives one by one"),
-            Self::Client(error) => error.advice().unwrap_or_default(),
+            Self::Drive(error) => error.advice(),
+            Self::Client(error) => Explained::advice(error),
             Self::Before { .. } => Advice::from("take a shorter time, fewer drives or a longer interval"),
             _ => Advice::default(),
         }
@@ -128,7 +164,7 @@ impl RecordingError {
 
 /// Why rows could not be written.
 #[derive(Debug, thiserror::Error)]
-#[error("{action} {}: {cause}{}", .file.display(), kept(.rows, .readable.as_ref()))]
+#[error("{}{}", described(.action, .file, .cause), kept(.rows, .readable.as_ref()))]
 pub struct WriteError {
     /// What failed: `cannot write`.
     pub action: &'static str,
@@ -142,29 +178,42 @@ pub struct WriteError {
     pub readable: Option<PathBuf>,
 }
 
+fn described(action: &str, file: &Path, cause: &io::Error) -> String {
+    match cause.kind() {
+        io::ErrorKind::AlreadyExists => format!("`{}` exists already", file.display()),
+        _ => format!("{action} {}: {cause}", file.display()),
+    }
+}
+
 fn kept(rows: &u64, readable: Option<&PathBuf>) -> String {
     readable.map_or_else(String::new, |file| {
         format!("; the {rows} rows before are in {}", file.display())
     })
 }
 
-impl WriteError {
-    /// What kind of error it is.
-    #[must_use]
-    pub const fn kind(&self) -> ErrorKind {
+impl Explained for WriteError {
+    fn kind(&self) -> ErrorKind {
         ErrorKind::Local
     }
 
-    /// What to do; empty where there is nothing to add.
-    #[must_use]
-    pub fn advice(&self) -> Advice {
+    fn advice(&self) -> Advice {
         match self.cause.kind() {
             io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => {
                 Advice::from("free some space, or record to another disk")
             }
+            io::ErrorKind::AlreadyExists if is_part(&self.file) => Advice::from(
+                "a recording that did not end left it: an Arrow stream with its rows. Rename it to NAME.arrows to read it, or delete it",
+            ),
             io::ErrorKind::AlreadyExists => Advice::from("choose another name: recordings are not replaced"),
             _ => Advice::default(),
         }
+    }
+}
+
+impl WriteError {
+    /// A file that is not to be replaced.
+    pub(super) fn exists(file: &Path) -> Self {
+        Self::new("cannot create", file, io::ErrorKind::AlreadyExists.into())
     }
 
     pub(super) fn new(action: &'static str, file: impl Into<PathBuf>, cause: io::Error) -> Self {
@@ -176,4 +225,9 @@ impl WriteError {
             readable: None,
         }
     }
+}
+
+/// Whether a file is one that grows until its recording ends.
+fn is_part(file: &Path) -> bool {
+    file.extension().is_some_and(|end| end == PART)
 }

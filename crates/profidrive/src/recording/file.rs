@@ -17,7 +17,7 @@ use parquet::arrow::ArrowWriter;
 
 use super::batch::Batch;
 use super::csv::CsvLines;
-use super::error::WriteError;
+use super::error::{PART, WriteError};
 use super::table::{Row, Sink, Table};
 
 /// Rows are written at least this often.
@@ -145,6 +145,26 @@ impl RecordingFile {
         Ok(recording)
     }
 
+    /// Checks that a recording can begin with this file: neither it nor what grows into it exists, and its folder does. To be
+    /// called before drives are connected; [`create`](Self::create) has the last word.
+    ///
+    /// # Errors
+    /// When a file exists, or the folder does not.
+    pub fn check(file: &Path, form: Form, rotation: Option<Rotation>) -> Result<(), WriteError> {
+        let complete = rotation.map_or_else(|| file.to_owned(), |_| numbered(file, 1));
+        let grows = growing(&complete, form);
+        for taken in [&complete, &grows] {
+            if taken.exists() {
+                return Err(WriteError::exists(taken));
+            }
+        }
+        let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty());
+        match folder.map(fs::metadata) {
+            Some(Err(cause)) => Err(WriteError::new("cannot create", file, cause)),
+            _ => Ok(()),
+        }
+    }
+
     /// Returns the files that are complete, in their order.
     #[must_use]
     pub fn files(&self) -> &[PathBuf] {
@@ -157,17 +177,10 @@ impl RecordingFile {
             None => self.file.clone(),
             Some(_) => numbered(&self.file, self.begun),
         };
-        let grows = match self.form {
-            Form::Csv | Form::ArrowStream => complete.clone(),
-            Form::Arrow | Form::Parquet => beside(&complete, "part"),
-        };
+        let grows = growing(&complete, self.form);
         let failed = |error| WriteError::new("cannot create", &grows, error);
         if complete.exists() {
-            return Err(WriteError::new(
-                "cannot create",
-                &complete,
-                io::ErrorKind::AlreadyExists.into(),
-            ));
+            return Err(WriteError::exists(&complete));
         }
         let out = OpenOptions::new()
             .write(true)
@@ -397,6 +410,14 @@ fn of_arrow(error: ArrowError) -> io::Error {
     match error {
         ArrowError::IoError(_, error) => error,
         other => io::Error::other(other),
+    }
+}
+
+/// Returns the file that grows as long as a recording lasts.
+fn growing(complete: &Path, form: Form) -> PathBuf {
+    match form {
+        Form::Csv | Form::ArrowStream => complete.to_owned(),
+        Form::Arrow | Form::Parquet => beside(complete, PART),
     }
 }
 

@@ -1,8 +1,10 @@
-//! Curves as a picture (SVG) or as a page to look through (HTML), each one file that needs nothing else.
+//! Curves as a picture (SVG) or an interactive page (HTML), each one file without external parts.
 
+use client::{Advice, ErrorKind};
 use plotters::prelude::*;
 
 use super::scope::{Curve, Scope};
+use crate::explained::Explained;
 
 /// A vertical line with words: when something happened.
 #[derive(Debug, Clone, PartialEq)]
@@ -13,7 +15,7 @@ pub struct Mark {
     pub text: String,
 }
 
-/// Colours that can be told apart on white, also by people who see few colours.
+/// Colours that can be distinguished on white, also with colour blindness (Okabe and Ito).
 const COLOURS: [RGBColor; 8] = [
     RGBColor(0x00, 0x72, 0xB2),
     RGBColor(0xD5, 0x5E, 0x00),
@@ -35,7 +37,17 @@ const MOST_CHARTS: usize = 12;
 #[error("the plot cannot be drawn: {0}")]
 pub struct PlotError(String);
 
-/// Returns the curves by their unit; words of bits have a place of their own, as their numbers mean nothing.
+impl Explained for PlotError {
+    fn kind(&self) -> ErrorKind {
+        ErrorKind::Internal
+    }
+
+    fn advice(&self) -> Advice {
+        Advice::default()
+    }
+}
+
+/// Returns the curves by their unit; words have a chart of their own, as their numbers are no quantities.
 fn charts(scope: &Scope) -> Vec<(&str, Vec<&Curve>)> {
     let mut charts: Vec<(&str, Vec<&Curve>)> = Vec::new();
     let drawn = scope.curves.iter().filter(|curve| !curve.points.is_empty());

@@ -2,37 +2,33 @@
 
 use std::time::Duration;
 
-use client::{Drive, Error, ErrorKind, Session, Snapshot};
+use client::{Drive, Error, Session, Snapshot};
 use profile::value::{Reading, Selection};
 use profinet::Instant;
 
-use super::producer::{Place, Producer};
+use super::producer::{Absence, Away, Place, Producer};
 use super::source::value_of;
-use crate::monitor::{MonitorError, SILENCE};
+use crate::monitor::SILENCE;
 use crate::report::DriveWords;
 
 /// Reads a drive until the recording ends. A drive that does not answer is tried again.
 pub(super) async fn poll(
-    mut producer: Producer,
+    producer: &mut Producer,
     mut drive: Drive,
     selections: Vec<Selection>,
     interval: Duration,
     words: bool,
 ) -> Result<(), Error> {
     let mut due = producer.session.now();
-    let mut silent_since = None;
+    let mut away: Option<Away> = None;
     while producer.wait_until(due).await? {
         let begun = due;
         match read(&mut producer.session, &mut drive, &selections, words).await {
             Ok((readings, state)) => {
                 let at = producer.session.now();
-                if silent_since.is_none() && at - begun >= SILENCE {
+                if away.is_none() && at - begun >= SILENCE {
                     // the answer came after all
-                    producer.silent(begun);
-                    silent_since = Some(begun);
-                }
-                if let Some(since) = silent_since.take() {
-                    producer.answers(at, since);
+                    producer.away(&mut away, begun, Absence::Silent);
                 }
                 let values = readings.into_iter().map(Result::ok);
                 let values: Vec<Option<Reading>> = values.collect();
@@ -47,23 +43,29 @@ pub(super) async fn poll(
                     value_of(reading, kind)
                 };
                 producer.row(at, fault, warning, place).await;
+                if let Some(Away { since, .. }) = away.take() {
+                    producer.back(&mut drive, since).await;
+                }
             }
             Err(Error::Interrupted) => return Ok(()),
-            Err(error) if error.kind() == ErrorKind::Unreachable && MonitorError::is_of_drive(&error) => {
+            Err(error) => {
+                let Some(absence) = Absence::of(&error) else {
+                    return Err(error);
+                };
                 let at = producer.session.now();
-                due = next(begun, interval, at);
+                let is_new = away.is_none();
+                producer.away(&mut away, begun, absence);
+                let wait = away.as_mut().map_or(interval, |away| away.wait(interval));
+                due = next(begun, interval, at.max(begun + wait));
                 let missed = 1 + skipped(begun, interval, due);
-                if silent_since.is_none() {
-                    silent_since = Some(begun);
+                if is_new {
                     producer.gap(begun, missed).await;
-                    producer.silent(begun);
                 } else {
                     producer.missed(missed);
                 }
                 // it would not receive a release
                 producer.session.forget(&drive);
             }
-            Err(error) => return Err(error),
         }
     }
     Ok(())

@@ -1,10 +1,10 @@
-//! What records one drive, whether its values are read or come by themselves.
+//! The work on one drive: its rows and events, whether its values are read or received in each cycle.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicU8, Ordering};
 use std::time::Duration;
 
-use client::{Error, Session};
+use client::{Drive, Error, ErrorKind, FaultEntry, LossReaction, Session};
 use futures::SinkExt;
 use futures::channel::mpsc;
 use profinet::Instant;
@@ -13,12 +13,12 @@ use super::table::{Column, Kind, Row, Table, Value};
 use super::trigger::Reported;
 use crate::clock::WallClock;
 
-/// How often it is looked whether the recording ends.
-const GLANCE: Duration = Duration::from_millis(50);
-/// Gap rows of one place: what is missing beyond them is counted only.
-const MOST_GAPS: u64 = 1000;
+/// Interval at which the end of the recording is checked.
+const CHECKED: Duration = Duration::from_millis(50);
+/// Gap rows of one interruption; further missing cycles are only counted.
+pub(super) const MOST_GAPS: u64 = 1000;
 
-/// What comes from the drives.
+/// Rows and events of the drives.
 #[derive(Debug)]
 pub(super) enum Item {
     Row(Reported),
@@ -27,16 +27,77 @@ pub(super) enum Item {
         drive: usize,
         count: u64,
     },
-    /// A drive does not answer.
-    Silent {
+    /// Nothing is recorded of a drive; `again` where it was away already, for another reason.
+    Away {
         drive: usize,
         since: Duration,
+        absence: Absence,
+        again: bool,
     },
-    /// It answers again.
-    Answers {
+    /// It is recorded again.
+    Back {
         drive: usize,
         outage: Duration,
+        faults: Vec<FaultEntry>,
     },
+    /// Its power stage is on, and its connection stays open.
+    PowerOn {
+        drive: usize,
+        reaction: Box<LossReaction>,
+    },
+    /// The recording has ended, and its connection stays open until the power stage is off.
+    Waits {
+        drive: usize,
+        reaction: Box<LossReaction>,
+    },
+}
+
+/// Why nothing is recorded of a drive for a while. It is tried again.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Absence {
+    /// It does not answer, or does not know its connection any more.
+    Silent,
+    /// Another controller has it.
+    Controlled,
+    /// It is in local operation, or its power stage is on: the cyclic connection is closed so that its end cannot stop the motor.
+    InUse,
+}
+
+impl Absence {
+    /// Returns why an error of a call is no end: the drive may be recorded later.
+    pub(super) fn of(error: &Error) -> Option<Self> {
+        match error {
+            Error::Medium(_) | Error::Closed | Error::DriverFailed => None,
+            Error::OwnedByController { .. } | Error::ParametersOwned { .. } => Some(Self::Controlled),
+            Error::Ownerless { .. } | Error::LocalOperation { .. } => Some(Self::InUse),
+            other => matches!(other.kind(), ErrorKind::Unreachable | ErrorKind::Lost).then_some(Self::Silent),
+        }
+    }
+}
+
+/// The first wait for a drive that another controller has, and the longest.
+const CONTROLLED: [Duration; 2] = [Duration::from_secs(2), Duration::from_secs(60)];
+
+/// An absence under way.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Away {
+    pub since: Instant,
+    pub absence: Absence,
+    wait: Duration,
+}
+
+impl Away {
+    /// Returns how long to wait before the next attempt, `usual` or longer: each attempt makes work for a controller's drive.
+    pub(super) fn wait(&mut self, usual: Duration) -> Duration {
+        if self.absence != Absence::Controlled {
+            self.wait = CONTROLLED[0];
+            return usual;
+        }
+        let wait = self.wait;
+        self.wait = (wait * 2).min(CONTROLLED[1]);
+        wait.max(usual)
+    }
 }
 
 /// Where the value of a column comes from: the position among the values of the drive.
@@ -51,12 +112,37 @@ pub(super) struct Producer {
     pub drive: usize,
     start: Instant,
     clock: WallClock,
-    stop: Arc<AtomicBool>,
+    stop: RecordingStop,
     rows: mpsc::Sender<Item>,
     /// For each column of the table its place at this drive, and its kind.
     columns: Vec<(Option<Place>, Kind)>,
-    /// News that found no room among the rows.
+    /// Events to be sent with the next row.
     unsent: Vec<Item>,
+    /// Faults of the drive that are known to the caller.
+    known: Vec<u16>,
+}
+
+/// Ends a recording, from any thread.
+#[derive(Debug, Clone, Default)]
+pub struct RecordingStop(Arc<AtomicU8>);
+
+impl RecordingStop {
+    /// Ends it, as [`Recording::stop`](super::Recording::stop) does. A second call closes the connections also where that stops a
+    /// motor.
+    pub fn stop(&self) {
+        let _ = self
+            .0
+            .fetch_update(Ordering::AcqRel, Ordering::Acquire, |count| count.checked_add(1));
+    }
+
+    /// Ends it; further calls change nothing. For an end that is no wish of a person: no room for the rows, a terminal that is gone.
+    pub fn stop_once(&self) {
+        let _ = self.0.compare_exchange(0, 1, Ordering::AcqRel, Ordering::Acquire);
+    }
+
+    fn requests(&self) -> u8 {
+        self.0.load(Ordering::Acquire)
+    }
 }
 
 /// What all producers have in common.
@@ -64,11 +150,12 @@ pub(super) struct Producer {
 pub(super) struct Common {
     pub start: Instant,
     pub clock: WallClock,
-    pub stop: Arc<AtomicBool>,
+    pub stop: RecordingStop,
     pub rows: mpsc::Sender<Item>,
 }
 
 impl Producer {
+    /// Finds the columns of the table among those of the drive, `own`.
     pub(super) fn new(session: Session, drive: usize, common: Common, table: &Table, own: &[Column]) -> Self {
         let Common {
             start,
@@ -76,31 +163,36 @@ impl Producer {
             stop,
             rows,
         } = common;
-        let mut producer = Self {
+        let place = |column: &Column| {
+            let at = own.iter().position(|other| other.name == column.name);
+            (at.map(|at| Place { at }), column.kind)
+        };
+        Self {
             session,
             drive,
             start,
             clock,
             stop,
             rows,
-            columns: table.columns.iter().map(|column| (None, column.kind)).collect(),
+            columns: table.columns.iter().map(place).collect(),
             unsent: Vec::new(),
-        };
-        producer.wire(table, own);
-        producer
+            known: Vec::new(),
+        }
     }
 
-    /// Finds the columns of the table among those of the drive.
-    pub(super) fn wire(&mut self, table: &Table, own: &[Column]) {
-        for (place, column) in self.columns.iter_mut().zip(&table.columns) {
-            let at = own.iter().position(|other| other.name == column.name);
-            place.0 = at.map(|at| Place { at });
-        }
+    /// Takes the faults that are present as known.
+    pub(super) fn with_known_faults(self, known: Vec<u16>) -> Self {
+        Self { known, ..self }
     }
 
     /// Whether the recording has to end.
     pub(super) fn is_stopped(&self) -> bool {
-        self.stop.load(Ordering::Acquire)
+        self.stop.requests() > 0
+    }
+
+    /// Whether connections have to be closed whatever the drive is doing.
+    pub(super) fn is_stopped_at_once(&self) -> bool {
+        self.stop.requests() > 1
     }
 
     /// Lets the time pass; false when the recording ends or the caller requests a stop.
@@ -116,7 +208,7 @@ impl Producer {
                     other => other.map(|()| true),
                 };
             }
-            match self.session.pass((due - now).min(GLANCE)).await {
+            match self.session.pass((due - now).min(CHECKED)).await {
                 Err(Error::Interrupted) => return Ok(false),
                 other => other?,
             }
@@ -177,26 +269,92 @@ impl Producer {
         }
     }
 
-    pub(super) fn silent(&mut self, since: Instant) {
-        let (drive, since) = (self.drive, since.saturating_since(self.start));
-        self.unsent.push(Item::Silent { drive, since });
+    /// Reports that nothing is recorded of the drive, once for each reason; `away` is what was reported before.
+    pub(super) fn away(&mut self, away: &mut Option<Away>, at: Instant, absence: Absence) {
+        let before = *away;
+        let since = before.map_or(at, |before| before.since);
+        if before.is_some_and(|before| before.absence == absence) {
+            return;
+        }
+        *away = Some(Away {
+            since,
+            absence,
+            wait: CONTROLLED[0],
+        });
+        self.unsent.push(Item::Away {
+            drive: self.drive,
+            since: since.saturating_since(self.start),
+            absence,
+            again: before.is_some(),
+        });
     }
 
-    pub(super) fn answers(&mut self, now: Instant, since: Instant) {
-        let (drive, outage) = (self.drive, now.saturating_since(since));
-        self.unsent.push(Item::Answers { drive, outage });
+    /// Reports that values come again, with the faults that are new since.
+    pub(super) async fn back(&mut self, drive: &mut Drive, since: Instant) {
+        let outage = self.session.now().saturating_since(since);
+        let present = present_faults(&mut self.session, drive).await;
+        let numbers = present.iter().map(|fault| fault.number).collect();
+        let known = std::mem::replace(&mut self.known, numbers);
+        let new = present.into_iter().filter(|fault| !known.contains(&fault.number));
+        self.unsent.push(Item::Back {
+            drive: self.drive,
+            outage,
+            faults: new.collect(),
+        });
+    }
+
+    /// Reports that the power stage is on and the connection stays open.
+    pub(super) fn power_on(&mut self, reaction: &LossReaction) {
+        self.unsent.push(Item::PowerOn {
+            drive: self.drive,
+            reaction: Box::new(reaction.clone()),
+        });
+    }
+
+    /// Reports that the connection stays open although the recording has ended.
+    pub(super) fn waits(&mut self, reaction: &LossReaction) {
+        self.unsent.push(Item::Waits {
+            drive: self.drive,
+            reaction: Box::new(reaction.clone()),
+        });
     }
 
     async fn send(&mut self, item: Item) {
         self.flush().await;
-        // a recording that was dropped takes no more
+        // fails when the recording was dropped
         let _ = self.rows.send(item).await;
     }
 
-    /// Sends the news that is left.
+    /// Sends the events that are left.
     pub(super) async fn flush(&mut self) {
         for item in std::mem::take(&mut self.unsent) {
             let _ = self.rows.send(item).await;
         }
+    }
+}
+
+/// Returns the faults that are present; none where the drive has no fault buffer or does not answer.
+pub(super) async fn present_faults(session: &mut Session, drive: &mut Drive) -> Vec<FaultEntry> {
+    let mut faults = session.faults(drive).await.unwrap_or_default();
+    faults.retain(|fault| fault.situation == 0);
+    faults
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_drive_of_another_controller_is_tried_less_and_less_often() {
+        let usual = Duration::from_secs(1);
+        let mut away = Away {
+            since: Instant::ZERO,
+            absence: Absence::Controlled,
+            wait: CONTROLLED[0],
+        };
+        let waits: Vec<u64> = (0..7).map(|_| away.wait(usual).as_secs()).collect();
+        assert_eq!(waits, [2, 4, 8, 16, 32, 60, 60]);
+        away.absence = Absence::Silent;
+        assert_eq!(away.wait(usual), usual);
     }
 }

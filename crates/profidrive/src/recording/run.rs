@@ -2,12 +2,10 @@
 
 use std::future::poll_fn;
 use std::pin::Pin;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::task::{Context, Poll};
 use std::time::{Duration, SystemTime};
 
-use client::{Error, Session};
+use client::{Error, FaultEntry, LossReaction, Session};
 use futures::channel::mpsc;
 use futures::future::BoxFuture;
 use futures::stream::{FuturesUnordered, StreamExt};
@@ -16,37 +14,42 @@ use profinet::Instant;
 use super::cyclic::observe;
 use super::error::RecordingError;
 use super::poll::poll;
-use super::producer::{Common, Item, Producer};
+use super::producer::{Absence, Common, Item, Producer, RecordingStop};
 use super::source::{Origin, Source, together};
 use super::table::{Row, Table};
 use super::trigger::{Armed, MOST_BEFORE, Reported, Trigger};
 use super::{Every, Request};
 use crate::clock::WallClock;
 
-/// Rows that wait to be taken; drives are not read while there is no room.
+/// Rows that are buffered; drives are not read while the buffer is full.
 const ROOM: usize = 4096;
 
-/// How often the end is looked for.
+/// Interval at which the end is checked.
 const BEAT: Duration = Duration::from_millis(50);
 
-/// A recording under way. It ends by its time, by [`stop`](Self::stop) or when the caller of the session requests a stop.
+/// A recording under way. It ends by its time, by [`stop`](Self::stop) or when the caller of the session requests a stop
+/// ([`Session::interrupt_with`]). Each of them keeps a connection whose end would stop a motor until that is at rest
+/// ([`News::Waits`]).
 ///
 /// Dropping it closes its cyclic connections, as the drop of an [`Axis`](client::Axis) does.
 pub struct Recording {
     table: Table,
     start: Instant,
     session: Session,
-    stop: Arc<AtomicBool>,
+    stop: RecordingStop,
     rows: mpsc::Receiver<Item>,
-    producers: FuturesUnordered<BoxFuture<'static, (usize, Result<(), Error>)>>,
-    /// Rows whose turn has come.
+    producers: FuturesUnordered<BoxFuture<'static, (usize, Result<(), RecordingError>)>>,
+    /// Rows to be returned next.
     ready: std::collections::VecDeque<Row>,
     armed: Option<(Armed, Trigger)>,
     triggered: Option<Triggered>,
+    /// The event that did not happen, and how long it was waited for.
+    missed_trigger: Option<(Trigger, Duration)>,
+    clock: WallClock,
     /// How long to record from the start or the trigger, and when that is over.
     time: Option<Duration>,
     end: Option<Duration>,
-    /// Lets the time go on while the drives wait; `None` once the network failed.
+    /// Keeps virtual time running while the drives wait; `None` once the network failed.
     beat: Option<BoxFuture<'static, Result<(), Error>>>,
     counts: Vec<DriveCounts>,
 }
@@ -66,28 +69,48 @@ impl std::fmt::Debug for Recording {
 pub enum News {
     /// Values arrived, or are missing.
     Row(Row),
-    /// A drive does not answer since a time from the start. It is tried again.
-    Silent {
+    /// Nothing is recorded of a drive since a time from the start. It is tried again.
+    Away {
         /// Its index.
         drive: usize,
         /// Since when.
         since: Duration,
+        /// Why.
+        absence: Absence,
     },
-    /// A drive answers again.
-    Answers {
+    /// A drive is recorded again.
+    Back {
         /// Its index.
         drive: usize,
-        /// How long it did not answer.
+        /// How long it was not.
         outage: Duration,
+        /// Faults that are present and were not before.
+        faults: Vec<FaultEntry>,
     },
-    /// What was waited for happened: the rows that follow begin before it.
+    /// The power stage of a drive is on. Its connection stays open, as its end would stop the motor as this says; so does a
+    /// connection that is lost.
+    PowerOn {
+        /// Its index.
+        drive: usize,
+        /// What the drive does when the connection ends.
+        reaction: Box<LossReaction>,
+    },
+    /// The recording has ended, and the connection of a drive stays open until its power stage is off. A second
+    /// [`stop`](Recording::stop) closes it at once, or the caller who insists ([`Session::hurry_with`]).
+    Waits {
+        /// Its index.
+        drive: usize,
+        /// What the drive does when the connection ends.
+        reaction: Box<LossReaction>,
+    },
+    /// The event of the request happened: the rows that follow begin before it.
     Triggered(Triggered),
     /// A drive is no longer recorded, the others are.
     Ended {
         /// Its index.
         drive: usize,
         /// Why.
-        error: Error,
+        error: RecordingError,
     },
 }
 
@@ -113,7 +136,7 @@ pub struct DriveCounts {
     pub gaps: u64,
     /// Readings or cycles that are missing, in gaps or beside them, since the start.
     pub missed: u64,
-    /// How often the drive did not answer or was lost.
+    /// How often nothing was recorded of the drive for a while: it did not answer, was lost or was in use.
     pub outages: u64,
     /// How long it was away, as far as it came back.
     pub outage_time: Duration,
@@ -144,18 +167,19 @@ impl Recording {
         };
         let (sender, rows) = mpsc::channel(ROOM);
         let start = session.now();
-        let stop = Arc::new(AtomicBool::new(false));
+        let stop = RecordingStop::default();
         let words = matches!(request.trigger, Some(Trigger::Fault | Trigger::Warning));
         let producers = FuturesUnordered::new();
         for (drive, source) in sources.into_iter().enumerate() {
             let common = Common {
                 start,
                 clock,
-                stop: Arc::clone(&stop),
+                stop: stop.clone(),
                 rows: sender.clone(),
             };
-            let producer = Producer::new(session.clone(), drive, common, &table, &source.columns);
-            producers.push(produce(drive, producer, source, request, words, &table));
+            let producer = Producer::new(session.clone(), drive, common, &table, &source.columns)
+                .with_known_faults(source.faults.clone());
+            producers.push(produce(drive, producer, source, request.every, words));
         }
         let counts = vec![DriveCounts::default(); table.drives.len()];
         let mut recording = Self {
@@ -168,6 +192,8 @@ impl Recording {
             ready: std::collections::VecDeque::new(),
             armed,
             triggered: None,
+            missed_trigger: None,
+            clock,
             time: request.time,
             end: None,
             beat: None,
@@ -204,9 +230,16 @@ impl Recording {
         self.session.now().saturating_since(self.start)
     }
 
-    /// Ends it. What came before is still returned by [`next`](Self::next), which then closes the connections.
+    /// Returns what ends it from any thread.
+    #[must_use]
+    pub fn stop_handle(&self) -> RecordingStop {
+        self.stop.clone()
+    }
+
+    /// Ends it. A connection whose end would stop a motor stays open until that is at rest; a second call closes it at once. What
+    /// came before is still returned by [`next`](Self::next), which then closes the connections.
     pub fn stop(&self) {
-        self.stop.store(true, Ordering::Release);
+        self.stop.stop();
     }
 
     /// Waits for the next row or event; `None` once it ended and every connection is closed.
@@ -222,11 +255,14 @@ impl Recording {
                 continue;
             }
             let Some(step) = poll_fn(|context| self.poll(context)).await else {
-                return Ok(None);
+                if !self.gives_up_waiting() {
+                    return Ok(None);
+                }
+                continue;
             };
             let news = match step {
                 Step::Item(item) => self.take(item),
-                Step::Ended(_, error) if is_of_network(&error) => {
+                Step::Ended(_, RecordingError::Client(error)) if is_of_network(&error) => {
                     self.stop();
                     return Err(error);
                 }
@@ -238,14 +274,47 @@ impl Recording {
         }
     }
 
-    /// Lets every drive go on, then takes what came.
+    /// Turns to the end of a recording whose event did not happen: a gap of each drive says that nothing was recorded until then.
+    /// Returns false when that was done, or there is nothing to wait for.
+    fn gives_up_waiting(&mut self) -> bool {
+        let Some((_, trigger)) = self.armed.take() else {
+            return false;
+        };
+        let waited = self.elapsed();
+        let gap = |drive| Row {
+            time: waited,
+            wall: self.clock.before(Duration::ZERO),
+            drive,
+            gap: true,
+            values: vec![None; self.table.columns.len()],
+        };
+        self.ready = (0..self.table.drives.len()).map(gap).collect();
+        self.missed_trigger = Some((trigger, waited));
+        true
+    }
+
+    /// Checks that the event of the request happened.
+    ///
+    /// # Errors
+    /// [`RecordingError::NotTriggered`] once the recording has ended without it.
+    pub fn check_triggered(&self) -> Result<(), RecordingError> {
+        match &self.missed_trigger {
+            None => Ok(()),
+            Some((trigger, waited)) => Err(RecordingError::NotTriggered {
+                trigger: trigger.clone(),
+                waited: *waited,
+            }),
+        }
+    }
+
+    /// Polls every drive, then returns the next item.
     fn poll(&mut self, context: &mut Context<'_>) -> Poll<Option<Step>> {
         while let Some(beat) = &mut self.beat {
             let Poll::Ready(passed) = beat.as_mut().poll(context) else {
                 break;
             };
             if self.end.is_some_and(|end| self.elapsed() >= end) {
-                self.stop();
+                self.stop.stop_once();
             }
             self.beat = passed.is_ok().then(|| self.next_beat());
         }
@@ -259,11 +328,11 @@ impl Recording {
                     return Poll::Ready(Some(Step::Ended(drive, error)));
                 }
                 Poll::Ready(None) => {
-                    // nobody sends any more
+                    // all drives have ended: only buffered items are left
                     let rest = Pin::new(&mut self.rows).poll_next_unpin(context);
                     return rest.map(|item| item.map(Step::Item));
                 }
-                // what they sent just now is taken before anybody waits
+                // items that were sent during this poll are returned before the task sleeps
                 Poll::Pending => {
                     let rest = self.rows.poll_next_unpin(context);
                     let Poll::Ready(Some(item)) = rest else {
@@ -283,14 +352,33 @@ impl Recording {
                 counts.missed = counts.missed.saturating_add(count);
                 None
             }
-            Item::Silent { drive, since } => {
-                self.counts.get_mut(drive)?.outages += 1;
-                Some(News::Silent { drive, since })
+            Item::Away {
+                drive,
+                since,
+                absence,
+                again,
+            } => {
+                self.counts.get_mut(drive)?.outages += u64::from(!again);
+                Some(News::Away {
+                    drive,
+                    since,
+                    absence,
+                })
             }
-            Item::Answers { drive, outage } => {
+            Item::Back {
+                drive,
+                outage,
+                faults,
+            } => {
                 self.counts.get_mut(drive)?.outage_time += outage;
-                Some(News::Answers { drive, outage })
+                Some(News::Back {
+                    drive,
+                    outage,
+                    faults,
+                })
             }
+            Item::PowerOn { drive, reaction } => Some(News::PowerOn { drive, reaction }),
+            Item::Waits { drive, reaction } => Some(News::Waits { drive, reaction }),
         }
     }
 
@@ -313,14 +401,14 @@ impl Recording {
         Some(News::Triggered(triggered))
     }
 
-    /// Begins to count the time that is to be recorded.
+    /// Starts the time that is to be recorded.
     fn limit(&mut self, from: Duration) {
         let Some(time) = self.time else { return };
         let end = from.saturating_add(time);
         self.end = Some(end);
     }
 
-    /// Waits for the end, or a while. Of a network whose time goes on only while calls wait, the wait of one drive alone is not
+    /// Waits for the end, at most [`BEAT`]. In virtual time, which advances only while calls wait, the wait of one drive alone is not
     /// enough: the futures of drives that were not woken are not polled.
     fn next_beat(&self) -> BoxFuture<'static, Result<(), Error>> {
         let left = self.end.map(|end| end.saturating_sub(self.elapsed()));
@@ -352,41 +440,39 @@ impl Recording {
 
 enum Step {
     Item(Item),
-    Ended(usize, Error),
+    Ended(usize, RecordingError),
 }
 
-/// What carries the frames failed, for all drives.
+/// The network failed, for all drives.
 const fn is_of_network(error: &Error) -> bool {
     matches!(error, Error::Medium(_) | Error::Closed | Error::DriverFailed)
 }
 
-/// The work on one drive.
+/// The work on one drive. A gap says that it ended before the recording.
 fn produce(
     drive: usize,
-    producer: Producer,
+    mut producer: Producer,
     source: Source,
-    request: &Request,
+    every: Every,
     words: bool,
-    table: &Table,
-) -> BoxFuture<'static, (usize, Result<(), Error>)> {
-    let (names, table, every) = (request.signals.clone(), table.clone(), request.every);
+) -> BoxFuture<'static, (usize, Result<(), RecordingError>)> {
+    let interval = match every {
+        Every::Interval(interval) => interval,
+        Every::Cycle { .. } => crate::monitor::SHORTEST_INTERVAL,
+    };
     Box::pin(async move {
-        let result = match (source.origin, every) {
-            (Origin::Parameters(selections), Every::Interval(interval)) => {
-                poll(producer, source.drive, selections, interval, words).await
+        let result = match source.origin {
+            Origin::Parameters(selections) => {
+                let read = poll(&mut producer, source.drive, selections, interval, words).await;
+                read.map_err(RecordingError::from)
             }
-            (Origin::Parameters(selections), Every::Cycle { .. }) => {
-                poll(
-                    producer,
-                    source.drive,
-                    selections,
-                    crate::monitor::SHORTEST_INTERVAL,
-                    words,
-                )
-                .await
-            }
-            (Origin::Cyclic(observed), _) => observe(producer, *observed, names, table).await,
+            Origin::Cyclic(observed) => observe(&mut producer, *observed, &source.columns).await,
         };
+        if result.is_err() {
+            let now = producer.session.now();
+            producer.gap(now, 0).await;
+        }
+        producer.flush().await;
         (drive, result)
     })
 }

@@ -8,6 +8,7 @@ use profile::notation::ParameterReference;
 use profile::value::{Content, Reading, Selection};
 
 use super::error::RecordingError;
+use super::producer::present_faults;
 use super::table::{Column, Kind, Table, Value};
 use super::{Every, Request};
 use crate::fleet::{self, Member, Selected};
@@ -23,6 +24,8 @@ pub struct Source {
     pub(super) drive: Drive,
     pub(super) columns: Vec<Column>,
     pub(super) origin: Origin,
+    /// Numbers of the faults that were present.
+    pub(super) faults: Vec<u16>,
 }
 
 /// Where the values of a drive come from.
@@ -73,11 +76,13 @@ pub async fn prepare(
                 observed(session, drive, settings, &request.signals).await?
             }
         };
+        let faults = present_faults(session, drive).await;
         Ok(Source {
             name: drive.label(),
             drive: drive.clone(),
             columns,
             origin,
+            faults: faults.iter().map(|fault| fault.number).collect(),
         })
     })
     .await
@@ -93,6 +98,9 @@ pub(super) fn check(request: &Request) -> Result<(), RecordingError> {
         if request.signals.iter().take(at).any(same) {
             return Err(RecordingError::Twice { name: name.clone() });
         }
+    }
+    if request.time.is_some_and(|time| time.is_zero()) {
+        return Err(RecordingError::NoTime);
     }
     match request.every {
         Every::Interval(interval) if interval < SHORTEST_INTERVAL => Err(TooFast.into()),
@@ -194,8 +202,8 @@ async fn observed(
 ) -> Result<(Vec<Column>, Origin), RecordingError> {
     let axis = session.take_axis(drive, settings).await?;
     match chosen(&axis, names) {
-        Ok(signals) => {
-            let columns = signals.iter().map(column_of).collect();
+        Ok(found) => {
+            let (columns, signals) = found.into_iter().unzip();
             let observed = Observed {
                 axis,
                 signals,
@@ -210,18 +218,33 @@ async fn observed(
     }
 }
 
-/// Returns the signals of an axis that names mean.
-pub(super) fn chosen(axis: &Axis, names: &[String]) -> Result<Vec<AxisSignal>, RecordingError> {
+/// Whether a name means a signal: its own, or its common one.
+fn means(name: &str, signal: &AxisSignal) -> bool {
+    let signal = signal.field.signal;
+    let own = [signal.name, signal.common].into_iter();
+    own.filter(|own| !own.is_empty())
+        .any(|own| own.eq_ignore_ascii_case(name))
+}
+
+/// Returns the signals of an axis that names mean, with their columns. A column has the name that was given.
+fn chosen(axis: &Axis, names: &[String]) -> Result<Vec<(Column, AxisSignal)>, RecordingError> {
     let there = axis.signals();
-    let mut signals: Vec<AxisSignal> = Vec::new();
+    let mut chosen: Vec<(Column, AxisSignal)> = Vec::new();
     for name in names {
-        let named = |signal: &&AxisSignal| signal.field.signal.name.eq_ignore_ascii_case(name);
-        let found: Vec<AxisSignal> = if name.eq_ignore_ascii_case(ALL) {
-            there.clone()
-        } else {
-            there.iter().filter(named).copied().collect()
-        };
-        if found.is_empty() {
+        let is_all = name.eq_ignore_ascii_case(ALL);
+        let found = there.iter().filter(|signal| is_all || means(name, signal));
+        let mut is_there = false;
+        for signal in found {
+            is_there = true;
+            let mut column = column_of(signal);
+            if !is_all && !signal.field.signal.name.eq_ignore_ascii_case(name) {
+                column.name.clone_from(name);
+            }
+            if chosen.iter().all(|(_, other)| other != signal) {
+                chosen.push((column, *signal));
+            }
+        }
+        if !is_there {
             return Err(RecordingError::NoSuchSignal {
                 drive: axis.drive().label(),
                 telegram: axis.telegram(),
@@ -232,13 +255,33 @@ pub(super) fn chosen(axis: &Axis, names: &[String]) -> Result<Vec<AxisSignal>, R
                     .collect(),
             });
         }
-        for signal in found {
-            if !signals.contains(&signal) {
-                signals.push(signal);
-            }
-        }
     }
-    Ok(signals)
+    Ok(chosen)
+}
+
+/// Returns the signals of an axis whose columns are these, in the same order: the drive may have another telegram than before.
+///
+/// # Errors
+/// [`RecordingError::Changed`] where one is missing or its values have another unit or kind.
+pub(super) fn same_signals(axis: &Axis, columns: &[Column]) -> Result<Vec<AxisSignal>, RecordingError> {
+    let there = axis.signals();
+    let find = |column: &Column| {
+        let same = |signal: &&AxisSignal| {
+            let now = column_of(signal);
+            means(&column.name, signal) && now.unit == column.unit && now.kind == column.kind
+        };
+        there
+            .iter()
+            .find(same)
+            .copied()
+            .ok_or_else(|| RecordingError::Changed {
+                drive: axis.drive().label(),
+                telegram: axis.telegram(),
+                name: column.name.clone(),
+                unit: column.unit.clone(),
+            })
+    };
+    columns.iter().map(find).collect()
 }
 
 /// Returns the column of a signal.

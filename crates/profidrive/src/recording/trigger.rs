@@ -113,7 +113,7 @@ impl FromStr for Trigger {
         });
         let Some((name, value, comparison)) = found else {
             return Err(wrong(
-                "there are fault, warning, gap and a comparison such as NIST_A>60rpm".to_owned(),
+                "expected fault, warning, gap or a comparison such as NIST_A>60rpm".to_owned(),
             ));
         };
         if name.is_empty() {

@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use super::{Error, IpReport, NameReport, RestoreReport, Wording};
+use crate::Explained;
 use crate::commissioning::{CommissionError, Planned};
 use crate::machine::Machine;
 
@@ -69,8 +70,15 @@ fn drive(one: &Planned, file: &str, dry_run: bool, wording: &dyn Wording) -> Com
     let settings = settings.map(|(drive, settings)| {
         RestoreReport::new(drive, &settings.plan, file.to_owned(), dry_run, way_back, wording)
     });
-    let error =
-        |error: &CommissionError| Error::new(error.kind(), &error.to_string(), &[], &error.advice(), wording);
+    let error = |error: &CommissionError| {
+        Error::new(
+            Explained::kind(error),
+            &error.message(),
+            &error.details(),
+            &error.advice(),
+            wording,
+        )
+    };
     CommissionedDrive {
         drive: one.wanted.name.clone(),
         line: one.wanted.line,

@@ -13,8 +13,10 @@
 //! Times are in seconds. With the feature `schema` each report has a JSON schema.
 
 mod backup;
+mod bundle;
 mod change;
 mod commission;
+mod doctor;
 mod drive;
 mod drives;
 mod gsdml;
@@ -29,11 +31,30 @@ mod station;
 mod status;
 mod tables;
 
+/// Name and version of the JSON form of reports; changes only when a field changes its meaning or goes.
+pub const SCHEMA: &str = "profidrive/1";
+
+/// Returns a report as a document with its head: the form and the verb that it is of.
+///
+/// # Errors
+/// When a report is nothing that JSON has.
+#[cfg(feature = "documents")]
+pub fn document(verb: &str, report: &impl serde::Serialize) -> Result<serde_json::Value, serde_json::Error> {
+    let mut document = serde_json::to_value(report)?;
+    if let serde_json::Value::Object(fields) = &mut document {
+        fields.insert("schema".to_owned(), SCHEMA.into());
+        fields.insert("command".to_owned(), verb.into());
+    }
+    Ok(document)
+}
+
 pub use dissect::report::{DriveState, Parameter, ParameterContent, ParameterError, Word};
 
 pub use backup::{BackupReport, DiffReport, Difference, MotionTask, NumberedTask, TaskDifference};
+pub use bundle::{BundleReport, BundledDrive, BundledFile, PageReport};
 pub use change::{MotionTaskChange, RestoreReport, SettingChange, SkippedSetting, WriteReport};
 pub use commission::{CommissionReport, CommissionedDrive};
+pub use doctor::{Check, DoctorReport, Finding, LinkReport, Severity, TimerReport};
 pub use drive::{
     FaultsReport, Identity, InfoReport, LogEntry, Module, MonitorReading, MonitorSilence, Neighbour,
     ParametersReport, Submodule,

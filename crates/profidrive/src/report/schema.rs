@@ -8,11 +8,11 @@ use serde::Serialize;
 use serde_json::{Map, Value, json};
 
 use super::{
-    BackupReport, BlinkReport, CommissionReport, DemoEvent, DescribeReport, DiffReport, Drives, Error,
-    FaultsReport, GsdmlCheckReport, GsdmlExportReport, GsdmlShowReport, InfoReport, InjectReport, IpReport,
-    ListReport, MonitorReading, MonitorSilence, NameReport, ParametersReport, RecordReport, ResetReport,
-    RestoreReport, ScanReport, ServeReport, SimulationReport, StationChange, StatusReport, StepReport,
-    WriteReport,
+    BackupReport, BlinkReport, BundleReport, CommissionReport, DemoEvent, DescribeReport, DiffReport,
+    DoctorReport, Drives, Error, FaultsReport, GsdmlCheckReport, GsdmlExportReport, GsdmlShowReport,
+    InfoReport, InjectReport, IpReport, ListReport, MonitorReading, MonitorSilence, NameReport, PageReport,
+    ParametersReport, RecordReport, ResetReport, RestoreReport, ScanReport, ServeReport, SimulationReport, StationChange,
+    StatusReport, StepReport, WriteReport,
 };
 use crate::motion::{self, JogPlan, Message, MoveReport, RunPlan, StopReport};
 
@@ -49,6 +49,9 @@ const COMMANDS: &[(&str, Describe)] = &[
     ("serve", of::<ServeReport>),
     ("demo", of::<DemoEvent>),
     ("inject", of::<InjectReport>),
+    ("doctor", of::<DoctorReport>),
+    ("bundle", of::<BundleReport>),
+    ("report", of::<PageReport>),
     ("status", each::<StatusReport, StatusReport>),
     ("faults", each::<FaultsReport, FaultsReport>),
     ("monitor", of::<Monitored>),

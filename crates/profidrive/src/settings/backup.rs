@@ -10,8 +10,8 @@ use crate::{Outcome, Reported};
 /// Most names for one reason, in a text.
 const MOST_NAMED: usize = 3;
 
-/// Reads all settings of a drive and its motion tasks, with the outcome that [`outcome`] has for them. `progress` receives the
-/// number of parameters that are read and their total.
+/// Reads all settings of a drive and its motion tasks, with the outcome that [`outcome`] has for them. `progress` receives
+/// how many settings and motion tasks are read, and their total.
 ///
 /// # Errors
 /// When the drive cannot be reached. What it refuses is in the backup: see [`missing`].

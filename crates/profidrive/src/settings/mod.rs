@@ -26,6 +26,7 @@
 mod backup;
 mod comparison;
 mod file;
+mod lasting;
 
 use std::fs::File;
 use std::path::{Path, PathBuf};
@@ -38,6 +39,7 @@ use network::files::StateFile;
 pub use backup::{Missing, MissingSettings, backup, missing, outcome};
 pub use comparison::{CompareError, Comparison, as_in};
 pub use file::{BackupFile, FileError, file_in, make_folder, read};
+pub use lasting::lasting;
 
 /// Most ways back beside one file.
 const MOST_WAYS_BACK: u32 = 9_999;

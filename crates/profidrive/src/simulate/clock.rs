@@ -66,7 +66,7 @@ impl Waker {
         self.bell.notify_one();
     }
 
-    /// Sleeps until somebody rings, at most for `limit`.
+    /// Sleeps until a caller rings, at most for `limit`.
     fn sleep(&self, limit: Duration) {
         let rung = locked(&self.rung);
         let waited = self.bell.wait_timeout_while(rung, limit, |rung| !*rung);

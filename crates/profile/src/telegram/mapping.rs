@@ -37,6 +37,7 @@ static NOTHING: Signal = Signal {
     signed: false,
     direction: Direction::Either,
     meaning: "",
+    common: "",
     source: "",
 };
 

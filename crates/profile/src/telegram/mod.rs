@@ -61,6 +61,8 @@ pub struct Signal {
     pub direction: Direction,
     /// What it is.
     pub meaning: &'static str,
+    /// The name that people know it by, whatever the vendor: `speed`; empty for none.
+    pub common: &'static str,
     /// Where this is from.
     pub source: &'static str,
 }

@@ -1,4 +1,4 @@
-//! How many requests to a server were answered lately: what tells a lossy path from a server that is gone.
+//! How many requests to a server were answered lately: what distinguishes a lossy path from a server that is gone.
 
 use core::fmt;
 use core::net::Ipv4Addr;

@@ -81,6 +81,8 @@ impl fmt::Display for Problem {
 
 /// A cursor over received octets that never reads past the end.
 ///
+/// The methods that every field of a frame goes through are always inlined: so a reader without a trace stays in registers.
+///
 /// ```
 /// use profidrive_profinet::wire::Reader;
 /// let mut reader = Reader::new(&[0x01, 0x02, 0x03]);
@@ -93,7 +95,7 @@ pub struct Reader<'a> {
     data: &'a [u8],
     base: usize,
     position: usize,
-    trace: Option<&'a Trace>,
+    trace: Option<&'a Trace<'a>>,
 }
 
 impl<'a> Reader<'a> {
@@ -121,7 +123,7 @@ impl<'a> Reader<'a> {
 
     /// Reads on with a note of every field in `trace`.
     #[must_use]
-    pub const fn traced(mut self, trace: &'a Trace) -> Self {
+    pub const fn traced(mut self, trace: &'a Trace<'a>) -> Self {
         self.trace = Some(trace);
         self
     }
@@ -152,16 +154,17 @@ impl<'a> Reader<'a> {
 
     /// Returns the octets not read yet, without reading them.
     #[must_use]
+    #[inline]
     pub fn peek_rest(&self) -> &'a [u8] {
         self.data.get(self.position..).unwrap_or(&[])
     }
 
     /// Reads all octets that are left.
-    pub fn rest(&mut self) -> &'a [u8] {
+    pub fn rest(&mut self, what: &'static str) -> &'a [u8] {
         let rest = self.peek_rest();
         self.position = self.data.len();
         if let Some(trace) = self.trace {
-            trace.read("data", rest);
+            trace.read(what, rest);
         }
         rest
     }
@@ -170,6 +173,7 @@ impl<'a> Reader<'a> {
     ///
     /// # Errors
     /// When fewer are left; nothing is consumed then.
+    #[inline(always)]
     pub fn bytes(&mut self, length: usize, what: &'static str) -> Result<&'a [u8], DecodeError> {
         let bytes = self.take(length, what)?;
         if let Some(trace) = self.trace {
@@ -178,6 +182,7 @@ impl<'a> Reader<'a> {
         Ok(bytes)
     }
 
+    #[inline(always)]
     fn take(&mut self, length: usize, what: &'static str) -> Result<&'a [u8], DecodeError> {
         let end = self.position.checked_add(length);
         match end.and_then(|end| self.data.get(self.position..end)) {
@@ -200,6 +205,7 @@ impl<'a> Reader<'a> {
     ///
     /// # Errors
     /// When fewer are left.
+    #[inline(always)]
     pub fn array<const N: usize>(&mut self, what: &'static str) -> Result<[u8; N], DecodeError> {
         let mut array = [0; N];
         array.copy_from_slice(self.bytes(N, what)?);
@@ -218,6 +224,7 @@ impl<'a> Reader<'a> {
     ///
     /// # Errors
     /// When fewer are left.
+    #[inline]
     pub fn sub(&mut self, length: usize, what: &'static str) -> Result<Reader<'a>, DecodeError> {
         let base = self.offset();
         Ok(Reader {
@@ -230,6 +237,7 @@ impl<'a> Reader<'a> {
     ///
     /// # Errors
     /// At the end of the data.
+    #[inline(always)]
     pub fn u8(&mut self, what: &'static str) -> Result<u8, DecodeError> {
         let [value] = self.array(what)?;
         Ok(self.number(value))
@@ -239,6 +247,7 @@ impl<'a> Reader<'a> {
     ///
     /// # Errors
     /// At the end of the data.
+    #[inline(always)]
     pub fn u16(&mut self, what: &'static str) -> Result<u16, DecodeError> {
         let value = u16::from_be_bytes(self.array(what)?);
         Ok(self.number(value))
@@ -248,6 +257,7 @@ impl<'a> Reader<'a> {
     ///
     /// # Errors
     /// At the end of the data.
+    #[inline(always)]
     pub fn u32(&mut self, what: &'static str) -> Result<u32, DecodeError> {
         let value = u32::from_be_bytes(self.array(what)?);
         Ok(self.number(value))
@@ -257,6 +267,7 @@ impl<'a> Reader<'a> {
     ///
     /// # Errors
     /// At the end of the data.
+    #[inline]
     pub fn u64(&mut self, what: &'static str) -> Result<u64, DecodeError> {
         let value = u64::from_be_bytes(self.array(what)?);
         Ok(self.number(value))
@@ -266,6 +277,7 @@ impl<'a> Reader<'a> {
     ///
     /// # Errors
     /// At the end of the data.
+    #[inline(always)]
     pub fn u16_in(&mut self, order: ByteOrder, what: &'static str) -> Result<u16, DecodeError> {
         let array = self.array(what)?;
         Ok(self.number(match order {
@@ -278,6 +290,7 @@ impl<'a> Reader<'a> {
     ///
     /// # Errors
     /// At the end of the data.
+    #[inline(always)]
     pub fn u32_in(&mut self, order: ByteOrder, what: &'static str) -> Result<u32, DecodeError> {
         let array = self.array(what)?;
         Ok(self.number(match order {
@@ -288,6 +301,7 @@ impl<'a> Reader<'a> {
 
     /// Returns an error about the field that starts `back` octets before the cursor.
     #[must_use]
+    #[inline]
     pub fn error(&self, what: &'static str, back: usize, problem: Problem) -> DecodeError {
         let field = self.data.get(self.position.saturating_sub(back)..self.data.len());
         if let (Some(trace), Some(rest)) = (self.trace, field) {
@@ -301,6 +315,7 @@ impl<'a> Reader<'a> {
     }
 
     /// Notes what was read since `start`, an earlier [`position`](Self::position), as one part of this name.
+    #[inline]
     pub fn enclose(&self, what: &'static str, start: usize) {
         if let (Some(trace), Some(octets)) = (self.trace, self.data.get(start..self.position)) {
             trace.read(what, octets);
@@ -308,6 +323,7 @@ impl<'a> Reader<'a> {
     }
 
     /// Notes the number of the field that was read last.
+    #[inline]
     pub(super) fn number<N: Copy + Into<u128>>(&self, value: N) -> N {
         if let Some(trace) = self.trace {
             trace.number(self.peek_rest(), value.into());

@@ -37,21 +37,19 @@ pub struct Field {
 /// assert_eq!((field.what, field.octets.clone(), field.number), ("BlockType", 1..3, Some(0x0112)));
 /// ```
 #[derive(Debug)]
-pub struct Trace {
-    /// Address of the first octet of the frame, to find the place of a part in it.
-    start: usize,
-    length: usize,
+pub struct Trace<'a> {
+    /// A part is found in it by its address.
+    frame: &'a [u8],
     fields: RefCell<Vec<Field>>,
 }
 
-impl Trace {
+impl<'a> Trace<'a> {
     /// Takes notes of the fields of this frame. Octets outside of it, as of a body put together from several frames, are
     /// not noted.
     #[must_use]
-    pub fn new(frame: &[u8]) -> Self {
+    pub fn new(frame: &'a [u8]) -> Self {
         Self {
-            start: frame.as_ptr().addr(),
-            length: frame.len(),
+            frame,
             fields: RefCell::default(),
         }
     }
@@ -59,9 +57,9 @@ impl Trace {
     /// Returns the place of octets of the frame.
     #[must_use]
     pub fn place(&self, octets: &[u8]) -> Option<Range<usize>> {
-        let start = octets.as_ptr().addr().checked_sub(self.start)?;
+        let start = octets.as_ptr().addr().checked_sub(self.start())?;
         let end = start.checked_add(octets.len())?;
-        (end <= self.length).then_some(start..end)
+        (end <= self.frame.len()).then_some(start..end)
     }
 
     /// Ends the notes and returns them.
@@ -70,23 +68,33 @@ impl Trace {
         self.fields.into_inner()
     }
 
+    fn start(&self) -> usize {
+        self.frame.as_ptr().addr()
+    }
+
+    #[cold]
+    #[inline(never)]
     pub(super) fn read(&self, what: &'static str, octets: &[u8]) {
         self.note(what, octets, None);
     }
 
     /// The field that ends where `rest` begins is this number.
+    #[cold]
+    #[inline(never)]
     pub(super) fn number(&self, rest: &[u8], value: u128) {
         let end = rest.as_ptr().addr();
         let mut fields = self.fields.borrow_mut();
         if let Some(field) = fields
             .last_mut()
-            .filter(|field| self.start + field.octets.end == end)
+            .filter(|field| self.start() + field.octets.end == end)
         {
             field.number = Some(value);
         }
     }
 
     /// `rest` begins with the field; it has `length` octets, or is cut off where that is 0.
+    #[cold]
+    #[inline(never)]
     pub(super) fn failed(&self, what: &'static str, rest: &[u8], length: usize, problem: Problem) {
         let field = rest.get(..length).filter(|field| !field.is_empty());
         self.note(what, field.unwrap_or(rest), Some(problem));

@@ -25,6 +25,7 @@ mod terminals;
 mod velocity;
 mod words;
 mod writing;
+mod written;
 
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -39,6 +40,7 @@ pub use address::AddressSource;
 pub use injection::{Injection, InjectionError, Key as InjectionKey};
 pub use profile::state::State;
 pub use settings::Mode;
+pub use written::{WriteChannel, Written, WrittenValue};
 
 use crate::axis::{Axis, Plant};
 use crate::model::{Live, Model};
@@ -64,13 +66,13 @@ const OWNERLESS_PERIOD: Duration = Duration::from_millis(4);
 /// settled.
 const RESTLESS: u16 = 500;
 
-/// Most events that wait; older ones are dropped.
-const MOST_EVENTS: usize = 64;
+/// Most events that wait; older ones are dropped. More than the elements that one parameter job can write.
+const MOST_EVENTS: usize = 256;
 /// Events that there is room for from the beginning: a tick allocates nothing while its owner takes them.
 const USUAL_EVENTS: usize = 16;
 
 /// An event of the drive that its owner may report or must handle.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum Event {
     /// The profile state changed.
     State {
@@ -118,6 +120,8 @@ pub enum Event {
         /// As it came.
         raw: i64,
     },
+    /// A parameter was written.
+    Written(Written),
     /// A command was refused because a virtual drive has not what it is about.
     Unable {
         /// Its number.
@@ -203,6 +207,8 @@ pub struct Drive {
     live: &'static [Live],
     /// One half of a 64-bit value.
     half: Option<Half>,
+    /// Where the change that is being made came from.
+    write_channel: WriteChannel,
     /// Those of the active set-up.
     values: Values,
     set_ups: Option<SetUps>,
@@ -261,6 +267,7 @@ impl Drive {
             set_ups: SetUps::new(model, live),
             live,
             half: None,
+            write_channel: WriteChannel::Other,
             values,
             settings,
             saving: Saving::default(),

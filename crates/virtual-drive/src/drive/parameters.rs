@@ -8,7 +8,7 @@ use profile::parameter::{
 };
 use profile::unit::Variable;
 
-use super::Drive;
+use super::{Drive, WriteChannel};
 use crate::model::Live;
 
 /// One half of a 64-bit value that waits for the other.
@@ -22,12 +22,13 @@ pub(super) enum Half {
 
 impl Drive {
     /// Answers a parameter request block; writes the response block into `out` and gives its length. Allocates nothing
-    /// but for the commands that save.
+    /// but for the commands that save, strings that are written, and events that nobody takes.
     ///
     /// # Errors
     /// When the block is not a request; the record write is to be refused then.
     pub fn serve(&mut self, request: &[u8], out: &mut [u8]) -> Result<usize, Refusal> {
-        serve(request, self.model.known.dialect, self, out)
+        let dialect = self.model.known.dialect;
+        self.written_through(WriteChannel::Record, |drive| serve(request, dialect, drive, out))
     }
 
     /// As [`serve`](Self::serve); names the save that the response waits for too.
@@ -35,11 +36,18 @@ impl Drive {
     /// # Errors
     /// As [`serve`](Self::serve).
     pub fn serve_saving(&mut self, request: &[u8], out: &mut [u8]) -> Result<Served, Refusal> {
-        serve_saving(request, self.model.known.dialect, self, out)
+        let dialect = self.model.known.dialect;
+        self.written_through(WriteChannel::Record, |drive| {
+            serve_saving(request, dialect, drive, out)
+        })
     }
 
     /// Returns the index of the parameter in the catalogue, and the element that is meant.
-    fn place(&self, pnu: u16, subindex: u16) -> Result<(usize, u16, &'static Parameter), ErrorNumber> {
+    pub(super) fn place(
+        &self,
+        pnu: u16,
+        subindex: u16,
+    ) -> Result<(usize, u16, &'static Parameter), ErrorNumber> {
         let catalogue = self.model.catalogue;
         let (position, element) = catalogue
             .place(pnu, subindex)
@@ -109,6 +117,7 @@ impl ParameterAccess for Drive {
         };
         self.set_element(position, element, raw)?;
         self.follow();
+        self.report_written(pnu, subindex, raw);
         if keep == Keep::Permanent || self.model.known.dialect.saving == Saving::Always {
             self.save_element(position, element);
         }

@@ -557,8 +557,8 @@ fn events_that_nobody_takes_are_bounded_and_the_oldest_go() {
     let mut bench = Bench::new();
     bench.events();
     let ignored = |raw| Event::Ignored { pnu: 1, raw };
-    for raw in 0..100 {
+    for raw in 0..300 {
         bench.drive.emit(ignored(raw));
     }
-    assert_eq!(bench.events(), (36..100).map(ignored).collect::<Vec<_>>());
+    assert_eq!(bench.events(), (44..300).map(ignored).collect::<Vec<_>>());
 }

@@ -6,7 +6,7 @@
 use profile::pkw::PkwErrorNumber;
 use profile::telegram::{Telegram, signal};
 
-use super::Drive;
+use super::{Drive, WriteChannel};
 use crate::model::{Chosen, Live, numbered};
 
 /// Chosen words of one direction at most.
@@ -199,7 +199,7 @@ impl Drive {
         };
         let request = outputs.and_then(|outputs| outputs.first_chunk::<{ Telegram::PKW as usize }>());
         let reply = match request {
-            Some(request) => server.handle(*request, self),
+            Some(request) => self.written_through(WriteChannel::Pkw, |drive| server.handle(*request, drive)),
             None => {
                 server.reset();
                 [0; Telegram::PKW as usize]

@@ -1,13 +1,14 @@
 //! Events of a station.
 
 use profile::catalogue::Catalogue;
+use profile::notation::figures;
 use profile::parameter::SaveId;
 use profile::state::State;
 use profinet::device::{SetRefusal, Stored};
 use profinet::wire::PnioStatus;
 use profinet::{IpSuite, MacAddress};
 
-use crate::drive::Event as DriveEvent;
+use crate::drive::{Event as DriveEvent, Written, WrittenValue};
 use crate::store::ImageError;
 
 /// An event that the owner has to handle or may report.
@@ -55,6 +56,8 @@ pub enum StationEvent {
         /// As it came.
         raw: i64,
     },
+    /// A parameter was written.
+    Written(Written),
     /// Refused a command that the virtual drive does not simulate.
     Unable {
         /// Number of the command.
@@ -120,6 +123,7 @@ impl From<DriveEvent> for StationEvent {
             DriveEvent::ApplyAddress => Self::AddressApplied,
             DriveEvent::AddressReset => Self::AddressReset,
             DriveEvent::Ignored { pnu, raw } => Self::SetpointIgnored { pnu, raw },
+            DriveEvent::Written(written) => Self::Written(written),
             DriveEvent::Unable { pnu } => Self::Unable { pnu },
         }
     }
@@ -149,6 +153,7 @@ impl StationEvent {
                     "{name} ({pnu}) refused with error 0x11: the virtual drive does not simulate this command"
                 )
             }
+            Self::Written(written) => words_of(written, catalogue),
             Self::Connected { controller, station } => {
                 let kind = if *controller {
                     "controller"
@@ -174,6 +179,19 @@ impl StationEvent {
             }
             Self::PersistNetwork { .. } | Self::PersistParameters { .. } => return None,
         })
+    }
+}
+
+fn words_of(written: &Written, catalogue: &Catalogue) -> String {
+    let found = catalogue.at(written.pnu, written.subindex);
+    let name = found.map_or_else(|| written.pnu.to_string(), |parameter| catalogue.label(parameter));
+    match &written.value {
+        WrittenValue::Text(text) => format!("{name} written: \"{}\"", text.escape_debug()),
+        WrittenValue::Number { value, .. } => {
+            let unit = found.map_or("", |parameter| parameter.unit);
+            let text = format!("{name} written: {} {unit}", figures(*value));
+            text.trim_end().to_owned()
+        }
     }
 }
 

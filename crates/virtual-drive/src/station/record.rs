@@ -7,7 +7,7 @@ use profile::parameter::{ErrorNumber, Keep, ParameterAccess, SaveId};
 use profinet::wire::PnioStatus;
 use profinet::wire::status::record as code1;
 
-use crate::drive::Drive;
+use crate::drive::{Drive, WriteChannel};
 
 /// ErrorCode1 for what a parameter does not take.
 fn refusal(number: ErrorNumber) -> u8 {
@@ -77,7 +77,9 @@ impl Drive {
             (_, false) => Err(refuse(code1::ACCESS_DENIED)),
             (false, true) => Err(refuse(code1::INVALID_PARAMETER)),
             (true, true) => self
-                .write(pnu, subindex, raw.cast_unsigned(), Keep::Permanent)
+                .written_through(WriteChannel::Record, |drive| {
+                    drive.write(pnu, subindex, raw.cast_unsigned(), Keep::Permanent)
+                })
                 .map(|()| self.started_save())
                 .map_err(|number| refuse(refusal(number))),
         }

@@ -195,7 +195,7 @@ fn session(steps: &[Step]) -> Result<(), String> {
     let lab = Lab::alone("docs");
     let program = built("profidrive");
     let mut script = format!(
-        "exec 2>&1\nexport BUILT={}\nunset PROFIDRIVE_INTERFACE\ncd {}\nexport XDG_RUNTIME_DIR=$PWD\n",
+        "exec 2>&1\nexport BUILT={}\nunset PROFIDRIVE_INTERFACE\ncd {}\nexport XDG_RUNTIME_DIR=$PWD XDG_CONFIG_HOME=$PWD/config XDG_CACHE_HOME=$PWD/cache\n",
         program.display(),
         lab.folder().display()
     );

@@ -146,7 +146,7 @@ fn decode(
     end(view, damage.as_deref(), bar, output);
     match damage {
         Some(damage) => Err(Failure::new(ErrorKind::Local, format!("{shown}: {damage}"))
-            .hint("what is printed above comes from the sound part before it")),
+            .hint("what is printed above comes from the part before the damage")),
         None => Ok(()),
     }
 }

@@ -89,7 +89,7 @@ const PROMISES: [&str; 20] = [
     "release",
     "find the VLT by name",
     "read a page of the VLT",
-    "parameter channel in PPO type 1",
+    "parameters beside PPO type 1",
     "run the VLT at a reference",
     "alarm comes and is reset",
     "find the Vacon by name",
@@ -124,7 +124,7 @@ fn show(args: &Demo, (session, plant): (&mut Session, &Joined), output: &Output)
     let closed = settled.wait().and(session.close().wait());
     let interrupted = matches!(result, Err(Error::Interrupted));
     let taps = plant.with_world(|world| world.finish_taps());
-    if let Err(error) = result.or(closed) {
+    if let Err(error) = result.and(closed) {
         let what = PROMISES.get(show.steps.len()).copied().unwrap_or("close");
         show.steps.push(Step {
             what,

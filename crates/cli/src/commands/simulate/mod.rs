@@ -2,6 +2,7 @@
 
 mod description;
 mod failure;
+mod judgement;
 mod report;
 mod virtual_time;
 
@@ -11,7 +12,7 @@ use std::time::Duration;
 
 use client::ErrorKind;
 use client::LineAddress;
-use network::system::Stop;
+use network::system::{Stop, now};
 use plant::PlantPlan;
 use plant::host::{
     Drives, Fleet, ForeignDescription, Host, HostConfig, MacChoice, SerialHost, SerialHostConfig, StatePlace,
@@ -25,6 +26,7 @@ use crate::connect;
 use crate::failure::Failure;
 use crate::output::Output;
 
+use judgement::{Ran, ReportFile, judge};
 use report::Printer;
 
 /// Of more drives a summary is shown, not what happens to each.
@@ -43,16 +45,17 @@ impl From<Protocol> for uss::Protocol {
 
 pub fn run(args: &Simulate, on: &Interface, output: &Output) -> Result<(), Failure> {
     let mut plant = args.plant.as_deref().map(PlantPlan::read).transpose()?;
-    if let (Some(plant), Some(file)) = (&mut plant, &args.expect) {
-        let more = plant.read_expectations(file)?;
+    let mut more = Vec::new();
+    if let (Some(plant), Some(file)) = (&plant, &args.expect) {
+        more = plant.read_expectations(file)?;
         if more.is_empty() {
             let message = format!("--expect {}: the file has no expectations", file.display());
             return Err(Failure::usage(message));
         }
-        plant.expectations.extend(more);
     }
     check_outputs(args)?;
-    if let Some(plant) = plant.as_ref().filter(|_| args.virtual_time) {
+    if let Some(plant) = plant.as_mut().filter(|_| args.virtual_time) {
+        plant.expectations.extend(more);
         return virtual_time::run(plant, args, output);
     }
     if let Some(port) = &args.line.serial {
@@ -60,7 +63,14 @@ pub fn run(args: &Simulate, on: &Interface, output: &Output) -> Result<(), Failu
     }
     let interface = connect::interface(on)?.ok_or_else(connect::no_interface)?;
     let description = description::read(args, plant.as_ref(), output)?;
+    if args.junit.is_some() && more.is_empty() {
+        let message = "--junit: on an interface there are no expectations but those of --expect FILE";
+        return Err(Failure::usage(message));
+    }
+    let report = ReportFile::create(args)?;
     let mut config = on_network(args, interface, plant, description, output)?;
+    config.expectations = more;
+    let (seed, begin) = (config.seed, now());
     let summary = config.drives.count() > FEW;
     let metrics = args.metrics.map(metrics).transpose()?;
     if let Some(metrics) = &metrics {
@@ -68,7 +78,14 @@ pub fn run(args: &Simulate, on: &Interface, output: &Output) -> Result<(), Failu
     }
     config.load_every = (summary || metrics.is_some()).then_some(EACH_SECOND);
     let printer = Printer::new(output, summary, metrics);
-    printer.show(|events| Host::open(config, events)?.run())
+    let results = printer.show(|events| Host::open(config, events)?.run())?;
+    let took = now() - begin;
+    let ran = Ran {
+        seed,
+        simulated: took,
+        took,
+    };
+    judge(results, report, ran, output)
 }
 
 /// What is written must not replace what is read.
@@ -113,13 +130,16 @@ fn on_network(
         output.warn("the controllers of the plant are left out: they exist in virtual time only");
     }
     if plant.as_ref().is_some_and(|plant| !plant.expectations.is_empty()) {
-        output.warn("the expectations of the plant are left out: they are checked in virtual time only");
+        output.warn(
+            "the expectations of the plant file are left out: their times are those of virtual time; --expect FILE has those of an interface",
+        );
     }
     let model = description.as_ref().map(|description| description.model);
     Ok(HostConfig {
         interface,
         seed: plant.as_ref().map_or(1, |plant| plant.seed),
         load_every: None,
+        expectations: Vec::new(),
         time: args.time.or_else(|| plant.as_ref()?.duration),
         drives: match plant {
             None => Drives::Fleet(fleet(args, model)?),

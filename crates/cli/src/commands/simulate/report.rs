@@ -39,7 +39,7 @@ impl Printer {
     }
 
     /// Runs a simulation and shows its events.
-    pub fn show(mut self, run: impl FnOnce(EventSender) -> Result<(), HostError>) -> Result<(), Failure> {
+    pub fn show<T>(mut self, run: impl FnOnce(EventSender) -> Result<T, HostError>) -> Result<T, Failure> {
         let (sender, events) = events();
         let printer = spawn(move || events.for_each(|event| self.take(&event)));
         let result = run(sender);

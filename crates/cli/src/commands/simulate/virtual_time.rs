@@ -9,13 +9,15 @@ use client::ErrorKind;
 use network::files::create;
 use network::pcap::Writer;
 use network::system::{Stop, now};
-use plant::{Event, ExpectationResult, PlantPlan, Suite, World, junit};
+use plant::{Event, PlantPlan, World};
 use profidrive::report::SimulationReport;
 use profinet::Instant;
 
 use crate::args::Simulate;
 use crate::failure::Failure;
 use crate::output::Output;
+
+use super::judgement::{Ran, ReportFile, judge};
 
 /// Virtual time between two looks at the stop flag.
 const STRIDE: Duration = Duration::from_millis(500);
@@ -26,7 +28,7 @@ pub fn run(plant: &PlantPlan, args: &Simulate, output: &Output) -> Result<(), Fa
             .hint("give `duration` in the plant file, or --for TIME"));
     };
     if args.junit.is_some() && plant.expectations.is_empty() {
-        return Err(Failure::usage("--junit: nothing is expected of this plant")
+        return Err(Failure::usage("--junit: the plant has no expectations")
             .hint("write `expect` in the plant file, or give --expect FILE"));
     }
     let mut world = World::new(plant).map_err(|error| failed("the plant cannot start", &error))?;
@@ -37,12 +39,7 @@ pub fn run(plant: &PlantPlan, args: &Simulate, output: &Output) -> Result<(), Fa
         world.add_tap(Box::new(writer));
     }
     let mut trace = args.trace.as_deref().map(TraceFile::create).transpose()?;
-    // a file that cannot be written is an error before the run, not after it
-    let report = args
-        .junit
-        .as_deref()
-        .map(|path| Ok::<_, Failure>((path, open(path)?)))
-        .transpose()?;
+    let report = ReportFile::create(args)?;
     if !plant.expectations.is_empty() {
         world.expect(&plant.expectations, plant.seed);
     }
@@ -76,56 +73,12 @@ pub fn run(plant: &PlantPlan, args: &Simulate, output: &Output) -> Result<(), Fa
         world.trace_hash(),
         if world.now() < end { "; ended early" } else { "" }
     ));
-    let written = report.map_or(Ok(()), |(path, mut file)| {
-        let plant_file = args.plant.as_deref().unwrap_or(Path::new(""));
-        let suite = Suite {
-            plant: &plant_file.display().to_string(),
-            seed: plant.seed,
-            version: env!("CARGO_PKG_VERSION"),
-            simulated,
-            took,
-        };
-        file.write_all(junit(&suite, &results).as_bytes())
-            .map_err(|error| failed(&path.display().to_string(), &error))
-    });
-    // a lost expectation counts more than a report that could not be written
-    let judged = judge(results, output);
-    if let (Err(_), Err(failure)) = (&judged, &written) {
-        output.problem(failure);
-    }
-    judged.and(written)
-}
-
-/// Shows what came of the expectations; fails when one was lost.
-fn judge(results: Vec<ExpectationResult>, output: &Output) -> Result<(), Failure> {
-    let all = results.len();
-    if all == 0 {
-        return Ok(());
-    }
-    let lost: Vec<String> = results
-        .iter()
-        .filter(|result| !result.is_met())
-        .map(ToString::to_string)
-        .collect();
-    output.json_event(&SimulationReport::Expectations {
-        expectations: results,
-    });
-    let of = if all == 1 {
-        "1 expectation".to_owned()
-    } else {
-        format!("{all} expectations")
+    let ran = Ran {
+        seed: plant.seed,
+        simulated,
+        took,
     };
-    if lost.is_empty() {
-        output.say(&format!("{of}: all met"));
-        return Ok(());
-    }
-    let mut failure = Failure::new(ErrorKind::Difference, format!("{} of {of} lost", lost.len()));
-    failure.details = lost
-        .iter()
-        .flat_map(|text| text.lines())
-        .map(str::to_owned)
-        .collect();
-    Err(failure)
+    judge(results, report, ran, output)
 }
 
 fn failed(what: &str, error: &dyn std::fmt::Display) -> Failure {

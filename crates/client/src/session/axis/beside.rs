@@ -89,6 +89,12 @@ impl Samples {
         }
     }
 
+    /// Returns the present time on the clock of the samples.
+    #[must_use]
+    pub fn now(&self) -> profinet::Instant {
+        self.engine.now()
+    }
+
     /// Returns the number of samples that were dropped because they were not fetched in time.
     #[must_use]
     pub fn dropped(&self) -> u64 {

@@ -79,8 +79,9 @@ impl Session {
     /// # Errors
     /// When the model is not known, no telegram does, the drive is in another mode, cannot be reached, is
     /// in local operation ([`Error::LocalOperation`]), it is in operation without a controller ([`Error::Ownerless`]), it
-    /// may run on when its controller is lost and that is not consented to ([`Error::RunsOn`]), another controller owns it,
-    /// the session carries UDP only ([`Error::NeedsRawFrames`]), or another program has the port on which the drive calls
+    /// may run on when its controller is lost and that is not consented to ([`Error::RunsOn`]), it is to be observed and its
+    /// status word is not readable ([`Error::StatusUnread`]) or it may move when the connection is lost
+    /// ([`Error::MovesWhenLost`]), another controller owns it, the session carries UDP only ([`Error::NeedsRawFrames`]), or another program has the port on which the drive calls
     /// ([`Error::NeedsCallPort`]).
     pub async fn take_axis(&mut self, drive: &mut Drive, settings: AxisSettings) -> Result<Axis, Error> {
         let tables = drive.model.catalogue;
@@ -207,16 +208,25 @@ impl Session {
     }
 
     /// What the drive does when its controller is lost, once a motion is allowed to depend on it. Control without a motion
-    /// is what stops a drive, and needs no consent.
+    /// is what stops a drive, and needs no consent. A drive that is only observed must not move by it.
     async fn permitted_loss(
         &mut self,
         drive: &mut Drive,
         settings: &AxisSettings,
     ) -> Result<LossReaction, Error> {
         let loss = self.loss_reaction(drive).await?;
-        let no_motion = matches!(settings.purpose, Purpose::Observe | Purpose::Control);
-        loss.permit(drive, settings.may_run_on || no_motion)?;
-        Ok(loss)
+        match settings.purpose {
+            // the power stage is off: only a reaction that commands a motion makes a difference
+            Purpose::Observe if loss.may_command_motion() => Err(Error::MovesWhenLost {
+                drive: drive.label(),
+                reaction: Box::new(loss),
+            }),
+            Purpose::Observe | Purpose::Control => Ok(loss),
+            _ => {
+                loss.permit(drive, settings.may_run_on)?;
+                Ok(loss)
+            }
+        }
     }
 
     /// Waits until every axis that was dropped is at rest, or cannot be reached any more, and what was changed for its motion

@@ -12,7 +12,7 @@ pub fn data<'a>(walker: &Walker, frame: &Frame<'a>, notes: &mut Notes<'a>) {
     let stream = walker.ars.stream(frame);
     let length = stream.and_then(|stream| stream.data_length());
     let Some((octets, behind)) = length.and_then(|length| frame.payload.split_at_checked(length)) else {
-        notes.reader(frame.payload).rest();
+        notes.reader(frame.payload).rest("data");
         return;
     };
     notes.add("data", octets, "");

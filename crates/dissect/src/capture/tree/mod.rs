@@ -16,7 +16,7 @@ use crate::tree::{self, Node};
 
 /// Nodes of one frame.
 pub struct Notes<'a> {
-    trace: &'a Trace,
+    trace: &'a Trace<'a>,
     /// What the decoders of the wire do not note.
     nodes: Vec<Node>,
 }
@@ -85,7 +85,7 @@ fn descend<'a>(walker: &Walker, frame: &'a [u8], notes: &mut Notes<'a>) -> Resul
         internet(reader)?;
         rpc::datagram(walker, &datagram, notes)
     } else {
-        reader.rest();
+        reader.rest("data");
         Ok(())
     }
 }
@@ -145,7 +145,7 @@ fn profinet<'a>(walker: &Walker, frame: &Frame<'a>, notes: &mut Notes<'a>) -> Re
             Ok(())
         }
         _ => {
-            notes.reader(frame.payload).rest();
+            notes.reader(frame.payload).rest("data");
             Ok(())
         }
     }
@@ -167,6 +167,12 @@ fn discovery<'a>(payload: &'a [u8], notes: &mut Notes<'a>) -> Result<(), DecodeE
     for block in dcp::Blocks::new(reader) {
         let block = block?;
         let mut value = notes.reader(block.body);
+        if let Some(whole) = notes.trace.place(block.body)
+            && let Some(start) = whole.start.checked_sub(dcp::BLOCK_HEADER)
+        {
+            let node = Node::new("DCP block", start..whole.end, block.option.to_string());
+            notes.nodes.push(node);
+        }
         if block.option == DcpOption::RESPONSE {
             value.u8("DCP Option")?;
             value.u8("DCP Suboption")?;
@@ -182,7 +188,6 @@ fn discovery<'a>(payload: &'a [u8], notes: &mut Notes<'a>) -> Result<(), DecodeE
                 value.u16("DCP BlockInfo")?;
             }
         }
-        notes.add(block.option.to_string(), value.peek_rest(), "");
         dcp::Value::decode(block.option, value)?;
     }
     Ok(())

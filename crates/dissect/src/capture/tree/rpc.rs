@@ -22,7 +22,7 @@ pub fn datagram<'a>(
     let known = [Uuid::DEVICE_INTERFACE, Uuid::CONTROLLER_INTERFACE];
     let is_call = |header: &Header| known.contains(&header.interface);
     if !Header::decode(datagram.payload).is_ok_and(|(header, _)| is_call(&header)) {
-        notes.reader(datagram.payload).rest();
+        notes.reader(datagram.payload).rest("data");
         return Ok(());
     }
     let (header, body) = Header::read(notes.reader(datagram.payload))?;
@@ -128,7 +128,7 @@ fn blocks(mut reader: Reader<'_>) -> Result<(), DecodeError> {
                 ControlBlock::decode(kind, body).map(|_| ())?;
             }
             _ => {
-                body.rest();
+                body.rest("data");
             }
         }
     }

@@ -2,7 +2,9 @@
 
 mod event;
 mod interfaces;
+mod link;
 mod memory;
+mod processes;
 mod processor;
 mod wait;
 
@@ -13,7 +15,9 @@ use std::os::unix::net::{SocketAddr, UnixDatagram};
 
 pub use event::Event;
 pub use interfaces::interfaces;
+pub use link::link;
 pub use memory::free_memory;
+pub use processes::{holders, permissions};
 pub use processor::thread_time;
 pub use wait::{Waiting, now, readable, sharpen_timers, timespec, wait, wait_for_octets, wait_for_room};
 

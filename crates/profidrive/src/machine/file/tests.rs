@@ -56,6 +56,17 @@ fn a_machine_is_read_with_the_lines_of_its_values() {
 }
 
 #[test]
+fn a_load_has_a_unit_by_pitch_and_gear() {
+    let text = GOOD.replacen("telegram = 9", "pitch = \"-10mm\"\ngear = \"7:2\"", 1);
+    let machine: Machine = text.parse().unwrap();
+    for drive in ["feed", "02:00:00:00:00:01", "192.168.77.11"] {
+        let unit = machine.user_unit(drive).unwrap();
+        assert_eq!((unit.name.as_str(), unit.travel(3.5)), ("mm", -10.0), "{drive}");
+    }
+    assert_eq!(machine.user_unit("fan"), None);
+}
+
+#[test]
 fn each_mistake_has_its_line() {
     for (from, to, line, words) in [
         ("format = 1", "format = 2", 1, "format 2 is not known"),
@@ -107,6 +118,17 @@ fn each_mistake_has_its_line() {
         ("[group.line1]", "[group.line7]", 4, "no drive is in the group"),
         ("\"all-of-it\"", "\"a b\"", 14, "is not a group"),
         ("title = \"Press\"", "title = 5", 2, "invalid type"),
+        ("telegram = 9", "gear = \"5:1\"", 13, "a gear needs the travel"),
+        ("telegram = 9", "pitch = \"360deg\"", 13, "those of the motor"),
+        ("telegram = 9", "pitch = \"10\"", 13, "those of the motor"),
+        ("telegram = 9", "pitch = \"0mm\"", 13, "is not 0"),
+        ("telegram = 9", "pitch = \"10m/m\"", 13, "not the name of a unit"),
+        (
+            "telegram = 9",
+            "pitch = \"10mm\"\ngear = \"5:0\"",
+            14,
+            "written as 5:1",
+        ),
     ] {
         let (found, message) = problem(from, to);
         assert!(message.contains(words), "{to}: {message}");

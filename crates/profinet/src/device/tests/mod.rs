@@ -372,7 +372,7 @@ impl Rig {
                     assert_eq!((to, port, header.order), (self.from, RPC_PORT, self.order));
                     let mut reader = Reader::new(body);
                     let ndr = NdrResponse::decode(&mut reader, header.order).unwrap();
-                    return (ndr.status, reader.rest().to_vec());
+                    return (ndr.status, reader.rest("blocks").to_vec());
                 }
             }
         }

@@ -221,7 +221,10 @@ impl<'a> DiagnosisItems<'a> {
                 r.skip(4, "MaintenanceItem version and padding")?;
                 Ok(DiagnosisItem::Maintenance(r.u32("MaintenanceStatus")?))
             }
-            usi => Ok(DiagnosisItem::Other { usi, data: r.rest() }),
+            usi => Ok(DiagnosisItem::Other {
+                usi,
+                data: r.rest("diagnosis data"),
+            }),
         }
     }
 }
@@ -235,7 +238,7 @@ impl<'a> Iterator for DiagnosisItems<'a> {
         }
         let item = self.read();
         if item.is_err() {
-            self.reader.rest();
+            self.reader.rest("diagnosis data");
         }
         Some(item)
     }

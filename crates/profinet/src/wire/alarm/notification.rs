@@ -304,7 +304,7 @@ impl<'a> Alarm<'a> {
                 } else {
                     Some(r.u16("UserStructureIdentifier")?)
                 };
-                let data = Cow::Borrowed(r.rest());
+                let data = Cow::Borrowed(r.rest("alarm data"));
                 Ok(Self::Notification(Notification {
                     priority,
                     alarm_type,

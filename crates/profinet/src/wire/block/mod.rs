@@ -224,7 +224,7 @@ impl<'a> Iterator for Blocks<'a> {
         }
         let block = Block::decode(&mut self.reader);
         if block.is_err() {
-            self.reader.rest();
+            self.reader.rest("blocks");
         }
         Some(block)
     }

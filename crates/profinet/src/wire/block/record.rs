@@ -417,7 +417,7 @@ impl<'a> Iterator for WriteItems<'a> {
                 let _ = self.reader.bytes(padding, "padding");
             }
             Err(_) => {
-                self.reader.rest();
+                self.reader.rest("blocks");
             }
         }
         Some(item)

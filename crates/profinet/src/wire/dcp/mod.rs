@@ -21,6 +21,9 @@ use crate::MacAddress;
 /// Octets of the DCP header behind the FrameID.
 pub const HEADER: usize = 10;
 
+/// Octets of option, suboption and length in front of the value of a block.
+pub const BLOCK_HEADER: usize = 4;
+
 /// Largest ResponseDelayFactor of an Identify request.
 pub const MAX_DELAY_FACTOR: u16 = 6400;
 
@@ -98,7 +101,7 @@ impl<'a> Pdu<'a> {
             }
             let pair = reader.array::<2>("DCP requested option");
             if pair.is_err() {
-                reader.rest();
+                reader.rest("DCP block value");
             }
             Some(pair.map(|[option, suboption]| DcpOption { option, suboption }))
         })
@@ -128,7 +131,7 @@ impl<'a> Iterator for Blocks<'a> {
         }
         let block = next_block(&mut self.reader);
         if block.is_err() {
-            self.reader.rest();
+            self.reader.rest("DCP block value");
         }
         Some(block)
     }
@@ -218,7 +221,7 @@ impl<'a> Block<'a> {
 
     fn prefix(&self, what: &'static str) -> Result<(u16, &'a [u8]), DecodeError> {
         let mut reader = Reader::with_base(self.body, self.offset);
-        Ok((reader.u16(what)?, reader.rest()))
+        Ok((reader.u16(what)?, reader.rest("DCP block value")))
     }
 }
 

@@ -84,8 +84,8 @@ impl<'a> Value<'a> {
                 }
                 Self::FullIp { suite, dns }
             }
-            DcpOption::STATION_TYPE => Self::StationType(r.rest()),
-            DcpOption::NAME => Self::Name(r.rest()),
+            DcpOption::STATION_TYPE => Self::StationType(r.rest("station type")),
+            DcpOption::NAME => Self::Name(r.rest("name of station")),
             DcpOption::DEVICE_ID => Self::DeviceId {
                 vendor: r.u16("DCP vendor id")?,
                 device: r.u16("DCP device id")?,
@@ -96,13 +96,13 @@ impl<'a> Value<'a> {
                 Self::Role(role)
             }
             DcpOption::OPTIONS => {
-                let list = r.rest();
+                let list = r.rest("device options");
                 if list.len() % 2 == 1 {
                     return Err(r.error("DCP device options", 1, Problem::Trailing { count: 1 }));
                 }
                 Self::Options(list)
             }
-            DcpOption::ALIAS => Self::Alias(r.rest()),
+            DcpOption::ALIAS => Self::Alias(r.rest("alias name")),
             DcpOption::INSTANCE => Self::Instance(r.u16("DCP instance")?),
             DcpOption::OEM_DEVICE_ID => Self::OemDeviceId {
                 vendor: r.u16("DCP vendor id")?,
@@ -112,7 +112,7 @@ impl<'a> Value<'a> {
             DcpOption::INITIATIVE => Self::Initiative(r.u16("DCP initiative")?),
             // some senders put two octets here
             DcpOption::ALL if r.remaining() == 2 => {
-                r.rest();
+                r.rest("reserved");
                 Self::ALL
             }
             DcpOption::START
@@ -120,7 +120,7 @@ impl<'a> Value<'a> {
             | DcpOption::FACTORY_RESET
             | DcpOption::RESET_TO_FACTORY
             | DcpOption::ALL => Self::Empty(option),
-            other => Self::Other(other, r.rest()),
+            other => Self::Other(other, r.rest("value")),
         };
         r.finish("DCP block value")?;
         Ok(value)

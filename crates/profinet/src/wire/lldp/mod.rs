@@ -133,6 +133,23 @@ mod kind {
     pub const CAPABILITIES: u8 = 7;
     pub const MANAGEMENT: u8 = 8;
     pub const ORGANISATION: u8 = 127;
+
+    /// Returns the name of a kind.
+    pub const fn name(kind: u8) -> &'static str {
+        match kind {
+            END => "end of the LLDPDU",
+            CHASSIS => "chassis identifier",
+            PORT => "port identifier",
+            TTL => "time to live",
+            PORT_DESCRIPTION => "port description",
+            SYSTEM_NAME => "system name",
+            SYSTEM_DESCRIPTION => "system description",
+            CAPABILITIES => "system capabilities",
+            MANAGEMENT => "management address",
+            ORGANISATION => "TLV of an organisation",
+            _ => "reserved TLV",
+        }
+    }
 }
 
 impl<'a> Lldpdu<'a> {

@@ -39,7 +39,10 @@ impl<'a> Lldpdu<'a> {
             kind::PORT_DESCRIPTION => keep(&mut self.port_description, text(r)),
             kind::SYSTEM_NAME => keep(&mut self.system_name, text(r)),
             kind::SYSTEM_DESCRIPTION => keep(&mut self.system_description, text(r)),
-            kind::CAPABILITIES => keep(&mut self.capabilities, pair(r)),
+            kind::CAPABILITIES => keep(
+                &mut self.capabilities,
+                pair(r, ["capabilities", "enabled capabilities"]),
+            ),
             kind::MANAGEMENT => match management(r) {
                 // several addresses are allowed; the others are not needed here
                 Some(_) if self.management.is_some() => true,
@@ -62,7 +65,10 @@ impl<'a> Lldpdu<'a> {
     fn take_special(&mut self, oui: [u8; 3], subtype: u8, mut r: Reader<'a>) {
         let taken = match (oui, subtype) {
             (OUI_PROFINET, 1) => keep(&mut self.delays, delays(r)),
-            (OUI_PROFINET, 2) => keep(&mut self.port_status, pair(r)),
+            (OUI_PROFINET, 2) => keep(
+                &mut self.port_status,
+                pair(r, ["RT class 2 port status", "RT class 3 port status"]),
+            ),
             (OUI_PROFINET, 5) => {
                 let mac = r.array("chassis MAC").ok().filter(|_| r.is_empty());
                 keep(&mut self.chassis_mac, mac.map(MacAddress))
@@ -85,9 +91,12 @@ impl<'a> Lldpdu<'a> {
 
 /// Reads type and content of the next TLV.
 fn tlv<'a>(r: &mut Reader<'a>) -> Result<(u8, Reader<'a>), DecodeError> {
-    let head = r.u16("TLV")?;
+    let start = r.position();
+    let head = r.u16("type and length")?;
     let content = r.sub(usize::from(head & 0x01FF), "TLV content")?;
-    Ok(((head >> 9) as u8, content))
+    let found = (head >> 9) as u8;
+    r.enclose(kind::name(found), start);
+    Ok((found, content))
 }
 
 /// Reads one of the three TLVs that stand in front.
@@ -103,8 +112,8 @@ fn mandatory<'a>(r: &mut Reader<'a>, wanted: u8, what: &'static str) -> Result<R
 }
 
 fn id<'a>(mut r: Reader<'a>, what: &'static str) -> Result<Id<'a>, DecodeError> {
-    let subtype = r.u8(what)?;
-    let value = r.rest();
+    let subtype = r.u8("subtype").map_err(|error| DecodeError { what, ..error })?;
+    let value = r.rest("identifier");
     if (1..=255).contains(&value.len()) {
         Ok(Id { subtype, value })
     } else {
@@ -128,18 +137,25 @@ fn keep<T>(place: &mut Option<T>, value: Option<T>) -> bool {
 }
 
 fn text(mut r: Reader<'_>) -> Option<&[u8]> {
-    Some(r.rest()).filter(|text| text.len() <= 255)
+    Some(r.rest("text")).filter(|text| text.len() <= 255)
 }
 
-fn pair(mut r: Reader<'_>) -> Option<(u16, u16)> {
-    let pair = (r.u16("first").ok()?, r.u16("second").ok()?);
+fn pair(mut r: Reader<'_>, [first, second]: [&'static str; 2]) -> Option<(u16, u16)> {
+    let pair = (r.u16(first).ok()?, r.u16(second).ok()?);
     r.is_empty().then_some(pair)
 }
 
 fn delays(mut r: Reader<'_>) -> Option<Delays> {
+    const NAMES: [&str; 5] = [
+        "RxDelayLocal",
+        "RxDelayRemote",
+        "TxDelayLocal",
+        "TxDelayRemote",
+        "CableDelayLocal",
+    ];
     let mut delays = [0; 5];
-    for delay in &mut delays {
-        *delay = r.u32("delay").ok()?;
+    for (delay, name) in delays.iter_mut().zip(NAMES) {
+        *delay = r.u32(name).ok()?;
     }
     r.is_empty().then_some(delays)
 }
@@ -157,7 +173,7 @@ fn management<'a>(mut r: Reader<'a>) -> Option<Management<'a>> {
     let length = usize::from(r.u8("address length").ok()?);
     let mut address = r.sub(length, "address").ok()?;
     let family = address.u8("address family").ok()?;
-    let address = address.rest();
+    let address = address.rest("address");
     let numbering = r.u8("interface numbering").ok()?;
     let interface = r.u32("interface number").ok()?;
     let length = usize::from(r.u8("object length").ok()?);

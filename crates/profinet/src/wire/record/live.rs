@@ -108,7 +108,7 @@ impl DiagnosisHeader {
                 subslot,
                 usi,
             },
-            r.rest(),
+            r.rest("diagnosis data"),
         ))
     }
 }

@@ -191,7 +191,7 @@ pub fn expect<'a>(r: &mut Reader<'a>, wanted: u8, what: &'static str) -> Result<
 /// When it is empty or does not fit.
 pub fn signed(mut r: Reader<'_>, what: &'static str) -> Result<i32, DecodeError> {
     let start = r;
-    let octets = r.rest();
+    let octets = r.rest("octets");
     let wrong = || {
         start.error(
             what,
@@ -219,7 +219,7 @@ pub fn signed(mut r: Reader<'_>, what: &'static str) -> Result<i32, DecodeError>
 /// When it is empty or does not fit.
 pub fn unsigned(mut r: Reader<'_>, what: &'static str) -> Result<u64, DecodeError> {
     let start = r;
-    let octets = r.rest();
+    let octets = r.rest("octets");
     let spare = octets.iter().take_while(|octet| **octet == 0).count();
     if octets.is_empty() || octets.len() - spare > 8 {
         return Err(start.error(
@@ -336,7 +336,7 @@ mod tests {
     #[test]
     fn long_lengths_are_accepted() {
         let long = [&[0x04, 0x83, 0, 0, 3][..], b"abc"].concat();
-        assert_eq!(content(&long, tag::OCTETS).rest(), b"abc");
+        assert_eq!(content(&long, tag::OCTETS).rest("octets"), b"abc");
         assert_eq!(
             signed(Reader::new(&[0xFF, 0xFF, 0xFF, 0xFF, 0xFE]), "test"),
             Ok(-2)

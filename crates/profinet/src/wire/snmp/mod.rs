@@ -117,7 +117,7 @@ impl Value {
         };
         Ok(match found {
             tag::INTEGER => Self::Integer(signed(content, WHAT)?),
-            tag::OCTETS => Self::Octets(content.rest().to_vec()),
+            tag::OCTETS => Self::Octets(content.rest("octets").to_vec()),
             tag::NULL => Self::Null,
             tag::OID => Self::Oid(Oid::decode(content)?),
             tag::IP_ADDRESS => Self::IpAddress(content.array::<4>(WHAT)?.into()),
@@ -128,7 +128,7 @@ impl Value {
             tag::NO_SUCH_OBJECT => Self::NoSuchObject,
             tag::NO_SUCH_INSTANCE => Self::NoSuchInstance,
             tag::END_OF_MIB => Self::EndOfMib,
-            other => Self::Other(other, content.rest().to_vec()),
+            other => Self::Other(other, content.rest("octets").to_vec()),
         })
     }
 
@@ -216,7 +216,9 @@ impl Message {
             let found = found.unsigned_abs().into();
             return Err(message.error("version", 0, Problem::Invalid { found }));
         }
-        let community = expect(&mut message, tag::OCTETS, "community")?.rest().to_vec();
+        let community = expect(&mut message, tag::OCTETS, "community")?
+            .rest("octets")
+            .to_vec();
         let (kind, mut pdu) = element(&mut message, "PDU")?;
         message.finish("message")?;
         if !(0xA0..=0xA8).contains(&kind) || kind == 0xA4 {

@@ -1,0 +1,101 @@
+//! `profidrive bundle [DRIVE] -o FILE` and `profidrive report [DRIVE] -o FILE`
+
+use client::Wait;
+use profidrive::documents::bundle::{self, Contents};
+use profidrive::documents::{DocumentError, NewFile, page};
+use profidrive::report::{BundleReport, BundledDrive, PageReport};
+
+use crate::advice::Commands;
+use crate::args::{Bundle, Report, Target};
+use crate::connect::{self, Need};
+use crate::failure::Failure;
+use crate::output::Output;
+use crate::render::Page;
+
+pub fn bundle(args: &Bundle, target: &Target, output: &Output) -> Result<(), Failure> {
+    let file = NewFile::at(&args.output)?;
+    let selector = connect::selector(target, output)?;
+    let opening = connect::unopened(target, Need::Identity)?;
+    let contents = Contents {
+        capture: args.capture,
+        files: args.add.clone(),
+    };
+    let mut steps = connect::steps(output);
+    let mut progress = |step| steps.show(&step);
+    let wording = Commands::any();
+    let written = bundle::bundle(&opening, &selector, &contents, &file, &wording, &mut progress).wait();
+    drop(steps);
+    output.report(&written?);
+    Ok(())
+}
+
+pub fn report(args: &Report, target: &Target, output: &Output) -> Result<(), Failure> {
+    let file = NewFile::at(&args.output)?;
+    let machine = connect::machine(&target.options, output)?;
+    let selector = connect::selector(target, output)?;
+    let (opening, mut network) = connect::network(target, &selector, Need::Identity, output)?;
+    let mut steps = connect::steps(output);
+    let mut progress = |step| steps.show(&step);
+    let about = (&selector, machine.as_ref());
+    let written = page::page(
+        &opening,
+        &mut network,
+        about,
+        &file,
+        &Commands::any(),
+        &mut progress,
+    )
+    .wait();
+    drop(steps);
+    let closed = network.close().wait();
+    output.report(&written?);
+    Ok(closed?)
+}
+
+impl Page for BundleReport {
+    fn print(&self, output: &Output) {
+        output.line(&format!(
+            "{}: {} files, {} octets",
+            self.file,
+            self.files.len(),
+            self.size
+        ));
+        missing(&self.drives, output);
+        for note in &self.notes {
+            output.warn(note);
+        }
+    }
+}
+
+impl Page for PageReport {
+    fn print(&self, output: &Output) {
+        let plural = if self.drives.len() == 1 { "" } else { "s" };
+        output.line(&format!(
+            "{}: {} drive{plural}, {} octets",
+            self.file,
+            self.drives.len(),
+            self.size
+        ));
+        missing(&self.drives, output);
+    }
+}
+
+fn missing(drives: &[BundledDrive], output: &Output) {
+    for drive in drives {
+        for missing in &drive.missing {
+            output.warn(&format!("{}: {missing}", drive.drive));
+        }
+    }
+}
+
+impl From<DocumentError> for Failure {
+    fn from(error: DocumentError) -> Self {
+        match error {
+            DocumentError::Client(error) => error.into(),
+            DocumentError::Exists(_) => {
+                Self::new(error.kind(), error.to_string()).hint("choose another name: nothing is replaced")
+            }
+            other => Self::new(other.kind(), other.to_string()),
+        }
+    }
+}

@@ -1,0 +1,97 @@
+//! What a world shows to those who watch its drives: the checks of expectations and the trace that is kept.
+
+use profinet::Instant;
+
+use crate::event::Unit;
+use crate::expect::{Live, Monitor, Observed};
+use crate::kept::Trace;
+use crate::trace::Event;
+
+use super::{Seat, World};
+
+/// Those who watch the drives of a world.
+#[derive(Debug, Default)]
+pub(super) struct Watchers {
+    /// Checks what is expected of the drives.
+    pub monitor: Option<Box<Monitor>>,
+    /// Waits for something to be true of a drive.
+    pub goal: Option<Box<Monitor>>,
+    /// Keeps the run.
+    pub trace: Option<Box<Trace>>,
+}
+
+impl Watchers {
+    /// Shows an event of the drive of that number.
+    pub fn note(&mut self, drive: usize, event: &Event) {
+        for monitor in [&mut self.monitor, &mut self.goal].into_iter().flatten() {
+            monitor.note(drive, event);
+        }
+        if let Some(trace) = &mut self.trace {
+            trace.take_event(event);
+        }
+    }
+
+    const fn is_empty(&self) -> bool {
+        self.monitor.is_none() && self.goal.is_none() && self.trace.is_none()
+    }
+}
+
+impl World {
+    /// Keeps what happens from now on as a [`Trace`] of about `limit` octets at most, [`Trace::USUAL_LIMIT`] for usual runs.
+    /// Replaces the trace before.
+    pub fn keep_trace(&mut self, limit: usize) {
+        let names = self.drives.iter().map(|seat| seat.name.as_str());
+        let trace = Some(Box::new(Trace::new(self.seed, names, limit)));
+        let watchers = self.shown(Watchers {
+            trace,
+            ..Watchers::default()
+        });
+        self.watchers.trace = watchers.trace;
+    }
+
+    /// Returns the trace until now; `None` when none is [kept](Self::keep_trace).
+    pub fn trace(&mut self) -> Option<&Trace> {
+        let now = self.now() - Instant::ZERO;
+        let trace = self.watchers.trace.as_mut()?;
+        trace.end_at(now);
+        Some(trace)
+    }
+
+    /// Ends the trace and returns it; `None` when none is [kept](Self::keep_trace).
+    pub fn take_trace(&mut self) -> Option<Trace> {
+        self.trace()?;
+        self.watchers.trace.take().map(|trace| *trace)
+    }
+
+    /// Shows all drives to those who watch them.
+    pub(super) fn show_drives(&mut self) {
+        let watchers = std::mem::take(&mut self.watchers);
+        self.watchers = self.shown(watchers);
+    }
+
+    /// Shows all drives as they are now; returns those who have seen them.
+    pub(super) fn shown(&self, mut watchers: Watchers) -> Watchers {
+        if watchers.is_empty() {
+            return watchers;
+        }
+        let time = self.now() - Instant::ZERO;
+        let live = |seat: &Seat| {
+            let unit = self.medium.segment().station::<Unit>(seat.id)?;
+            Some(Live {
+                drive: unit.inner().endpoint().drive(),
+                connected: seat.connected,
+            })
+        };
+        let drives: Vec<Live<'_>> = self.drives.iter().filter_map(live).collect();
+        let Watchers { monitor, goal, trace } = &mut watchers;
+        for monitor in [monitor, goal].into_iter().flatten() {
+            for (number, live) in drives.iter().enumerate() {
+                monitor.observe(number, time, live);
+            }
+        }
+        if let Some(trace) = trace {
+            trace.take_tick(time, drives.iter().map(|live| live as &dyn Observed));
+        }
+        watchers
+    }
+}
