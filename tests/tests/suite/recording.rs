@@ -267,7 +267,7 @@ fn a_step_is_measured_drawn_and_compared() {
     assert!(page.contains("before: speed") && page.contains("akd-1 speed"));
 }
 
-/// A motor that is operated meanwhile goes on turning when the recording ends, whether by Ctrl-C or because nobody reads its output.
+/// A motor that is operated meanwhile goes on turning when the recording ends, by Ctrl-C or by a closed output.
 #[test]
 fn the_end_of_a_recording_does_not_stop_a_motor() {
     let lab = Lab::new("record-end");

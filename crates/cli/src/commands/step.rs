@@ -7,7 +7,7 @@ use client::Wait;
 use profidrive::lasting;
 use profidrive::motion::{self, Response, StepPoint, Stepped};
 use profidrive::recording::{EarlierStep, overlay};
-use profidrive::report::{self, StepReport};
+use profidrive::report::StepReport;
 
 use super::axis;
 use super::record::{check_plot, draw};
@@ -52,18 +52,9 @@ pub fn run(args: &Step, target: &Target, output: &Output) -> Result<(), Failure>
         .plot
         .as_deref()
         .map(|plot| (plot, plot_of(plot, &points, earlier, unit, &stepped)));
-    let report = StepReport {
-        drive: stepped.drive.clone(),
-        from: report::Quantity::speed(wanted.from, wanted.run.unit),
-        to: report::Quantity::speed(wanted.run.speed, wanted.run.unit),
-        cycle: stepped.cycle.as_secs_f64(),
-        samples: stepped.samples.len(),
-        dropped: stepped.dropped,
-        response: stepped.response,
-        before: before.as_ref().and_then(|before| before.response(wanted.band)),
-        file: recorder.file(),
-        plot: written(drawn.as_ref()),
-    };
+    let compared = before.as_ref().and_then(|before| before.response(wanted.band));
+    let files = [recorder.file(), written(drawn.as_ref())];
+    let report = StepReport::new(&stepped, &wanted, compared, files);
     output.json_report(&report);
     if !output.json() {
         show(&report, unit, stepped.cycle, output);

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::Quantity;
-use crate::motion::Response;
+use crate::motion::{Response, Step, Stepped};
 
 /// A recording that ended.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -51,6 +51,32 @@ pub struct StepReport {
     pub file: Option<String>,
     /// The file with the plot.
     pub plot: Option<String>,
+}
+
+impl StepReport {
+    /// Returns the report of a step that ended. `wanted` is in rpm or percent ([`Step::in_rpm`]), `before` has the figures of the
+    /// step that it is compared with.
+    #[must_use]
+    pub fn new(
+        stepped: &Stepped,
+        wanted: &Step,
+        before: Option<Response>,
+        [file, plot]: [Option<String>; 2],
+    ) -> Self {
+        let unit = wanted.run.unit;
+        Self {
+            drive: stepped.drive.clone(),
+            from: Quantity::speed(wanted.from, unit),
+            to: Quantity::speed(wanted.run.speed, unit),
+            cycle: stepped.cycle.as_secs_f64(),
+            samples: stepped.samples.len(),
+            dropped: stepped.dropped,
+            response: stepped.response,
+            before,
+            file,
+            plot,
+        }
+    }
 }
 
 /// A signal of a recording.
