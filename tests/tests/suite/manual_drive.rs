@@ -119,6 +119,11 @@ fn commands_that_a_virtual_drive_cannot_do_are_refused() {
         assert_eq!(write(&mut bus, pnu, format, 1), Some(0x11), "{pnu}");
         assert_eq!(events(&mut bus), [StationEvent::Unable { pnu }], "{pnu}");
         assert_eq!(write(&mut bus, pnu, format, 0), None, "{pnu}");
+        let written = events(&mut bus);
+        assert!(
+            matches!(&written[..], [StationEvent::Written(written)] if written.pnu == pnu),
+            "{written:?}"
+        );
         let advice = bus.station().drive().model().catalogue.not_now(pnu);
         assert!(
             advice.is_some_and(|advice| advice.contains("virtual drive")),

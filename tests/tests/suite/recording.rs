@@ -180,6 +180,26 @@ fn another_library_reads_the_files() {
     }
 }
 
+/// Not even the names of the columns can be written: nothing moves.
+#[test]
+fn a_full_disk_keeps_a_motion_that_is_to_be_recorded_from_beginning() {
+    let lab = Lab::new("record-none");
+    let _drive = simulate(&lab, &["--name", "akd-1", "--ip", "192.168.77.50/24"]);
+    let script = format!(
+        "mkdir -p /run/none && mount -t tmpfs -o size=4k none /run/none && head -c 4096 /dev/zero >/run/none/filler; \
+         {} run akd-1 --velocity 60rpm --for 1s --record /run/none/run.csv -i {} --watchdog 15; code=$?; \
+         ls /run/none; exit $code",
+        built("profidrive").display(),
+        Side::Controller.interface()
+    );
+    let arguments = ["-c", script.as_str()];
+    let refused = lab.run(Side::Controller, "sh", arguments, Duration::from_secs(30));
+    assert_eq!(refused.code, Some(1), "{refused:?}");
+    assert!(refused.err.contains("No space left"), "{refused:?}");
+    assert!(!refused.err.contains("this moves the axis"), "{refused:?}");
+    assert_eq!(refused.out.trim(), "filler", "no empty file stays: {refused:?}");
+}
+
 #[test]
 fn a_full_disk_ends_a_recording_and_loses_nothing_that_was_recorded() {
     let lab = Lab::new("record-full");

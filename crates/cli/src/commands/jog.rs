@@ -61,20 +61,13 @@ pub fn run(args: &Jog, target: &Target, output: &Output) -> Result<(), Failure> 
         show(&plan, output);
         return Ok(());
     }
-    let done = axis::moving(
-        target,
-        Need::Cyclic,
-        output,
-        |(session, drive), bound, observer| {
-            wanted.control.bound = bound;
-            let observer = recorder.tap(observer, session);
-            (wanted.speed, wanted.limit) = speeds.in_rpm(session, drive, &observer)?;
-            motion::jog(session, drive, &wanted, &observer).wait()
-        },
-    );
-    let report = recorder.end(done, output)?;
+    let (report, recorded) = recorder.moving(target, output, |(session, drive), bound, observer| {
+        wanted.control.bound = bound;
+        (wanted.speed, wanted.limit) = speeds.in_rpm(session, drive, observer)?;
+        motion::jog(session, drive, &wanted, observer).wait()
+    })?;
     axis::show_travel(unit.as_ref(), &report, output);
-    Ok(())
+    recorded
 }
 
 /// The speeds of a jog.
@@ -128,19 +121,13 @@ fn real_time(
         show(&plan, output);
         return Ok(());
     }
-    let done = axis::moving(
-        target,
-        Need::Cyclic,
-        output,
-        |(session, drive), bound, observer| {
-            wanted.control.bound = bound;
-            let observer = recorder.tap(observer, session);
-            let (speed, limit) = speeds.in_rpm(session, drive, &observer)?;
-            (wanted.speed, wanted.limit) = (speed.unwrap_or_default(), limit);
-            motion::jog_in_real_time(session, drive, &wanted, &observer).wait()
-        },
-    );
-    recorder.end(done, output).map(|_| ())
+    let (_, recorded) = recorder.moving(target, output, |(session, drive), bound, observer| {
+        wanted.control.bound = bound;
+        let (speed, limit) = speeds.in_rpm(session, drive, observer)?;
+        (wanted.speed, wanted.limit) = (speed.unwrap_or_default(), limit);
+        motion::jog_in_real_time(session, drive, &wanted, observer).wait()
+    })?;
+    recorded
 }
 
 fn show(plan: &JogPlan, output: &Output) {

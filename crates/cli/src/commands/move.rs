@@ -29,19 +29,12 @@ pub fn run(args: &Move, target: &Target, output: &Output) -> Result<(), Failure>
     if args.dry_run {
         return try_out(wanted, target, output);
     }
-    let done = axis::moving(
-        target,
-        Need::Cyclic,
-        output,
-        |(session, drive), bound, observer| {
-            wanted.control.bound = bound;
-            let observer = recorder.tap(observer, session);
-            motion::move_to(session, drive, &wanted, &observer).wait()
-        },
-    );
-    let report = recorder.end(done, output)?;
+    let (report, recorded) = recorder.moving(target, output, |(session, drive), bound, observer| {
+        wanted.control.bound = bound;
+        motion::move_to(session, drive, &wanted, observer).wait()
+    })?;
     axis::show_travel(unit.as_ref(), &report, output);
-    Ok(())
+    recorded
 }
 
 /// Everything that `move` reads and checks; nothing is sent that changes anything.

@@ -2,11 +2,15 @@
 
 use std::path::{Path, PathBuf};
 
-use profidrive::motion::Observer;
+use client::Drive;
+use profidrive::machine::SpeedBound;
+use profidrive::motion::{MotionError, Observer};
 use profidrive::recording::{Form, MotionRecorder, RecordingFile};
 
+use super::axis;
 use super::record::form;
-use crate::connect::Live;
+use crate::args::Target;
+use crate::connect::{Live, Need};
 use crate::failure::Failure;
 use crate::output::Output;
 
@@ -31,38 +35,53 @@ impl Recorder {
         Ok(Self { file, recorder: None })
     }
 
-    /// Returns the observer with a tap.
-    pub fn tap(&mut self, observer: Observer, session: &Live) -> Observer {
+    /// Connects to a drive, moves it and completes the file, whatever became of the motion. Beside what came of the motion is
+    /// what came of the file.
+    pub fn moving<T>(
+        &mut self,
+        target: &Target,
+        output: &Output,
+        work: impl FnOnce((&mut Live, &mut Drive), Option<SpeedBound>, &Observer) -> Result<T, MotionError>,
+    ) -> Result<(T, Result<(), Failure>), Failure> {
+        let done = axis::moving(
+            target,
+            Need::Cyclic,
+            output,
+            |(session, drive), bound, observer| {
+                let observer = self.tap(observer, session);
+                work((session, drive), bound, &observer)
+            },
+        );
+        let finished = self.recorder.as_ref().map_or(Ok(None), MotionRecorder::finish);
+        let recorded = finished.map_err(Failure::from).map(|recorded| {
+            if let Some(recorded) = recorded {
+                output.say(&format!(
+                    "{} samples recorded to {}, {} missed",
+                    recorded.rows,
+                    recorded.file.display(),
+                    recorded.missed
+                ));
+            }
+        });
+        match done {
+            Ok(done) => Ok((done, recorded)),
+            Err(failure) => {
+                // the failure of the motion comes first
+                if let Err(error) = recorded {
+                    output.problem(&error);
+                }
+                Err(failure)
+            }
+        }
+    }
+
+    fn tap(&mut self, observer: Observer, session: &Live) -> Observer {
         let Some((file, form)) = &self.file else {
             return observer;
         };
         let recorder = MotionRecorder::new(file, *form, session.wall_clock());
         self.recorder = Some(recorder.clone());
         observer.tapped_by(recorder)
-    }
-
-    /// Completes the file, whatever became of the motion. The failure of the motion comes first.
-    pub fn end<T>(&self, done: Result<T, Failure>, output: &Output) -> Result<T, Failure> {
-        let finished = self.recorder.as_ref().map_or(Ok(None), MotionRecorder::finish);
-        match (done, finished) {
-            (Ok(done), Err(error)) => {
-                drop(done);
-                Err(error.into())
-            }
-            (done, finished) => {
-                match finished {
-                    Ok(Some(recorded)) => output.say(&format!(
-                        "{} samples recorded to {}, {} missed",
-                        recorded.rows,
-                        recorded.file.display(),
-                        recorded.missed
-                    )),
-                    Ok(None) => {}
-                    Err(error) => output.problem(&error.into()),
-                }
-                done
-            }
-        }
     }
 
     /// The name of the file, once it was begun.

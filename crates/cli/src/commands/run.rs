@@ -29,19 +29,12 @@ pub fn run(args: &Run, target: &Target, output: &Output) -> Result<(), Failure> 
         show(&plan, output);
         return Ok(());
     }
-    let done = axis::moving(
-        target,
-        Need::Cyclic,
-        output,
-        |(session, drive), bound, observer| {
-            wanted.control.bound = bound;
-            let observer = recorder.tap(observer, session);
-            motion::run(session, drive, &wanted, &observer).wait()
-        },
-    );
-    let report = recorder.end(done, output)?;
+    let (report, recorded) = recorder.moving(target, output, |(session, drive), bound, observer| {
+        wanted.control.bound = bound;
+        motion::run(session, drive, &wanted, observer).wait()
+    })?;
     axis::show_travel(unit.as_ref(), &report, output);
-    Ok(())
+    recorded
 }
 
 /// The requested speed, in one unit.

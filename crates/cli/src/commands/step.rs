@@ -13,7 +13,6 @@ use super::axis;
 use super::record::{check_plot, draw};
 use super::recorded::Recorder;
 use crate::args::{Step, Target};
-use crate::connect::Need;
 use crate::failure::Failure;
 use crate::output::Output;
 use crate::render::table::Table;
@@ -27,24 +26,18 @@ pub fn run(args: &Step, target: &Target, output: &Output) -> Result<(), Failure>
     if let Some(before) = before.as_ref().filter(|_| wanted.run.frequency.is_none()) {
         before.check_same(&wanted)?;
     }
-    let done = axis::moving(
-        target,
-        Need::Cyclic,
-        output,
-        |(session, drive), bound, observer| {
-            wanted.run.control.bound = bound;
-            let observer = recorder.tap(observer, session);
-            wanted = wanted.in_rpm(session, drive, &observer).wait()?;
-            match before
-                .as_ref()
-                .map_or(Ok(()), |before| before.check_same(&wanted))
-            {
-                Ok(()) => motion::step(session, drive, &wanted, &observer).wait().map(Ok),
-                Err(error) => Ok(Err(error)),
-            }
-        },
-    );
-    let stepped = recorder.end(done, output)??;
+    let (stepped, recorded) = recorder.moving(target, output, |(session, drive), bound, observer| {
+        wanted.run.control.bound = bound;
+        wanted = wanted.in_rpm(session, drive, observer).wait()?;
+        match before
+            .as_ref()
+            .map_or(Ok(()), |before| before.check_same(&wanted))
+        {
+            Ok(()) => motion::step(session, drive, &wanted, observer).wait().map(Ok),
+            Err(error) => Ok(Err(error)),
+        }
+    })?;
+    let stepped = stepped?;
     let unit = wanted.run.unit.symbol();
     let points = stepped.points();
     let earlier = before.as_ref().map(EarlierStep::points);
@@ -53,13 +46,15 @@ pub fn run(args: &Step, target: &Target, output: &Output) -> Result<(), Failure>
         .as_deref()
         .map(|plot| (plot, plot_of(plot, &points, earlier, unit, &stepped)));
     let compared = before.as_ref().and_then(|before| before.response(wanted.band));
-    let files = [recorder.file(), written(drawn.as_ref())];
+    let file = recorder.file().filter(|_| recorded.is_ok());
+    let files = [file, written(drawn.as_ref())];
     let report = StepReport::new(&stepped, &wanted, compared, files);
     output.json_report(&report);
     if !output.json() {
         show(&report, unit, stepped.cycle, output);
     }
-    drawn.map_or(Ok(()), |(_, result)| result)
+    // the figures are there whatever became of the files
+    recorded.and(drawn.map_or(Ok(()), |(_, result)| result))
 }
 
 /// The name of a file that was written.

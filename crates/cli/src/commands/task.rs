@@ -6,7 +6,6 @@ use profidrive::motion;
 use super::axis;
 use super::recorded::Recorder;
 use crate::args::{Target, Task};
-use crate::connect::Need;
 use crate::failure::Failure;
 use crate::output::Output;
 
@@ -18,15 +17,9 @@ pub fn run(args: &Task, target: &Target, output: &Output) -> Result<(), Failure>
         control: axis::in_mode(&args.control)?,
     };
     let mut recorder = Recorder::of(args.recorded.record.as_deref())?;
-    let done = axis::moving(
-        target,
-        Need::Cyclic,
-        output,
-        |(session, drive), bound, observer| {
-            wanted.control.bound = bound;
-            let observer = recorder.tap(observer, session);
-            motion::task(session, drive, &wanted, &observer).wait()
-        },
-    );
-    recorder.end(done, output).map(|_| ())
+    let (_, recorded) = recorder.moving(target, output, |(session, drive), bound, observer| {
+        wanted.control.bound = bound;
+        motion::task(session, drive, &wanted, observer).wait()
+    })?;
+    recorded
 }

@@ -200,6 +200,7 @@ fn a_device_without_device_access_is_read_implicitly_and_its_parameters_over_a_c
                     StationEvent::Connected { .. }
                         | StationEvent::Disconnected { .. }
                         | StationEvent::PersistParameters { .. }
+                        | StationEvent::Written(_)
                 );
                 assert!(harmless, "{event:?}");
             }

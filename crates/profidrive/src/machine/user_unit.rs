@@ -14,10 +14,10 @@ use profile::notation::{Number, Quantity, figures};
 /// // a screw of 10 mm a turn behind a gear of 5:1
 /// let unit = UserUnit::new("mm", 10.0, 5.0);
 /// let motor = |text: &str| unit.to_motor(&text.parse().unwrap()).map(|quantity| quantity.to_string());
-/// assert_eq!(motor("120mm").as_deref(), Some("60rev"));
-/// assert_eq!(motor("50mm/s").as_deref(), Some("1500rpm"));
-/// assert_eq!(motor("600mm/min").as_deref(), Some("300rpm"));
-/// assert_eq!(motor("100mm/s2").as_deref(), Some("3000rpm/s"));
+/// assert_eq!(motor("120mm").as_deref(), Some("60 rev"));
+/// assert_eq!(motor("50mm/s").as_deref(), Some("1500 rpm"));
+/// assert_eq!(motor("600mm/min").as_deref(), Some("300 rpm"));
+/// assert_eq!(motor("100mm/s2").as_deref(), Some("3000 rpm/s"));
 /// assert_eq!(motor("60rev"), None);
 /// assert_eq!(unit.travel(60.0), 120.0);
 /// ```

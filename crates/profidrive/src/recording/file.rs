@@ -100,8 +100,6 @@ struct Part {
     written: Duration,
     waiting: usize,
     octets: u64,
-    /// The line of names was written.
-    named: bool,
     /// Rows that a write which failed has left in the file.
     kept: u64,
 }
@@ -196,7 +194,7 @@ impl RecordingFile {
                 Content::Columns(Box::new(batch), Box::new(stream))
             }
         };
-        Ok(Part {
+        let mut part = Part {
             grows,
             complete,
             out,
@@ -205,9 +203,14 @@ impl RecordingFile {
             written: at,
             waiting: 0,
             octets: 0,
-            named: false,
             kept: 0,
-        })
+        };
+        // on a full disk it fails here, before anything is recorded or moved
+        if let Err(error) = part.flush() {
+            let _ = fs::remove_file(&part.grows);
+            return Err(WriteError::new("cannot create", &part.grows, error));
+        }
+        Ok(part)
     }
 
     /// Writes what waits. When that fails, the file ends with the last whole line or batch.
@@ -315,7 +318,6 @@ impl Part {
         self.waiting = 0;
         let Err(error) = self.out.write_all(&octets) else {
             self.octets += octets.len() as u64;
-            self.named = true;
             return Ok(());
         };
         // what is whole stays, a part of it would make all of it unreadable
@@ -328,7 +330,7 @@ impl Part {
             let lines = lines.get(..end.map_or(0, |end| end + 1)).unwrap_or_default();
             whole += lines.len() as u64;
             let count = lines.iter().filter(|octet| **octet == b'\n').count() as u64;
-            self.kept = count.saturating_sub(u64::from(!self.named));
+            self.kept = count;
         }
         let _ = self.out.set_len(whole);
         let _ = self.out.seek(SeekFrom::Start(whole));
