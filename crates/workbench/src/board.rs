@@ -10,7 +10,7 @@ use profidrive::client::{Drive, DriveAddress};
 use profidrive::fleet::AT_ONCE;
 use profidrive::report::{Error, Remark, Scanned, Station, StatusReport};
 use profidrive::{Caller, DriveError, Explained, Opening, inspection, scan};
-use tokio::sync::Notify;
+use tokio::sync::{Notify, watch};
 use tokio::task::JoinSet;
 use tokio::time::{MissedTickBehavior, interval};
 
@@ -125,6 +125,10 @@ pub(crate) struct Board {
     wake: Notify,
     /// A search has ended: what it found is read at once.
     found: Notify,
+    /// Somebody wants a search now.
+    wanted: Notify,
+    /// How many searches have begun, and ended.
+    searches: watch::Sender<(u64, u64)>,
     opening: Opening,
     /// Drives given by their addresses; empty where stations are searched for.
     addresses: Vec<Ipv4Addr>,
@@ -141,6 +145,8 @@ impl Board {
             stations: Mutex::new(stations),
             wake: Notify::new(),
             found: Notify::new(),
+            wanted: Notify::new(),
+            searches: watch::Sender::new((0, 0)),
             opening,
             addresses,
         }
@@ -183,8 +189,11 @@ impl Board {
         let mut turn = interval(SURVEY);
         turn.set_missed_tick_behavior(MissedTickBehavior::Delay);
         loop {
-            turn.tick().await;
-            self.watched().await;
+            tokio::select! {
+                _ = turn.tick() => self.watched().await,
+                () = self.wanted.notified() => turn.reset(),
+            }
+            self.searches.send_modify(|(begun, _)| *begun += 1);
             let found = match self.searches() {
                 true => self.search(&mut network).await,
                 false => Ok(self.visit(&network).await),
@@ -196,7 +205,19 @@ impl Board {
                 }
                 Err(error) => self.stations().failure = Some(error),
             }
+            self.searches.send_modify(|(begun, ended)| *ended = *begun);
         }
+    }
+
+    /// Searches now, and waits for the end of it. Searches are never side by side: callers at the same time wait for one.
+    pub async fn search_now(&self) {
+        self.look(|_| ());
+        let mut searches = self.searches.subscribe();
+        // one that is under way may have missed what has come since it began
+        let (before, _) = *searches.borrow();
+        self.wanted.notify_one();
+        // fails only when this board is gone
+        let _ = searches.wait_for(|(_, ended)| *ended > before).await;
     }
 
     async fn search(&self, network: &mut Caller) -> Result<Vec<(String, Scanned)>, Error> {

@@ -22,7 +22,7 @@ use tokio::time::{interval, sleep};
 use tower_http::limit::RequestBodyLimitLayer;
 use tower_http::timeout::TimeoutLayer;
 
-use crate::access::{Attempts, Places, Sessions, Tokens, guard, secure};
+use crate::access::{Attempts, Once, Places, Sessions, Tokens, guard, secure};
 use crate::api::{nothing, router};
 use crate::assets;
 use crate::board::Board;
@@ -107,7 +107,12 @@ impl Server {
     /// # Errors
     /// When the address cannot be used, or the network cannot be opened.
     pub fn open(settings: Settings) -> Result<Self, ServeError> {
-        let Settings { source, listen, name } = settings;
+        let Settings {
+            source,
+            listen,
+            name,
+            read_only,
+        } = settings;
         if !listen.ip().is_loopback() {
             return Err(ServeError::NotLocal(listen));
         }
@@ -127,6 +132,8 @@ impl Server {
         let now = Instant::now();
         let shared = Shared {
             tokens: Tokens::random()?,
+            once: Mutex::new(Once::default()),
+            read_only,
             places: Places::new(address),
             cookie: format!("profidrive_{}", address.port()),
             source,
@@ -152,17 +159,35 @@ impl Server {
         self.address
     }
 
-    /// Returns the address for a browser, with the token that allows everything. The token is behind `#`, which no browser sends to
-    /// a server.
+    fn with_token(&self, token: &str) -> String {
+        // what is behind `#` is sent to no server
+        format!("http://{}/#token={token}", self.address)
+    }
+
+    /// Returns the address for a browser, with the token that allows everything; of a server that changes nothing the same as
+    /// [`view_url`](Self::view_url).
     #[must_use]
     pub fn url(&self) -> String {
-        format!("http://{}/#token={}", self.address, self.shared.tokens.control())
+        match self.shared.read_only {
+            true => self.view_url(),
+            false => self.with_token(&self.shared.tokens.control()),
+        }
+    }
+
+    /// Returns an address like [`url`](Self::url) that begins one session, within a minute: for a browser that is started with
+    /// it as an argument, which all users of a computer can see. A later call ends that of an earlier one.
+    ///
+    /// # Errors
+    /// When the operating system has no random numbers.
+    pub fn url_once(&self) -> io::Result<String> {
+        let token = self.shared.once().begin(Instant::now())?;
+        Ok(self.with_token(&token))
     }
 
     /// Returns the address for a browser that looks and stops, and changes nothing.
     #[must_use]
     pub fn view_url(&self) -> String {
-        format!("http://{}/#token={}", self.address, self.shared.tokens.view())
+        self.with_token(&self.shared.tokens.view())
     }
 
     /// Serves until `stop` is raised, then closes the network.

@@ -63,6 +63,8 @@ pub struct Settings {
     pub listen: SocketAddr,
     /// What people call this server: `line 3`.
     pub name: Option<String>,
+    /// Whether no address of this server allows more than to look and to stop.
+    pub read_only: bool,
 }
 
 impl Settings {
@@ -73,6 +75,7 @@ impl Settings {
             source,
             listen: SocketAddr::new(IpAddr::V4(Ipv4Addr::LOCALHOST), PORT),
             name: None,
+            read_only: false,
         }
     }
 }

@@ -7,7 +7,7 @@ use std::time::Instant;
 use axum::http::StatusCode;
 use profidrive::Caller as Network;
 
-use crate::access::{Attempts, Places, Role, Sessions, Tokens};
+use crate::access::{Attempts, Once, Places, Role, Sessions, Tokens};
 use crate::board::Board;
 use crate::problem::Problem;
 use crate::settings::Source;
@@ -16,6 +16,9 @@ use crate::settings::Source;
 #[derive(Debug)]
 pub(crate) struct Shared {
     pub tokens: Tokens,
+    pub once: Mutex<Once>,
+    /// Whether nobody may do more than look and stop.
+    pub read_only: bool,
     pub places: Places,
     /// Name of the cookie. Browsers send the cookies of a host to each of its ports, so each server has its own name.
     pub cookie: String,
@@ -35,6 +38,19 @@ pub(crate) struct Shared {
 impl Shared {
     pub fn sessions(&self) -> MutexGuard<'_, Sessions> {
         self.sessions.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    pub fn once(&self) -> MutexGuard<'_, Once> {
+        self.once.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Returns what the holder of a token may do who begins a session: also that of the browser that this program started.
+    pub fn try_login(&self, token: &str) -> Result<Role, Problem> {
+        match self.once().take(token, Instant::now()) {
+            true if self.read_only => Ok(Role::View),
+            true => Ok(Role::Control),
+            false => self.try_token(token),
+        }
     }
 
     /// Returns what the holder of a token may do.

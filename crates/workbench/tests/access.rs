@@ -15,20 +15,18 @@ struct Running {
     address: SocketAddr,
     control: String,
     view: String,
+    once: String,
     stop: Stop,
     thread: Option<JoinHandle<()>>,
 }
 
 impl Running {
-    fn start(source: Source) -> Self {
+    fn start(settings: Settings) -> Self {
         let listen = "127.0.0.1:0".parse().unwrap();
-        let server = Server::open(Settings {
-            listen,
-            ..Settings::new(source)
-        })
-        .unwrap();
+        let server = Server::open(Settings { listen, ..settings }).unwrap();
         let token = |url: String| url.split_once("#token=").unwrap().1.to_owned();
         let (address, control, view) = (server.address(), token(server.url()), token(server.view_url()));
+        let once = token(server.url_once().unwrap());
         let stop = Stop::new().unwrap();
         let flag = stop.clone();
         let thread = std::thread::spawn(move || server.run(&flag).unwrap());
@@ -36,13 +34,14 @@ impl Running {
             address,
             control,
             view,
+            once,
             stop,
             thread: Some(thread),
         }
     }
 
     fn demo() -> Self {
-        Self::start(Source::Demo)
+        Self::start(Settings::new(Source::Demo))
     }
 
     /// Sends octets as they are and returns the answer.
@@ -213,6 +212,61 @@ fn a_view_session_changes_nothing_and_can_stop() {
         server.ask("GET", "/api/v1/session", &control, "").json()["role"],
         "control"
     );
+}
+
+#[test]
+fn a_server_that_is_read_only_lets_nobody_change_anything() {
+    let server = Running::start(Settings {
+        read_only: true,
+        ..Settings::new(Source::Demo)
+    });
+    assert_eq!(server.control, server.view, "there is no other address");
+    for token in [&server.view, &server.once] {
+        let session = server.session(token);
+        let report = server.ask("GET", "/api/v1/server", &session, "").json();
+        assert_eq!(
+            (&report["role"], &report["read_only"]),
+            (&"view".into(), &true.into())
+        );
+        let scan = server.ask("POST", "/api/v1/stations/scan", &session, "");
+        assert_eq!(scan.status, 403);
+        assert!(
+            scan.json()["detail"]
+                .as_str()
+                .unwrap()
+                .contains("look and stop only"),
+            "{scan:?}"
+        );
+        assert_eq!(server.ask("POST", "/api/v1/stop", &session, "").status, 200);
+    }
+}
+
+#[test]
+fn the_address_of_a_started_browser_begins_one_session() {
+    let server = Running::demo();
+    let bearer = Running::bearer(&server.once);
+    assert_eq!(
+        server.ask("GET", "/api/v1/server", &bearer, "").status,
+        401,
+        "it is for browsers"
+    );
+    let session = server.session(&server.once);
+    assert_eq!(
+        server.ask("GET", "/api/v1/session", &session, "").json()["role"],
+        "control"
+    );
+    assert_eq!(server.login(&server.once).status, 401, "used");
+}
+
+#[test]
+fn a_search_on_request_ends_with_all_stations() {
+    let server = Running::demo();
+    let control = Running::bearer(&server.control);
+    for _ in 0..2 {
+        let found = server.ask("POST", "/api/v1/stations/scan", &control, "").json();
+        assert_eq!(found["stations"].as_array().unwrap().len(), 6, "{found:#}");
+        assert!(found["age"].as_f64().unwrap() < 1.0, "{found:#}");
+    }
 }
 
 #[test]

@@ -19,6 +19,12 @@ pub struct Serve {
     /// Address and port of the page; port 0 takes a free one
     #[arg(long, value_name = "ADDRESS:PORT", default_value = "127.0.0.1:8934")]
     pub listen: SocketAddr,
+    /// Also start the browser
+    #[arg(long)]
+    pub open: bool,
+    /// Let nobody change anything: each page looks and stops
+    #[arg(long)]
+    pub read_only: bool,
     /// What people call this server: "line 3"
     #[arg(long, value_name = "TEXT")]
     pub name: Option<String>,

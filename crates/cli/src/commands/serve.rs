@@ -26,6 +26,7 @@ pub fn run(args: &Serve, interface: &Interface, output: &Output) -> Result<(), F
         source,
         listen: args.listen,
         name: args.name.clone(),
+        read_only: args.read_only,
     };
     let stop = Stop::on_signals_with(ForcedExit::Second)
         .map_err(|error| Failure::new(ErrorKind::Internal, format!("cannot watch for Ctrl-C: {error}")))?;
@@ -39,8 +40,16 @@ pub fn run(args: &Serve, interface: &Interface, output: &Output) -> Result<(), F
         });
     } else {
         output.line(&format!("open {}", server.url()));
-        output.say(&format!("to look and stop only: {}", server.view_url()));
+        if !args.read_only {
+            output.say(&format!("to look and stop only: {}", server.view_url()));
+        }
         output.say("Ctrl-C ends the server");
+    }
+    if args.open {
+        let opened = server.url_once().and_then(open::that_detached);
+        if let Err(error) = opened {
+            output.say(&format!("cannot start a browser: {error}"));
+        }
     }
     server.run(&stop).map_err(failed)
 }

@@ -11,8 +11,8 @@ use super::{
     BackupReport, BlinkReport, BundleReport, CommissionReport, DemoEvent, DescribeReport, DiffReport,
     DoctorReport, Drives, Error, FaultsReport, GsdmlCheckReport, GsdmlExportReport, GsdmlShowReport,
     InfoReport, InjectReport, IpReport, ListReport, MonitorReading, MonitorSilence, NameReport, PageReport,
-    ParametersReport, RecordReport, ResetReport, RestoreReport, ScanReport, ServeReport, SimulationReport, StationChange,
-    StatusReport, StepReport, WriteReport,
+    ParametersReport, RecordReport, ResetReport, RestoreReport, ScanReport, ServeReport, SimulationReport,
+    StationChange, StatusReport, StepReport, WriteReport,
 };
 use crate::motion::{self, JogPlan, Message, MoveReport, RunPlan, StopReport};
 

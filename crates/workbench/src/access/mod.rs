@@ -10,7 +10,7 @@ pub(crate) use guard::{Caller, guard, session_of};
 pub(crate) use headers::secure;
 pub(crate) use origin::Places;
 pub(crate) use session::{IDLE, LIFETIME, SESSIONS, Sessions};
-pub(crate) use token::{Attempts, Tokens};
+pub(crate) use token::{Attempts, Once, Tokens};
 
 use schemars::JsonSchema;
 use serde::Serialize;

@@ -75,6 +75,30 @@ impl Tokens {
     }
 }
 
+/// The token of a browser that was started here has to be used within this time.
+const ONCE: Duration = Duration::from_secs(60);
+
+/// A token that begins one session. All users of a computer see with which arguments a browser was started, so the token in
+/// them is worth nothing once that browser has used it.
+#[derive(Debug, Default)]
+pub(crate) struct Once(Option<(Secret, Instant)>);
+
+impl Once {
+    /// Returns a new one, in place of the one before.
+    pub fn begin(&mut self, now: Instant) -> std::io::Result<String> {
+        let secret = Secret::random()?;
+        let text = secret.text();
+        self.0 = Some((secret, now + ONCE));
+        Ok(text)
+    }
+
+    /// Returns whether this is it, and ends it then.
+    pub fn take(&mut self, given: &str, now: Instant) -> bool {
+        let is_it = |(secret, end): &(Secret, Instant)| bool::from(secret.is(given)) && now < *end;
+        self.0.take_if(|once| is_it(once)).is_some()
+    }
+}
+
 /// Wrong tokens in a second, after which no token is looked at for the rest of it.
 const RATE: u32 = 10;
 
@@ -125,6 +149,19 @@ mod tests {
             assert_eq!(tokens.role(given), None, "{given}");
         }
         assert_eq!(format!("{tokens:?}"), "Tokens { control: Secret, view: Secret }");
+    }
+
+    #[test]
+    fn the_token_of_a_started_browser_works_once_and_not_for_long() {
+        let start = Instant::now();
+        let mut once = Once::default();
+        assert!(!once.take("", start), "there is none");
+        let token = once.begin(start).unwrap();
+        assert!(!once.take(&token[1..], start));
+        assert!(once.take(&token, start + Duration::from_secs(59)));
+        assert!(!once.take(&token, start + Duration::from_secs(59)), "used");
+        let token = once.begin(start).unwrap();
+        assert!(!once.take(&token, start + ONCE));
     }
 
     #[test]

@@ -35,6 +35,7 @@ fn routes() -> OpenApiRouter<Arc<Shared>> {
         .routes(routes!(server::stop))
         .routes(routes!(session::begin, session::session, session::end))
         .routes(routes!(stations::stations))
+        .routes(routes!(stations::scan))
         .routes(routes!(drives::status))
         .routes(routes!(drives::info))
         .routes(routes!(drives::faults))

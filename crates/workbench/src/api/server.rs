@@ -31,6 +31,8 @@ pub(super) struct ServerReport {
     searches: bool,
     /// What the caller may do.
     role: Role,
+    /// Whether nobody may do more than look and stop.
+    read_only: bool,
     /// The axes that this server controls.
     controlled: Vec<String>,
     /// How often a stop was requested.
@@ -59,6 +61,7 @@ pub(super) async fn server(
         interface,
         searches: shared.board.searches(),
         role: caller.role,
+        read_only: shared.read_only,
         controlled: Vec::new(),
         stops: shared.stops.load(Ordering::SeqCst),
     })

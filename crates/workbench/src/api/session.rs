@@ -58,7 +58,7 @@ pub(super) async fn begin(
     login: Result<Json<Login>, JsonRejection>,
 ) -> Result<Response, Problem> {
     let Json(login) = login.map_err(|error| Problem::new(error.status(), "body", &error.body_text()))?;
-    let role = shared.try_token(&login.token)?;
+    let role = shared.try_login(&login.token)?;
     let before = session_of(&headers, &shared.cookie);
     let begun = shared.sessions().begin(role, before, Instant::now());
     let begun = begun

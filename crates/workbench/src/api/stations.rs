@@ -23,6 +23,23 @@ pub(super) struct StationsReport {
     failure: Option<Error>,
 }
 
+impl StationsReport {
+    fn now(shared: &Shared) -> Self {
+        let now = Instant::now();
+        let since =
+            |then: Option<Instant>| then.map(|then| now.saturating_duration_since(then).as_secs_f64());
+        shared.board.look(|stations| Self {
+            stations: stations
+                .known
+                .iter()
+                .map(|(id, known)| KnownStation::new(id, known, now))
+                .collect(),
+            age: since(stations.searched),
+            failure: stations.failure.clone(),
+        })
+    }
+}
+
 /// A station.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(super) struct KnownStation {
@@ -67,18 +84,17 @@ impl KnownStation {
     (status = 401, description = "No session", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
 ))]
 pub(super) async fn stations(State(shared): State<Arc<Shared>>) -> Json<StationsReport> {
-    let now = Instant::now();
-    Json(shared.board.look(|stations| {
-        StationsReport {
-            stations: stations
-                .known
-                .iter()
-                .map(|(id, known)| KnownStation::new(id, known, now))
-                .collect(),
-            age: stations
-                .searched
-                .map(|then| now.saturating_duration_since(then).as_secs_f64()),
-            failure: stations.failure.clone(),
-        }
-    }))
+    Json(StationsReport::now(&shared))
+}
+
+/// Searches for stations now, and returns those that are known then. Searches come by themselves every five seconds while
+/// somebody looks.
+#[utoipa::path(post, path = "/api/v1/stations/scan", responses(
+    (status = 200, description = "The stations", body = ref("#/components/schemas/StationsReport")),
+    (status = 401, description = "No session", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
+    (status = 403, description = "Another origin, or a session that only looks", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
+))]
+pub(super) async fn scan(State(shared): State<Arc<Shared>>) -> Json<StationsReport> {
+    shared.board.search_now().await;
+    Json(StationsReport::now(&shared))
 }

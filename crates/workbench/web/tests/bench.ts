@@ -21,7 +21,13 @@ export interface Running {
 
 /** Starts `profidrive serve` with these arguments and waits until it is ready. */
 export async function serve(...args: string[]): Promise<Running> {
-  const child = spawn(program, ["serve", "--json", ...args], { stdio: ["ignore", "pipe", "inherit"] });
+  return serveIn({}, ...args);
+}
+
+/** The same with other variables of its environment. */
+export async function serveIn(variables: Record<string, string>, ...args: string[]): Promise<Running> {
+  const env = { ...process.env, ...variables };
+  const child = spawn(program, ["serve", "--json", ...args], { stdio: ["ignore", "pipe", "inherit"], env });
   const lines = createInterface({ input: child.stdout });
   for await (const line of lines) {
     const ready = JSON.parse(line) as { event: string; url: string; view_url: string };

@@ -1,8 +1,9 @@
-import { copyFileSync, readFileSync } from "node:fs";
+import { chmodSync, copyFileSync, existsSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { createRequire } from "node:module";
+import { tmpdir } from "node:os";
 import { join } from "node:path";
 import type { Page } from "@playwright/test";
-import { end, expect, pictures, rows, serve, test } from "./bench";
+import { end, expect, pictures, rows, serve, serveIn, test } from "./bench";
 
 const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
 
@@ -57,6 +58,44 @@ test("STOP says honestly that there is nothing to stop, by mouse and keys", asyn
   await page.keyboard.press("Escape");
   await page.keyboard.press("Escape");
   await expect(answer).toContainText(`STOP ${before + 3} `);
+});
+
+test("the browser that the program starts is let in once", async ({ page, browser }) => {
+  const folder = mkdtempSync(join(tmpdir(), "profidrive-open-"));
+  const argument = join(folder, "argument");
+  // in place of a desktop
+  writeFileSync(join(folder, "xdg-open"), `#!/bin/sh\necho "$1" >${argument}.new && mv ${argument}.new ${argument}\n`);
+  chmodSync(join(folder, "xdg-open"), 0o755);
+  const path = `${folder}:${process.env.PATH}`;
+  const server = await serveIn({ PATH: path }, "--demo", "--open", "--listen", "127.0.0.1:0");
+  try {
+    await expect.poll(() => existsSync(argument)).toBe(true);
+    const url = readFileSync(argument, "utf8").trim();
+    expect(url).not.toBe(server.url);
+    await page.goto(url);
+    await expect(page.getByRole("heading", { name: "Network" })).toBeVisible();
+    await expect(page.getByRole("button", { name: "Search now" })).toBeEnabled();
+    const other = await browser.newContext();
+    const second = await other.newPage();
+    await second.goto(url);
+    await expect(second.getByRole("alert")).toContainText("The workbench refused");
+    await other.close();
+  } finally {
+    await end(server);
+    rmSync(folder, { recursive: true });
+  }
+});
+
+test("a server that is read-only offers no change", async ({ page }) => {
+  const server = await serve("--demo", "--read-only", "--listen", "127.0.0.1:0");
+  try {
+    await page.goto(server.url);
+    await rows(page);
+    await expect(page.getByText("READ-ONLY")).toBeVisible();
+    await expect(page.getByRole("button", { name: "Search now" })).toHaveCount(0);
+  } finally {
+    await end(server);
+  }
 });
 
 test("a view link looks and stops", async ({ browser, demo }) => {

@@ -15,6 +15,16 @@ test("the stations appear without a click, those that need somebody first", asyn
   await expect(page.getByText("SIMULATION: these drives are virtual")).toBeVisible();
 });
 
+test("a search can be requested", async ({ entered: page }) => {
+  const [answer] = await Promise.all([
+    page.waitForResponse((response) => response.url().endsWith("/stations/scan")),
+    page.getByRole("button", { name: "Search now" }).click(),
+  ]);
+  expect(answer.status()).toBe(200);
+  await expect(page.getByRole("button", { name: "Search now" })).toBeEnabled();
+  await expect(page.getByText(/Searched \d+ s ago/)).toBeVisible();
+});
+
 test("the glyph of a shaft follows its position", async ({ entered: page }) => {
   const key = page.getByRole("row", { name: "press-1" }).locator(".key");
   const angle = () => key.evaluate((path) => (path as SVGPathElement).style.transform);

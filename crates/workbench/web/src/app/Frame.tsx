@@ -108,6 +108,7 @@ function Stop({ station }: { station: Station | undefined }) {
 export function Frame() {
   const station = selected(useLocation().path);
   const simulation = server.value?.simulation ?? false;
+  const viewing = server.value?.role === "view" && !server.value.read_only;
   return (
     <header class="top">
       <div class="frame">
@@ -116,7 +117,7 @@ export function Frame() {
         <p class="badges">
           {server.value?.name && <bdi class="muted">{foreign(server.value.name)}</bdi>}
           {simulation && <span class="badge simulation">{t("frame.simulation")}</span>}
-          <span class="badge">{t(server.value?.role === "view" ? "frame.view" : "frame.readonly")}</span>
+          <span class="badge">{t(viewing ? "frame.view" : "frame.readonly")}</span>
         </p>
         <Stop station={station} />
       </div>

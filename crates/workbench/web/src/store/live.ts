@@ -10,6 +10,7 @@ import {
   now,
   received,
   searched,
+  searching,
   server,
   shafts,
   stations,
@@ -21,6 +22,8 @@ import {
 const PERIOD = 1000;
 const SHAFT_PERIOD = 100;
 const CLOCK_PERIOD = 250;
+/** Time for a search, in ms. */
+const SEARCH = 20_000;
 /** What is kept of a value, in ms. */
 const TRACK = 60_000;
 /** Events that are kept, of all drives. */
@@ -84,6 +87,17 @@ function every(period: number, work: () => Promise<void>): void {
     setTimeout(turn, Math.max(20, period - (performance.now() - begin)));
   };
   void turn();
+}
+
+/** Lets the workbench search for stations now. */
+export async function searchNow(): Promise<void> {
+  searching.value = true;
+  try {
+    take(await request<Stations>("stations/scan", { method: "POST", signal: AbortSignal.timeout(SEARCH) }));
+  } catch (error) {
+    failure.value = error instanceof Error ? error.message : String(error);
+  }
+  searching.value = false;
 }
 
 function take(report: Stations): void {

@@ -14,6 +14,8 @@ export const stations = signal<Station[] | null>(null);
 export const received = signal(0);
 /** Time since the last search when they came, s; `null` before the first. */
 export const searched = signal<number | null>(null);
+/** Whether this page waits for a search. */
+export const searching = signal(false);
 export const failure = signal<string | null>(null);
 
 /** Where the shafts of virtual drives are, by the identity of the drive. */

@@ -50,6 +50,7 @@ export const en = {
   "network.failed": "The last search failed: {reason}",
   "network.age": "Searched {age} ago",
   "network.export": "Export CSV",
+  "network.scan": "Search now",
   "network.why": "Status",
   "network.shaft": "Shaft",
   "network.name": "Name",

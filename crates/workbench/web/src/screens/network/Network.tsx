@@ -2,7 +2,8 @@ import type { Station } from "../../api";
 import { cell, foreign, label, product, sorted } from "../../parts/format";
 import { findings, owner, ownerName, Reason, reason, State } from "../../parts/Reason";
 import { Shaft } from "../../parts/Shaft";
-import { aged, failure, searched, server, silent, stations } from "../../store/store";
+import { searchNow } from "../../store/live";
+import { aged, failure, searched, searching, server, silent, stations } from "../../store/store";
 import { age, t } from "../../text";
 
 const dash = "\u2013";
@@ -89,6 +90,11 @@ export function Network() {
       <div class="title">
         <h1>{t("network.title")}</h1>
         <span class="muted">{since === null ? t("network.searching") : t("network.age", { age: age(since) })}</span>
+        {searches && server.value?.role === "control" && (
+          <button type="button" disabled={searching.value} onClick={() => void searchNow()}>
+            {t(searching.value ? "network.searching" : "network.scan")}
+          </button>
+        )}
         <button type="button" disabled={all.length === 0} onClick={() => exportTable(all)}>
           {t("network.export")}
         </button>
