@@ -2,7 +2,7 @@
 CARGO ?= cargo
 
 .DEFAULT_GOAL := help
-.PHONY: help demo check test package setup bench fuzz lives soak properties fmt lint doc site pages
+.PHONY: help demo check test package setup bench fuzz lives soak properties fmt lint doc site pages web
 
 # what `make package` builds for; a target whose programs this machine can run
 TARGET ?= $(shell rustc -vV | sed -n 's/^host: //p')
@@ -29,6 +29,7 @@ check: ## what to run while changing something: format, lints, tables, arrows, u
 	$(CARGO) clippy -q --workspace --all-targets -- -D warnings
 	$(CARGO) run -q -p xtask -- gen --check
 	$(CARGO) run -q -p xtask -- arrows
+	$(CARGO) run -q -p xtask -- web --check
 	$(CARGO) test -q --workspace --lib --bins
 
 test: setup ## everything that must pass
@@ -37,10 +38,12 @@ test: setup ## everything that must pass
 	RUSTDOCFLAGS="-D warnings" $(CARGO) doc -q --workspace --no-deps
 	$(CARGO) run -q -p xtask -- gen --check
 	$(CARGO) run -q -p xtask -- arrows
+	$(CARGO) run -q -p xtask -- web --check
 	target/tools/bin/cargo-deny --locked check bans licenses sources
 	$(CARGO) clippy -q --no-default-features $(ETHERNET) -- -D warnings
 	$(CARGO) build -q --workspace --bins --examples
 	RUST_TEST_THREADS=$(THREADS) $(CARGO) test --workspace
+	tools/web-test
 
 package: ## release program, Debian package and checksums, in target/package (TARGET=...)
 	$(CARGO) build --release --locked -p profidrive-cli --target $(TARGET)
@@ -76,6 +79,9 @@ doc: ## the documentation, in target/doc
 
 site: ## the site of docs/, in target/site (builds mdBook once, 40 s)
 	@tools/site
+
+web: ## the page of the workbench, in crates/workbench/assets (needs Node)
+	@tools/web-build
 
 pages: ## the pages of docs/ that come from the program: picture of the demo, reference of the commands
 	$(CARGO) build -q -p profidrive-cli

@@ -20,6 +20,7 @@ const LIBRARIES: &[&str] = &[
     "profidrive-dissect",
     "profidrive-network",
     "profidrive-plant",
+    "profidrive-workbench",
 ];
 
 /// Who may depend on whom inside the workspace (ARCHITECTURE.md draws it). Arrows only point down.
@@ -71,6 +72,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "profidrive-network",
         ],
     ),
+    ("profidrive-workbench", &["profidrive"]),
     ("profidrive-cli", LIBRARIES),
     ("examples", LIBRARIES),
     ("xtask", &[]),

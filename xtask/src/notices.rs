@@ -38,6 +38,9 @@ pub fn run(root: &Path, target: &str) -> Outcome<()> {
     for (licence, of) in texts {
         println!("{}\n{}\n{licence}\n", "-".repeat(80), of.join(", "));
     }
+    // the page of the workbench is a part of the program, and its packages are none of Rust
+    let page = root.join("crates/workbench/assets/licences.txt");
+    println!("{}\n{}", "-".repeat(80), std::fs::read_to_string(page)?);
     Ok(())
 }
 

@@ -12,6 +12,8 @@ mod machine;
 mod motion;
 mod parameters;
 mod record;
+#[cfg(feature = "serve")]
+mod serve;
 mod simulate;
 mod stations;
 
@@ -32,6 +34,8 @@ pub use machine::{Commission, Replace};
 pub use motion::{Ack, Cyclic, Enabling, Home, InMode, Jog, Move, Run, Stop, Task};
 pub use parameters::{Describe, List, Read, Write};
 pub use record::{Every, Record, Step};
+#[cfg(feature = "serve")]
+pub use serve::Serve;
 pub use simulate::{DcpInOperation, Demo, Inject, Protocol, Simulate, simulated};
 pub use stations::{Blink, Ip, Name, Network, Reset, ResetMode, Scan};
 
@@ -364,6 +368,9 @@ pub enum Command {
     Inject(Inject),
     /// Put virtual drives on a network
     Simulate(OnNetwork<Simulate>),
+    /// Show drives in the browser: who they are and why they do not run; changes nothing
+    #[cfg(feature = "serve")]
+    Serve(OnNetwork<Serve>),
     /// Run a virtual drive and a controller on an in-memory network
     Demo(Demo),
     /// Write the completion script of a shell

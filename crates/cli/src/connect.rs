@@ -207,7 +207,7 @@ fn attended(mut session: Live, stop: &Stop, hurried: &'static str, output: &Outp
 }
 
 /// Returns the paths that work without permission for raw sockets.
-fn without_permission(error: OpenError) -> Failure {
+pub fn without_permission(error: OpenError) -> Failure {
     let missing = matches!(error, OpenError::Network(NetworkError::NoPermission { .. }));
     let failure = Failure::from(error);
     if !missing {
@@ -242,7 +242,7 @@ fn failed(error: DriveError, taken_for: &Kind) -> Failure {
 }
 
 /// Returns the interface that was named, as an option, in the environment or in the configuration.
-fn named(option: &Interface) -> Option<String> {
+pub fn named(option: &Interface) -> Option<String> {
     let variable = || std::env::var("PROFIDRIVE_INTERFACE").ok();
     // an empty variable is not a variable
     let named = option.interface.clone().or_else(variable);

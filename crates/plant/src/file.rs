@@ -183,6 +183,8 @@ pub(crate) type RawValues = BTreeMap<Spanned<String>, Spanned<toml::Value>>;
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 struct RawDrive {
     name: Spanned<String>,
+    #[serde(default)]
+    unnamed: bool,
     model: Option<Spanned<String>>,
     mac: Option<Spanned<String>>,
     ip: Option<Spanned<String>>,
@@ -405,6 +407,7 @@ fn read_drive(raw: &RawDrive) -> Result<DrivePlan, Located> {
             .map(|raw| read_cue(raw, model))
             .collect::<Result<_, _>>()?,
         name,
+        unnamed: raw.unnamed,
         model,
         mac,
         ip,

@@ -44,5 +44,5 @@ pub use source::{ChangeError, PlantSource};
 pub use text::derived_mac;
 pub use timeline::{Played, Timeline};
 pub use trace::{DriveMessage, Event, EventKind, Sample};
-pub use world::{NotMet, World};
+pub use world::{NotMet, Shaft, World};
 pub use written::{ParameterReading, ReadingValue, WrittenBy};

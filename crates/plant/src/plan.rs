@@ -53,8 +53,10 @@ pub struct PlantPlan {
 /// One drive of a [`PlantPlan`].
 #[derive(Debug, Clone)]
 pub struct DrivePlan {
-    /// Name of station.
+    /// Name of station, by which the plant and its events mean it.
     pub name: String,
+    /// Whether it has no name of station at the start, as a drive as delivered.
+    pub unnamed: bool,
     /// Its model.
     pub model: &'static Model,
     /// Its Ethernet address.
@@ -113,6 +115,8 @@ pub struct ControllerPlan {
 pub struct Step {
     /// This long after the start.
     pub at: Duration,
+    /// The time after which it is done again, each time; `None` for once.
+    pub every: Option<Duration>,
     /// What to do then.
     pub action: Action,
 }
@@ -180,6 +184,7 @@ impl DrivePlan {
     pub fn new(name: &str, model: &'static Model) -> Self {
         Self {
             name: name.to_owned(),
+            unnamed: false,
             model,
             mac: derived_mac(name),
             ip: IpSuite::NONE,
@@ -198,7 +203,11 @@ impl DrivePlan {
         config.min_device_interval = self.min_device_interval;
         config.plant = Some(self.plant);
         config.network = Stored {
-            name: self.name.clone(),
+            name: if self.unnamed {
+                String::new()
+            } else {
+                self.name.clone()
+            },
             ip: self.ip,
             ..Stored::default()
         };

@@ -16,6 +16,8 @@ use crate::located::{Located, located};
 use crate::plan::{Action, ControllerPlan, DrivePlan, Step};
 use crate::text::time;
 
+/// Shortest time after which a step is done again.
+const SHORTEST_REPEAT: Duration = Duration::from_millis(1);
 /// Most steps of one program.
 const MOST_STEPS: usize = 100_000;
 
@@ -34,6 +36,7 @@ pub(crate) struct RawController {
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 struct RawStep {
     at: Spanned<String>,
+    every: Option<Spanned<String>>,
     send: Option<RawValues>,
     words: Option<Spanned<Vec<u16>>>,
     /// `release`, `connect`, `stop`, `run`
@@ -104,8 +107,10 @@ impl RawController {
         let mut steps = Vec::new();
         for raw in &self.step {
             let at = located(&raw.get_ref().at, |text| time(text))?;
+            let every = raw.get_ref().every.as_ref();
+            let every = every.map(|text| located(text, |text| repeat(text))).transpose()?;
             let action = read_action(raw, plan, made, telegram)?;
-            steps.push(Step { at, action });
+            steps.push(Step { at, every, action });
         }
         steps.sort_by_key(|step| step.at);
         Ok(ControllerPlan {
@@ -116,6 +121,14 @@ impl RawController {
             steps,
         })
     }
+}
+
+fn repeat(text: &str) -> Result<Duration, String> {
+    let every = time(text)?;
+    if every < SHORTEST_REPEAT {
+        return Err(format!("`{text}`: a step is repeated every 1 ms at the fastest"));
+    }
+    Ok(every)
 }
 
 fn read_action(

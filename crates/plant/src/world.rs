@@ -11,7 +11,7 @@ use network::host::Host;
 use network::segment::{Pace, Segment, SegmentMedium, StationId, Tap};
 use profile::state::Zsw1;
 use profinet::controller::{Controller, ControllerConfig};
-use profinet::{Endpoint, Instant, IpSuite, Medium};
+use profinet::{Endpoint, Instant, IpSuite, MacAddress, Medium};
 use virtual_drive::drive::Drive;
 use virtual_drive::model::Model;
 use virtual_drive::station::{Station, StationEvent};
@@ -71,10 +71,24 @@ impl std::fmt::Debug for World {
     }
 }
 
+/// The shaft of a drive of a plant.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Shaft<'w> {
+    /// What the plant calls the drive.
+    pub name: &'w str,
+    /// Its Ethernet address.
+    pub mac: MacAddress,
+    /// Its position in turns.
+    pub position: f64,
+    /// Its speed, rpm.
+    pub speed: f64,
+}
+
 /// A drive in its place.
 struct Seat {
     id: StationId,
     name: String,
+    mac: MacAddress,
     model: &'static Model,
     line: Timeline,
     status: u16,
@@ -99,6 +113,7 @@ impl World {
             drives.push(Seat {
                 id: segment.attach(Box::new(unit)),
                 name: plan.name.clone(),
+                mac: plan.mac,
                 model: plan.model,
                 line: Timeline::new(&plan.cues, Instant::ZERO),
                 status,
@@ -212,6 +227,19 @@ impl World {
         Some(unit.inner().endpoint())
     }
 
+    /// Returns where the shaft of the drive of that number is.
+    #[must_use]
+    pub fn shaft(&self, number: usize) -> Option<Shaft<'_>> {
+        let seat = self.drives.get(number)?;
+        let axis = self.drive(number)?.drive().axis();
+        Some(Shaft {
+            name: &seat.name,
+            mac: seat.mac,
+            position: revolutions(axis.position()),
+            speed: axis.speed(),
+        })
+    }
+
     /// Runs from event to event until `until`; `record` receives the events.
     pub fn run_until(&mut self, until: Instant, record: &mut dyn FnMut(Event)) {
         loop {
@@ -244,10 +272,7 @@ impl World {
     }
 
     fn next_step(&self) -> Option<Instant> {
-        let next = |seat: &ControllerSeat| {
-            let step = seat.next.as_ref().map(|step| Instant::ZERO + step.at);
-            Instant::earliest([step, seat.connect_at])
-        };
+        let next = |seat: &ControllerSeat| Instant::earliest([seat.next_step(), seat.connect_at]);
         self.controllers.iter().filter_map(next).min()
     }
 

@@ -225,6 +225,47 @@ fn a_converter_is_run_at_a_speed() {
     }
 }
 
+#[test]
+fn a_step_is_done_again_and_again() {
+    let text = |every: &str| {
+        format!(
+            r#"
+            [[drive]]
+            name = "press-1"
+            ip = "10.0.0.1/24"
+            [[drive]]
+            name = "new-1"
+            unnamed = true
+            [[controller]]
+            drive = "press-1"
+            telegram = 1
+            step = [
+                {{ at = "0.5s", send = {{ STW1 = "0x047E" }} }},
+                {{ at = "0.6s", send = {{ STW1 = "0x047F" }} }},
+                {{ at = "1s", every = "{every}", send = {{ NSOLL_A = "60rpm" }} }},
+                {{ at = "2s", every = "{every}", send = {{ NSOLL_A = 0 }} }},
+            ]
+            "#
+        )
+    };
+    let plan = text("2s").parse().unwrap();
+    let mut world = World::new(&plan).unwrap();
+    let mut speeds = Vec::new();
+    for half_seconds in [3, 5, 7, 9, 11, 13] {
+        world.run_until(Instant::from_millis(500 * half_seconds), &mut |_| {});
+        speeds.push(world.drive(0).unwrap().drive().axis().speed().round());
+    }
+    assert_eq!(speeds, [60.0, 0.0, 60.0, 0.0, 60.0, 0.0]);
+    assert_eq!(plan.drives[1].config().network.name, "");
+    let error = text("0s").parse::<PlantPlan>().unwrap_err();
+    assert!(
+        error
+            .to_string()
+            .contains("`0s`: a step is repeated every 1 ms at the fastest"),
+        "{error}"
+    );
+}
+
 /// VLT 3-41 by the parameter channel of PPO type 1: one event for a request that stands for many cycles, none for the
 /// first parameters.
 #[test]

@@ -359,6 +359,22 @@ pub const EXAMPLES: &[(&str, &[Example])] = &[
             ("demo --pcap demo.pcapng", "with the traffic for Wireshark"),
         ],
     ),
+    #[cfg(feature = "serve")]
+    (
+        "serve",
+        &[
+            ("serve --demo", "six virtual drives in memory"),
+            (
+                "serve --plant plant.toml --open",
+                "those of a plant file, in the browser at once",
+            ),
+            ("serve -i eth1", "the drives on an interface"),
+            (
+                "serve --ip 192.168.0.11 --read-only",
+                "a drive by its address, to look at only",
+            ),
+        ],
+    ),
     (
         "completions",
         &[(
@@ -389,6 +405,8 @@ pub const GROUPS: &[(&str, &[&str])] = &[
     ),
     ("Explain", &["explain", "decode", "gsdml"]),
     ("Simulate", &["simulate", "inject", "demo"]),
+    #[cfg(feature = "serve")]
+    ("In the browser", &["serve"]),
     ("Others", &["completions", "help"]),
 ];
 

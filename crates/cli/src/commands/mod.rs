@@ -30,6 +30,8 @@ mod restore;
 mod run;
 mod scan;
 mod schema;
+#[cfg(feature = "serve")]
+mod serve;
 mod simulate;
 mod status;
 mod step;
@@ -90,6 +92,8 @@ pub fn run(cli: &Cli, output: &Output) -> Result<(), Failure> {
         }
         Command::Gsdml(args) => gsdml::run(args, output),
         Command::Simulate(on) => simulate::run(&on.args, interface(cli, &on.interface), output),
+        #[cfg(feature = "serve")]
+        Command::Serve(on) => serve::run(&on.args, interface(cli, &on.interface), output),
         Command::Inject(args) => inject::run(args, output),
         Command::Demo(args) => demo::run(args, output),
         Command::Completions(args) => completions::run(args, output),

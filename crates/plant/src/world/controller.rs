@@ -1,5 +1,6 @@
 //! A controller of a plant: connects, sends what its steps say, and connects again.
 
+use std::collections::BTreeMap;
 use std::time::Duration;
 
 use network::segment::StationId;
@@ -27,8 +28,8 @@ pub(super) struct ControllerSeat {
     pub(super) ar: Option<ArId>,
     /// When it connects next; `None` while it has a connection or is not to have one.
     pub(super) connect_at: Option<Instant>,
-    pub(super) steps: std::vec::IntoIter<Step>,
-    pub(super) next: Option<Step>,
+    /// What it does, by the time after the start and the place in the program.
+    pub(super) steps: BTreeMap<(Duration, usize), Step>,
     pub(super) outputs: Vec<u8>,
     /// Subslot of the telegram.
     pub(super) subslot: u16,
@@ -77,7 +78,7 @@ impl ControllerSeat {
         connect.resolve = Resolve::Check;
         connect.watchdog_factor = plan.watchdog;
         connect.data_hold_factor = plan.watchdog;
-        let mut steps = plan.steps.clone().into_iter();
+        let steps = plan.steps.iter().cloned().enumerate();
         Self {
             id,
             drive: plan.drive,
@@ -92,19 +93,19 @@ impl ControllerSeat {
             connect,
             ar: None,
             connect_at: Some(Instant::ZERO),
-            next: steps.next(),
-            steps,
+            steps: steps.map(|(number, step)| ((step.at, number), step)).collect(),
             outputs: vec![0; usize::from(outputs)],
             subslot: device.layout.telegram,
         }
     }
 
+    pub(super) fn next_step(&self) -> Option<Instant> {
+        let (at, _) = self.steps.first_key_value()?.0;
+        Some(Instant::ZERO + *at)
+    }
+
     pub(super) fn is_due(&self, now: Instant) -> bool {
-        self.connect_at.is_some_and(|at| at <= now)
-            || self
-                .next
-                .as_ref()
-                .is_some_and(|step| Instant::ZERO + step.at <= now)
+        Instant::earliest([self.next_step(), self.connect_at]).is_some_and(|at| at <= now)
     }
 
     /// Executes one due action. Returns the resulting message.
@@ -117,7 +118,10 @@ impl ControllerSeat {
             }
             return None;
         }
-        let step = std::mem::replace(&mut self.next, self.steps.next())?;
+        let ((at, number), step) = self.steps.pop_first()?;
+        if let Some(every) = step.every {
+            self.steps.insert((at + every, number), step.clone());
+        }
         match step.action {
             Action::Send(signals) => {
                 for (field, value) in signals {

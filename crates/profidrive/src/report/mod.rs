@@ -25,6 +25,7 @@ mod record;
 mod scan;
 #[cfg(feature = "schema")]
 pub mod schema;
+mod serve;
 mod shapes;
 mod simulation;
 mod station;
@@ -67,6 +68,7 @@ pub use gsdml::{
 pub use profile_identity::{DriveObject, ProfileIdentity, ProfileVersion, Software};
 pub use record::{RecordReport, RecordTrigger, RecordedDrive, RecordedSignal, StepReport};
 pub use scan::{Change, Duplicate, Remark, ScanReport, Scanned, Shared, StationChange};
+pub use serve::ServeReport;
 pub use shapes::{
     Action, Controller, DriveWords, Error, Fault, LossReaction, PlainWording, Quantity, Station, Warning,
     Wording, parameter, parameter_error,

@@ -11,8 +11,8 @@ use super::{
     BackupReport, BlinkReport, BundleReport, CommissionReport, DemoEvent, DescribeReport, DiffReport,
     DoctorReport, Drives, Error, FaultsReport, GsdmlCheckReport, GsdmlExportReport, GsdmlShowReport,
     InfoReport, InjectReport, IpReport, ListReport, MonitorReading, MonitorSilence, NameReport, PageReport,
-    ParametersReport, RecordReport, ResetReport, RestoreReport, ScanReport, SimulationReport, StationChange,
-    StatusReport, StepReport, WriteReport,
+    ParametersReport, RecordReport, ResetReport, RestoreReport, ScanReport, ServeReport, SimulationReport,
+    StationChange, StatusReport, StepReport, WriteReport,
 };
 use crate::motion::{self, JogPlan, Message, MoveReport, RunPlan, StopReport};
 
@@ -46,6 +46,7 @@ const COMMANDS: &[(&str, Describe)] = &[
     ("decode", of::<DecodeReport<'_>>),
     #[cfg(feature = "simulate")]
     ("simulate", of::<SimulationReport>),
+    ("serve", of::<ServeReport>),
     ("demo", of::<DemoEvent>),
     ("inject", of::<InjectReport>),
     ("doctor", of::<DoctorReport>),

@@ -1,0 +1,91 @@
+//! `profidrive serve`
+
+use client::ErrorKind;
+use network::system::{ForcedExit, Stop};
+use plant::PlantPlan;
+use profidrive::report::ServeReport;
+use workbench::{ServeError, Server, Settings, Source};
+
+use crate::args::{Interface, Serve};
+use crate::connect::{named, without_permission};
+use crate::failure::Failure;
+use crate::output::Output;
+
+/// The ways to start it.
+const FORMS: [&str; 4] = [
+    "profidrive serve --demo         six virtual drives in memory: no network, no hardware",
+    "profidrive serve --plant FILE   the virtual drives of a plant file, in memory",
+    "profidrive serve -i eth0        the drives on a network interface",
+    "profidrive serve --ip A.B.C.D   parameters of drives by their addresses, without a permission",
+];
+
+pub fn run(args: &Serve, interface: &Interface, output: &Output) -> Result<(), Failure> {
+    let source = source(args, interface)?;
+    let simulation = source.is_simulation();
+    let settings = Settings {
+        source,
+        listen: args.listen,
+        name: args.name.clone(),
+        read_only: args.read_only,
+    };
+    let stop = Stop::on_signals_with(ForcedExit::Second)
+        .map_err(|error| Failure::new(ErrorKind::Internal, format!("cannot watch for Ctrl-C: {error}")))?;
+    let server = Server::open(settings).map_err(failed)?;
+    if output.json() {
+        output.json_event(&ServeReport {
+            event: "ready",
+            url: server.url(),
+            view_url: server.view_url(),
+            simulation,
+        });
+    } else {
+        output.line(&format!("open {}", server.url()));
+        if !args.read_only {
+            output.say(&format!("to look and stop only: {}", server.view_url()));
+        }
+        output.say("Ctrl-C ends the server");
+    }
+    if args.open {
+        let opened = server.url_once().and_then(open::that_detached);
+        if let Err(error) = opened {
+            output.say(&format!("cannot start a browser: {error}"));
+        }
+    }
+    server.run(&stop).map_err(failed)
+}
+
+/// Returns where the drives are.
+fn source(args: &Serve, interface: &Interface) -> Result<Source, Failure> {
+    let simulation = args.demo || args.plant.is_some();
+    if let Some(name) = &interface.interface
+        && (simulation || !args.ip.is_empty())
+    {
+        return Err(Failure::usage(format!(
+            "-i {name} and another place for the drives: a server has one"
+        )));
+    }
+    if args.demo {
+        return Ok(Source::Demo);
+    }
+    if let Some(path) = &args.plant {
+        let plan = PlantPlan::read(path).map_err(profidrive::OpenError::from)?;
+        return Ok(Source::Plant(Box::new(plan)));
+    }
+    if !args.ip.is_empty() {
+        return Ok(Source::Addresses(args.ip.clone()));
+    }
+    named(interface).map(Source::Interface).ok_or_else(|| Failure {
+        details: FORMS.map(str::to_owned).into(),
+        ..Failure::usage("where are the drives?")
+    })
+}
+
+fn failed(error: ServeError) -> Failure {
+    match error {
+        ServeError::Open(error) => without_permission(error),
+        ServeError::Listen { .. } => {
+            Failure::explained(&error).hint("--listen 127.0.0.1:0 takes a free port")
+        }
+        error => Failure::explained(&error),
+    }
+}

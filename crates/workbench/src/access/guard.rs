@@ -1,0 +1,132 @@
+//! What each request must have before a handler sees it.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use axum::extract::{Request, State};
+use axum::http::header::{AUTHORIZATION, COOKIE, HOST, ORIGIN};
+use axum::http::{HeaderMap, HeaderName, Method, StatusCode};
+use axum::middleware::Next;
+use axum::response::{IntoResponse, Response};
+
+use super::Role;
+use crate::problem::Problem;
+use crate::shared::Shared;
+
+/// Who makes a request that passed.
+#[derive(Debug, Clone)]
+pub(crate) struct Caller {
+    pub role: Role,
+    /// The identity of its session; `None` for a program that gave a token.
+    pub session: Option<String>,
+}
+
+/// Refuses requests for other hosts, from other origins and without a session. What passes carries its [`Caller`].
+pub(crate) async fn guard(State(shared): State<Arc<Shared>>, mut request: Request, next: Next) -> Response {
+    match check(&shared, &request) {
+        Ok(caller) => {
+            if let Some(caller) = caller {
+                request.extensions_mut().insert(caller);
+            }
+            next.run(request).await
+        }
+        Err(problem) => problem.into_response(),
+    }
+}
+
+fn check(shared: &Shared, request: &Request) -> Result<Option<Caller>, Problem> {
+    let headers = request.headers();
+    let (method, path) = (request.method(), request.uri().path());
+    // a proxy would be asked like this, and this server is none
+    let hosts: Vec<_> = headers.get_all(HOST).iter().collect();
+    let is_host = match hosts.as_slice() {
+        [host] => host.to_str().is_ok_and(|host| shared.places.is_host(host)),
+        _ => false,
+    };
+    if request.uri().authority().is_some() || !is_host {
+        return Err(Problem::new(
+            StatusCode::MISDIRECTED_REQUEST,
+            "host",
+            "this server has another name: use the address that it printed at its start",
+        ));
+    }
+    if !path.starts_with("/api/") {
+        return Ok(None);
+    }
+    let bearer = text(headers, &AUTHORIZATION).and_then(|value| value.strip_prefix("Bearer "));
+    if bearer.is_none() {
+        from_here(shared, headers, method)?;
+    }
+    let login = path == "/api/v1/session" && method == Method::POST;
+    if login && bearer.is_none() {
+        return Ok(None);
+    }
+    let caller = match bearer {
+        Some(token) => Caller {
+            role: shared.try_token(token)?,
+            session: None,
+        },
+        None => {
+            let id = session_of(headers, &shared.cookie);
+            let role = id.and_then(|id| shared.sessions().role(id, Instant::now()));
+            Caller {
+                role: role.ok_or_else(Problem::no_session)?,
+                session: id.map(str::to_owned),
+            }
+        }
+    };
+    let always = path == "/api/v1/stop" || path == "/api/v1/session";
+    if caller.role == Role::View && !is_safe(method) && !always {
+        let detail = match shared.read_only {
+            true => "this server was started to look and stop only",
+            false => "this session can look and stop; open the link for control to change something",
+        };
+        return Err(Problem::new(StatusCode::FORBIDDEN, "view", detail));
+    }
+    Ok(Some(caller))
+}
+
+/// Checks that a browser makes the request for a page of this server.
+fn from_here(shared: &Shared, headers: &HeaderMap, method: &Method) -> Result<(), Problem> {
+    let site = headers.get(HeaderName::from_static("sec-fetch-site"));
+    let foreign_site = site.is_some_and(|site| site != "same-origin" && site != "none");
+    let origins: Vec<_> = headers.get_all(ORIGIN).iter().collect();
+    let own = |origin: &axum::http::HeaderValue| {
+        origin
+            .to_str()
+            .is_ok_and(|origin| shared.places.is_origin(origin))
+    };
+    let is_own = match origins.as_slice() {
+        [] => is_safe(method),
+        [origin] => own(origin),
+        _ => false,
+    };
+    if foreign_site || !is_own {
+        return Err(Problem::new(
+            StatusCode::FORBIDDEN,
+            "origin",
+            "only the page of this server may do this; a program gives its token (Authorization: Bearer)",
+        ));
+    }
+    Ok(())
+}
+
+fn is_safe(method: &Method) -> bool {
+    method == Method::GET || method == Method::HEAD
+}
+
+fn text<'h>(headers: &'h HeaderMap, name: &HeaderName) -> Option<&'h str> {
+    headers.get(name)?.to_str().ok()
+}
+
+/// Returns the identity in the cookie of this server.
+pub(crate) fn session_of<'h>(headers: &'h HeaderMap, cookie: &str) -> Option<&'h str> {
+    let all = headers
+        .get_all(COOKIE)
+        .iter()
+        .filter_map(|value| value.to_str().ok());
+    let mut pairs = all
+        .flat_map(|value| value.split(';'))
+        .filter_map(|pair| pair.trim().split_once('='));
+    pairs.find(|(name, _)| *name == cookie).map(|(_, id)| id)
+}

@@ -1,0 +1,26 @@
+//! Who may use a server: tokens, sessions, hosts, origins and the headers of each response.
+
+mod guard;
+mod headers;
+mod origin;
+mod session;
+mod token;
+
+pub(crate) use guard::{Caller, guard, session_of};
+pub(crate) use headers::secure;
+pub(crate) use origin::Places;
+pub(crate) use session::{IDLE, LIFETIME, SESSIONS, Sessions};
+pub(crate) use token::{Attempts, Once, Tokens};
+
+use schemars::JsonSchema;
+use serde::Serialize;
+
+/// What somebody may do.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub(crate) enum Role {
+    /// Look, change and move.
+    Control,
+    /// Look, and stop.
+    View,
+}

@@ -1,0 +1,77 @@
+//! One drive, read when this is called.
+
+use std::sync::Arc;
+
+use axum::Json;
+use axum::extract::{Path, State};
+use axum::http::StatusCode;
+use profidrive::client::Drive;
+use profidrive::inspection;
+use profidrive::report::{FaultsReport, InfoReport, StatusReport};
+
+use crate::problem::Problem;
+use crate::shared::Shared;
+use crate::words::PageWords;
+
+/// Finds a drive for a call of its own.
+async fn find(shared: &Shared, id: &str) -> Result<(profidrive::Caller, Drive), Problem> {
+    let id = id.to_lowercase();
+    if !shared.board.look(|stations| stations.known.contains_key(&id)) {
+        let detail = "no such drive has answered; /api/v1/stations lists those that did";
+        return Err(Problem::new(StatusCode::NOT_FOUND, "drive", detail));
+    }
+    let mut network = shared.network.clone();
+    let drive = shared.board.find(&mut network, &id).await;
+    let drive = drive.map_err(|error| Problem::of(&error))?;
+    Ok((network, drive))
+}
+
+/// Reads how a drive is, and in one sentence why it does not run.
+#[utoipa::path(get, path = "/api/v1/drives/{id}/status", params(("id" = String, Path, description = "MAC address, or `ip-` with the IP address")), responses(
+    (status = 200, description = "The status", body = ref("#/components/schemas/StatusReport")),
+    (status = 401, description = "No session", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
+    (status = 404, description = "No such drive has answered", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
+    (status = 504, description = "The drive does not answer", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
+))]
+pub(super) async fn status(
+    State(shared): State<Arc<Shared>>,
+    Path(id): Path<String>,
+) -> Result<Json<StatusReport>, Problem> {
+    let (mut network, mut drive) = find(&shared, &id).await?;
+    let status = inspection::status(&mut network, &mut drive, &PageWords).await;
+    status
+        .map(|status| Json(status.report))
+        .map_err(|error| Problem::of(&error))
+}
+
+/// Reads who a drive is: identification, modules, neighbours.
+#[utoipa::path(get, path = "/api/v1/drives/{id}/info", params(("id" = String, Path, description = "MAC address, or `ip-` with the IP address")), responses(
+    (status = 200, description = "The identity", body = ref("#/components/schemas/InfoReport")),
+    (status = 401, description = "No session", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
+    (status = 404, description = "No such drive has answered", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
+    (status = 504, description = "The drive does not answer", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
+))]
+pub(super) async fn info(
+    State(shared): State<Arc<Shared>>,
+    Path(id): Path<String>,
+) -> Result<Json<InfoReport>, Problem> {
+    let (mut network, mut drive) = find(&shared, &id).await?;
+    let info = inspection::info(&mut network, &mut drive).await;
+    info.map(Json).map_err(|error| Problem::of(&error))
+}
+
+/// Reads the faults and warnings of a drive, with those that were acknowledged.
+#[utoipa::path(get, path = "/api/v1/drives/{id}/faults", params(("id" = String, Path, description = "MAC address, or `ip-` with the IP address")), responses(
+    (status = 200, description = "The faults", body = ref("#/components/schemas/FaultsReport")),
+    (status = 401, description = "No session", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
+    (status = 404, description = "No such drive has answered", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
+    (status = 504, description = "The drive does not answer", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
+))]
+pub(super) async fn faults(
+    State(shared): State<Arc<Shared>>,
+    Path(id): Path<String>,
+) -> Result<Json<FaultsReport>, Problem> {
+    let (mut network, mut drive) = find(&shared, &id).await?;
+    let faults = inspection::faults(&mut network, &mut drive, true).await;
+    faults.map(Json).map_err(|error| Problem::of(&error))
+}

@@ -1,0 +1,76 @@
+//! The interface for the page and for programs: `/api/v1`, described by `openapi.json`.
+
+mod drives;
+mod server;
+mod session;
+mod stations;
+mod virtual_drives;
+
+use std::sync::Arc;
+
+use axum::Router;
+use axum::http::StatusCode;
+use profidrive::report::{FaultsReport, InfoReport, StatusReport};
+use schemars::generate::SchemaSettings;
+use serde_json::Value;
+use utoipa::OpenApi;
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::routes;
+
+use crate::problem::{self, Problem};
+use crate::shared::Shared;
+
+#[derive(OpenApi)]
+#[openapi(info(
+    title = "profidrive workbench",
+    description = "What the page of the workbench uses, for programs too. A program sends its token in the header `Authorization: \
+                   Bearer TOKEN`; a browser has a session.",
+    license(name = "MIT OR Apache-2.0")
+))]
+struct Description;
+
+fn routes() -> OpenApiRouter<Arc<Shared>> {
+    OpenApiRouter::with_openapi(Description::openapi())
+        .routes(routes!(server::server))
+        .routes(routes!(server::stop))
+        .routes(routes!(session::begin, session::session, session::end))
+        .routes(routes!(stations::stations))
+        .routes(routes!(stations::scan))
+        .routes(routes!(drives::status))
+        .routes(routes!(drives::info))
+        .routes(routes!(drives::faults))
+        .routes(routes!(virtual_drives::drives))
+}
+
+/// Returns the routes of the interface.
+pub(crate) fn router() -> Router<Arc<Shared>> {
+    routes().split_for_parts().0
+}
+
+/// Returns the description of the interface (OpenAPI) as JSON.
+#[must_use]
+pub fn openapi() -> String {
+    let (_, description) = routes().split_for_parts();
+    let mut description = serde_json::to_value(description).unwrap_or_default();
+    let mut settings = SchemaSettings::draft2020_12();
+    settings.definitions_path = "/components/schemas".into();
+    let mut generator = settings.for_serialize().into_generator();
+    generator.subschema_for::<server::ServerReport>();
+    generator.subschema_for::<server::StoppedReport>();
+    generator.subschema_for::<session::Login>();
+    generator.subschema_for::<session::SessionReport>();
+    generator.subschema_for::<stations::StationsReport>();
+    generator.subschema_for::<StatusReport>();
+    generator.subschema_for::<InfoReport>();
+    generator.subschema_for::<FaultsReport>();
+    generator.subschema_for::<virtual_drives::VirtualDrives>();
+    generator.subschema_for::<problem::Body>();
+    description["components"]["schemas"] = Value::Object(generator.take_definitions(true));
+    let text = serde_json::to_string_pretty(&description).unwrap_or_default();
+    text + "\n"
+}
+
+/// Answers a path of the interface that does not exist.
+pub(crate) async fn nothing() -> Problem {
+    Problem::new(StatusCode::NOT_FOUND, "path", "the interface has no such path")
+}

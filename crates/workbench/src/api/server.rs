@@ -1,0 +1,91 @@
+//! What this server is, and STOP.
+
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+
+use axum::extract::State;
+use axum::{Extension, Json};
+use schemars::JsonSchema;
+use serde::Serialize;
+
+use crate::access::{Caller, Role};
+use crate::settings::Source;
+use crate::shared::Shared;
+
+/// What a server is.
+#[derive(Debug, Serialize, JsonSchema)]
+pub(super) struct ServerReport {
+    /// What people call it.
+    name: Option<String>,
+    /// Version of the program.
+    version: &'static str,
+    /// Distinguishes this start from others.
+    boot: String,
+    /// Whether its drives are virtual.
+    simulation: bool,
+    /// Where they are: `demo`, `plant`, `interface` or `addresses`.
+    source: &'static str,
+    /// The network interface.
+    interface: Option<String>,
+    /// Whether stations are searched for.
+    searches: bool,
+    /// What the caller may do.
+    role: Role,
+    /// Whether nobody may do more than look and stop.
+    read_only: bool,
+    /// The axes that this server controls.
+    controlled: Vec<String>,
+    /// How often a stop was requested.
+    stops: u64,
+}
+
+/// Returns what this server is, and what the caller may do.
+#[utoipa::path(get, path = "/api/v1/server", responses(
+    (status = 200, description = "The server", body = ref("#/components/schemas/ServerReport")),
+    (status = 401, description = "No session", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
+))]
+pub(super) async fn server(
+    State(shared): State<Arc<Shared>>,
+    Extension(caller): Extension<Caller>,
+) -> Json<ServerReport> {
+    let interface = match &shared.source {
+        Source::Interface(name) => Some(name.clone()),
+        _ => None,
+    };
+    Json(ServerReport {
+        name: shared.name.clone(),
+        version: env!("CARGO_PKG_VERSION"),
+        boot: shared.boot.clone(),
+        simulation: shared.source.is_simulation(),
+        source: shared.source.id(),
+        interface,
+        searches: shared.board.searches(),
+        role: caller.role,
+        read_only: shared.read_only,
+        controlled: Vec::new(),
+        stops: shared.stops.load(Ordering::SeqCst),
+    })
+}
+
+/// What a stop did.
+#[derive(Debug, Serialize, JsonSchema)]
+pub(super) struct StoppedReport {
+    /// How often a stop was requested.
+    stops: u64,
+    /// The axes that are stopped: all that this server controls.
+    axes: Vec<String>,
+}
+
+/// Stops every axis that this server controls. This version controls none, so none is stopped: drives under a controller or
+/// without one are not touched.
+#[utoipa::path(post, path = "/api/v1/stop", responses(
+    (status = 200, description = "The axes that are stopped", body = ref("#/components/schemas/StoppedReport")),
+    (status = 401, description = "No session", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
+    (status = 403, description = "Another origin", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
+))]
+pub(super) async fn stop(State(shared): State<Arc<Shared>>) -> Json<StoppedReport> {
+    Json(StoppedReport {
+        stops: shared.stops.fetch_add(1, Ordering::SeqCst) + 1,
+        axes: Vec::new(),
+    })
+}

@@ -1,0 +1,102 @@
+//! The session of a browser.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use axum::extract::rejection::JsonRejection;
+use axum::extract::{Request, State};
+use axum::http::header::SET_COOKIE;
+use axum::http::{HeaderMap, StatusCode};
+use axum::response::{IntoResponse, Response};
+use axum::{Extension, Json};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::access::{Caller, IDLE, LIFETIME, Role, SESSIONS, session_of};
+use crate::problem::Problem;
+use crate::shared::Shared;
+
+/// What begins a session.
+#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Login {
+    /// The token of the address that the server printed.
+    token: String,
+}
+
+/// A session.
+#[derive(Debug, Serialize, JsonSchema)]
+pub(super) struct SessionReport {
+    /// What it may do.
+    role: Role,
+    /// Seconds without a request after which it ends.
+    idle: u64,
+    /// Seconds after which it ends.
+    lifetime: u64,
+}
+
+impl SessionReport {
+    const fn new(role: Role) -> Json<Self> {
+        Json(Self {
+            role,
+            idle: IDLE.as_secs(),
+            lifetime: LIFETIME.as_secs(),
+        })
+    }
+}
+
+/// Begins a session; its identity is in a cookie that no script can read.
+#[utoipa::path(post, path = "/api/v1/session", request_body(content = ref("#/components/schemas/Login"), content_type = "application/json"), responses(
+    (status = 200, description = "The session", body = ref("#/components/schemas/SessionReport")),
+    (status = 401, description = "No token of this start", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
+    (status = 403, description = "Another origin", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
+    (status = 429, description = "Too many tries or sessions", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
+))]
+pub(super) async fn begin(
+    State(shared): State<Arc<Shared>>,
+    headers: HeaderMap,
+    login: Result<Json<Login>, JsonRejection>,
+) -> Result<Response, Problem> {
+    let Json(login) = login.map_err(|error| Problem::new(error.status(), "body", &error.body_text()))?;
+    let role = shared.try_login(&login.token)?;
+    let before = session_of(&headers, &shared.cookie);
+    let begun = shared.sessions().begin(role, before, Instant::now());
+    let begun = begun
+        .map_err(|error| Problem::new(StatusCode::INTERNAL_SERVER_ERROR, "local", &error.to_string()))?;
+    let id = begun.ok_or_else(|| {
+        let detail = format!("{SESSIONS} sessions are open, which is the most: end one of them");
+        Problem::new(StatusCode::TOO_MANY_REQUESTS, "sessions", &detail)
+    })?;
+    let cookie = cookie(&shared, &id, LIFETIME.as_secs());
+    Ok(([(SET_COOKIE, cookie)], SessionReport::new(role)).into_response())
+}
+
+fn cookie(shared: &Shared, id: &str, seconds: u64) -> String {
+    let name = &shared.cookie;
+    format!("{name}={id}; Path=/; Max-Age={seconds}; HttpOnly; SameSite=Strict")
+}
+
+/// Returns the session of the caller.
+#[utoipa::path(get, path = "/api/v1/session", responses(
+    (status = 200, description = "The session", body = ref("#/components/schemas/SessionReport")),
+    (status = 401, description = "No session", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
+))]
+pub(super) async fn session(Extension(caller): Extension<Caller>) -> Json<SessionReport> {
+    SessionReport::new(caller.role)
+}
+
+/// Ends the session of the caller.
+#[utoipa::path(delete, path = "/api/v1/session", responses(
+    (status = 204, description = "Ended"),
+    (status = 401, description = "No session", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
+))]
+pub(super) async fn end(
+    State(shared): State<Arc<Shared>>,
+    Extension(caller): Extension<Caller>,
+    _: Request,
+) -> Response {
+    if let Some(id) = caller.session {
+        shared.sessions().end(&id);
+    }
+    (StatusCode::NO_CONTENT, [(SET_COOKIE, cookie(&shared, "", 0))]).into_response()
+}

@@ -1,0 +1,61 @@
+//! The shafts of virtual drives.
+
+use std::sync::Arc;
+
+use crate::problem::Problem;
+use crate::shared::Shared;
+use axum::Json;
+use axum::extract::State;
+use axum::http::StatusCode;
+use profidrive::Transport;
+use schemars::JsonSchema;
+use serde::Serialize;
+
+/// The drives of a plant in memory.
+#[derive(Debug, Serialize, JsonSchema)]
+pub(super) struct VirtualDrives {
+    /// Time of the plant in seconds.
+    time: f64,
+    /// Its drives, in the order of the plant file.
+    drives: Vec<VirtualDrive>,
+}
+
+/// A virtual drive: where its shaft really is, whatever the drive reports.
+#[derive(Debug, Serialize, JsonSchema)]
+pub(super) struct VirtualDrive {
+    /// What it is called in paths: its MAC address.
+    id: String,
+    /// What the plant calls it.
+    name: String,
+    /// Position of the shaft in turns.
+    position: f64,
+    /// Its speed in rpm.
+    speed: f64,
+}
+
+/// Returns position and speed of the shafts of all virtual drives.
+#[utoipa::path(get, path = "/api/v1/plant/drives", responses(
+    (status = 200, description = "The shafts", body = ref("#/components/schemas/VirtualDrives")),
+    (status = 401, description = "No session", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
+    (status = 404, description = "The drives are no simulation", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
+))]
+pub(super) async fn drives(State(shared): State<Arc<Shared>>) -> Result<Json<VirtualDrives>, Problem> {
+    let Transport::Plant(plant) = shared.network.transport() else {
+        let detail = "the drives of this server are no simulation";
+        return Err(Problem::new(StatusCode::NOT_FOUND, "simulation", detail));
+    };
+    Ok(Json(plant.with_world(|world| {
+        VirtualDrives {
+            time: world.now().as_nanos() as f64 / 1e9,
+            drives: (0..)
+                .map_while(|number| world.shaft(number))
+                .map(|shaft| VirtualDrive {
+                    id: shaft.mac.to_string(),
+                    name: shaft.name.to_owned(),
+                    position: shaft.position,
+                    speed: shaft.speed,
+                })
+                .collect(),
+        }
+    })))
+}

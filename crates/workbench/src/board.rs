@@ -1,0 +1,454 @@
+//! What is known of the stations: found and read in the background while somebody looks, for all pages together.
+
+use std::collections::{BTreeMap, HashSet};
+use std::net::Ipv4Addr;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+use futures::{StreamExt, stream};
+use profidrive::client::{Drive, DriveAddress};
+use profidrive::fleet::AT_ONCE;
+use profidrive::report::{Error, Remark, Scanned, Station, StatusReport};
+use profidrive::{Caller, DriveError, Explained, Opening, inspection, scan};
+use tokio::sync::{Notify, watch};
+use tokio::task::JoinSet;
+use tokio::time::{MissedTickBehavior, interval};
+
+use crate::words::PageWords;
+
+/// Time for all stations to answer a search.
+const SEARCH: Duration = Duration::from_secs(1);
+/// Time between two searches, and between two readings of identities.
+const SURVEY: Duration = Duration::from_secs(5);
+/// Time between two readings of a status.
+const STATUS: Duration = Duration::from_secs(1);
+/// The network is left alone when nobody has looked for this time.
+const LOOK: Duration = Duration::from_secs(10);
+/// A station that no longer answers is shown for this time.
+const REMEMBER: Duration = Duration::from_secs(600);
+/// Stations that are shown.
+pub(crate) const STATIONS: usize = 1024;
+
+/// What is known of a station.
+#[derive(Debug, Clone)]
+pub(crate) struct Known {
+    pub scanned: Scanned,
+    /// When it was first missed; `None` while it answers.
+    pub lost: Option<Instant>,
+    /// The drive that is read; `None` before it was found.
+    drive: Option<Drive>,
+    pub status: Option<Result<StatusReport, Error>>,
+    /// When the status was read.
+    pub read: Option<Instant>,
+}
+
+/// All stations.
+#[derive(Debug, Default)]
+pub(crate) struct Stations {
+    /// By MAC address, or `ip-A.B.C.D` where drives are given by their addresses.
+    pub known: BTreeMap<String, Known>,
+    /// When the last search ended.
+    pub searched: Option<Instant>,
+    /// Why the last search failed.
+    pub failure: Option<Error>,
+    /// When somebody looked last.
+    looked: Option<Instant>,
+}
+
+impl Stations {
+    /// Takes the result of a search. Returns how many stations had no place.
+    fn survey(&mut self, found: Vec<(String, Scanned)>, now: Instant) -> usize {
+        let mut left_out = 0;
+        let mut answered = HashSet::new();
+        for (id, scanned) in found {
+            answered.insert(id.clone());
+            if let Some(known) = self.known.get_mut(&id) {
+                if known.scanned.station != scanned.station {
+                    known.drive = None;
+                }
+                known.scanned = scanned;
+                known.lost = None;
+            } else if self.known.len() < STATIONS {
+                let known = Known {
+                    scanned,
+                    lost: None,
+                    drive: None,
+                    status: None,
+                    read: None,
+                };
+                self.known.insert(id, known);
+            } else {
+                left_out += 1;
+            }
+        }
+        self.known.retain(|id, known| {
+            if !answered.contains(id) {
+                known.lost.get_or_insert(now);
+            }
+            known
+                .lost
+                .is_none_or(|lost| now.saturating_duration_since(lost) < REMEMBER)
+        });
+        self.searched = Some(now);
+        self.failure = None;
+        left_out
+    }
+
+    fn is_watched(&self, now: Instant) -> bool {
+        self.looked
+            .is_some_and(|looked| now.saturating_duration_since(looked) < LOOK)
+    }
+}
+
+impl Known {
+    /// Returns whether parameters can be read.
+    pub fn is_readable(&self) -> bool {
+        let unreadable = [Remark::NoAddress, Remark::OtherSubnet, Remark::AddressTwice];
+        let is_drive = self.scanned.info.as_ref().is_none_or(|info| info.is_drive);
+        let role = self.scanned.station.role;
+        self.lost.is_none()
+            && is_drive
+            && role.is_none_or(|role| role == "device")
+            && !self
+                .scanned
+                .remarks
+                .iter()
+                .any(|remark| unreadable.contains(remark))
+    }
+}
+
+/// The stations, and those who read them.
+#[derive(Debug)]
+pub(crate) struct Board {
+    stations: Mutex<Stations>,
+    /// Somebody looks again.
+    wake: Notify,
+    /// A search has ended: what it found is read at once.
+    found: Notify,
+    /// Somebody wants a search now.
+    wanted: Notify,
+    /// How many searches have begun, and ended.
+    searches: watch::Sender<(u64, u64)>,
+    opening: Opening,
+    /// Drives given by their addresses; empty where stations are searched for.
+    addresses: Vec<Ipv4Addr>,
+}
+
+impl Board {
+    /// Returns a board without stations. It is read for a while, whether anybody looks or not: a first page has something to show.
+    pub fn new(opening: Opening, addresses: Vec<Ipv4Addr>, now: Instant) -> Self {
+        let stations = Stations {
+            looked: Some(now),
+            ..Stations::default()
+        };
+        Self {
+            stations: Mutex::new(stations),
+            wake: Notify::new(),
+            found: Notify::new(),
+            wanted: Notify::new(),
+            searches: watch::Sender::new((0, 0)),
+            opening,
+            addresses,
+        }
+    }
+
+    fn stations(&self) -> MutexGuard<'_, Stations> {
+        self.stations.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Calls `see` with the stations, and lets them be read for some time.
+    pub fn look<T>(&self, see: impl FnOnce(&Stations) -> T) -> T {
+        let mut stations = self.stations();
+        let now = Instant::now();
+        let rested = !stations.is_watched(now);
+        stations.looked = Some(now);
+        if rested {
+            self.wake.notify_waiters();
+        }
+        see(&stations)
+    }
+
+    /// Returns whether stations are searched for.
+    pub const fn searches(&self) -> bool {
+        self.addresses.is_empty()
+    }
+
+    /// Waits until somebody looks.
+    async fn watched(&self) {
+        loop {
+            let woken = self.wake.notified();
+            if self.stations().is_watched(Instant::now()) {
+                return;
+            }
+            woken.await;
+        }
+    }
+
+    /// Searches, and reads identities, for ever.
+    pub async fn survey(self: Arc<Self>, mut network: Caller) {
+        let mut turn = interval(SURVEY);
+        turn.set_missed_tick_behavior(MissedTickBehavior::Delay);
+        loop {
+            tokio::select! {
+                _ = turn.tick() => self.watched().await,
+                () = self.wanted.notified() => turn.reset(),
+            }
+            self.searches.send_modify(|(begun, _)| *begun += 1);
+            let found = match self.searches() {
+                true => self.search(&mut network).await,
+                false => Ok(self.visit(&network).await),
+            };
+            match found {
+                Ok(found) => {
+                    self.stations().survey(found, Instant::now());
+                    self.found.notify_one();
+                }
+                Err(error) => self.stations().failure = Some(error),
+            }
+            self.searches.send_modify(|(begun, ended)| *ended = *begun);
+        }
+    }
+
+    /// Searches now, and waits for the end of it. Searches are never side by side: callers at the same time wait for one.
+    pub async fn search_now(&self) {
+        self.look(|_| ());
+        let mut searches = self.searches.subscribe();
+        // one that is under way may have missed what has come since it began
+        let (before, _) = *searches.borrow();
+        self.wanted.notify_one();
+        // fails only when this board is gone
+        let _ = searches.wait_for(|(_, ended)| *ended > before).await;
+    }
+
+    async fn search(&self, network: &mut Caller) -> Result<Vec<(String, Scanned)>, Error> {
+        let found = scan::survey(network, SEARCH, &mut |_, _| {}).await;
+        let report = found.map_err(|error| explained(&error))?.report;
+        let of_mac = |scanned: Scanned| (scanned.station.mac.to_lowercase(), scanned);
+        Ok(report.stations.into_iter().map(of_mac).collect())
+    }
+
+    /// Reads the drives that are given by their addresses.
+    async fn visit(&self, network: &Caller) -> Vec<(String, Scanned)> {
+        let all = self
+            .addresses
+            .iter()
+            .map(|address| visit(self.opening.clone(), network.clone(), *address));
+        let visits: Vec<_> = all.collect();
+        stream::iter(visits).buffer_unordered(AT_ONCE).collect().await
+    }
+
+    /// Reads the status of each drive once a second, for ever. A drive that answers late holds up no other one.
+    pub async fn read(self: Arc<Self>, network: Caller) {
+        let mut turn = interval(STATUS);
+        turn.set_missed_tick_behavior(MissedTickBehavior::Delay);
+        let mut busy: HashSet<String> = HashSet::new();
+        let mut reading: JoinSet<Reading> = JoinSet::new();
+        loop {
+            let is_turn = tokio::select! {
+                _ = turn.tick() => {
+                    self.watched().await;
+                    true
+                }
+                () = self.found.notified() => {
+                    turn.reset();
+                    true
+                }
+                Some(done) = reading.join_next() => {
+                    match done {
+                        Ok((id, drive, status)) => {
+                            busy.remove(&id);
+                            self.note(&id, drive, status);
+                        }
+                        // a panic in a reading was printed; its drive is read again
+                        Err(_) => busy.clear(),
+                    }
+                    false
+                }
+            };
+            if !is_turn {
+                continue;
+            }
+            for (id, drive) in self.due(&busy) {
+                busy.insert(id.clone());
+                reading.spawn(status(Arc::clone(&self), network.clone(), id, drive));
+            }
+        }
+    }
+
+    /// Returns the drives to read now, those that wait longest first.
+    fn due(&self, busy: &HashSet<String>) -> Vec<(String, Option<Drive>)> {
+        let stations = self.stations();
+        let free = |(id, known): &(&String, &Known)| known.is_readable() && !busy.contains(*id);
+        let mut due: Vec<_> = stations.known.iter().filter(free).collect();
+        due.sort_by_key(|(_, known)| known.read);
+        due.truncate(AT_ONCE.saturating_sub(busy.len()));
+        due.into_iter()
+            .map(|(id, known)| (id.clone(), known.drive.clone()))
+            .collect()
+    }
+
+    fn note(&self, id: &str, drive: Option<Drive>, status: Result<StatusReport, Error>) {
+        if let Some(known) = self.stations().known.get_mut(id) {
+            known.drive = drive;
+            known.status = Some(status);
+            known.read = Some(Instant::now());
+        }
+    }
+
+    /// Finds the drive of a station.
+    pub async fn find(&self, network: &mut Caller, id: &str) -> Result<Drive, DriveError> {
+        let known = self
+            .stations()
+            .known
+            .get(id)
+            .and_then(|known| known.drive.clone());
+        if let Some(drive) = known {
+            return Ok(drive);
+        }
+        let address = id.strip_prefix("ip-").unwrap_or(id).parse()?;
+        self.opening.find(network, &address, &mut |_| {}).await
+    }
+}
+
+/// Reads who the drive at an address is.
+async fn visit(opening: Opening, mut network: Caller, address: Ipv4Addr) -> (String, Scanned) {
+    let found = opening
+        .find(&mut network, &DriveAddress::Ip(address), &mut |_| {})
+        .await;
+    let (station, info) = match found {
+        Ok(mut drive) => {
+            let info = inspection::info(&mut network, &mut drive).await;
+            (
+                Station::from(&drive.station),
+                info.map_err(|error| error.to_string()),
+            )
+        }
+        Err(error) => {
+            let mut station = Station::from(&Default::default());
+            station.ip = Some(address.to_string());
+            (station, Err(error.to_string()))
+        }
+    };
+    let (info, unread) = match info {
+        Ok(info) => (Some(info), None),
+        Err(unread) => (None, Some(unread)),
+    };
+    let scanned = Scanned {
+        station,
+        remarks: Vec::new(),
+        info,
+        unread,
+    };
+    (format!("ip-{address}"), scanned)
+}
+
+/// A drive that was read: what it is called, the drive where it is to be read again, and its status.
+type Reading = (String, Option<Drive>, Result<StatusReport, Error>);
+
+/// Reads the status of one drive.
+async fn status(board: Arc<Board>, mut network: Caller, id: String, drive: Option<Drive>) -> Reading {
+    let found = match drive {
+        Some(drive) => Ok(drive),
+        None => board.find(&mut network, &id).await,
+    };
+    let mut drive = match found {
+        Ok(drive) => drive,
+        Err(error) => return (id, None, Err(explained(&error))),
+    };
+    match inspection::status(&mut network, &mut drive, &PageWords).await {
+        Ok(status) => (id, Some(drive), Ok(status.report)),
+        // it may be another one next time
+        Err(error) => (id, None, Err(explained(&error))),
+    }
+}
+
+/// Returns an error in the words of the page.
+pub(crate) fn explained(error: &impl Explained) -> Error {
+    Error::new(
+        error.kind(),
+        &error.message(),
+        &error.details(),
+        &error.advice(),
+        &PageWords,
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use profidrive::report::ScanReport;
+
+    use super::*;
+
+    fn answers(names: &[&str]) -> Vec<(String, Scanned)> {
+        let stations = names.iter().map(|name| {
+            let mut station = Station::from(&Default::default());
+            station.name = Some((*name).to_owned());
+            (station, Vec::new())
+        });
+        let report = ScanReport::new(stations.collect::<Vec<_>>());
+        names
+            .iter()
+            .map(|name| (*name).to_owned())
+            .zip(report.stations)
+            .collect()
+    }
+
+    #[test]
+    fn a_station_that_no_longer_answers_is_shown_for_a_while() {
+        let start = Instant::now();
+        let mut stations = Stations::default();
+        stations.survey(answers(&["a", "b"]), start);
+        stations.survey(answers(&["a"]), start + SURVEY);
+        assert_eq!(stations.known["b"].lost, Some(start + SURVEY));
+        assert!(!stations.known["b"].is_readable());
+        stations.survey(
+            answers(&["a"]),
+            start + SURVEY + REMEMBER - Duration::from_secs(1),
+        );
+        assert_eq!(
+            stations.known["b"].lost,
+            Some(start + SURVEY),
+            "since the first miss"
+        );
+        stations.survey(answers(&["a", "b"]), start + SURVEY + REMEMBER);
+        assert_eq!(stations.known["b"].lost, None);
+        stations.survey(answers(&["a"]), start + 2 * REMEMBER);
+        stations.survey(answers(&["a"]), start + 3 * REMEMBER);
+        assert_eq!(stations.known.len(), 1);
+    }
+
+    #[test]
+    fn each_of_many_drives_has_its_turn() {
+        let names: Vec<String> = (0..AT_ONCE + 7).map(|number| number.to_string()).collect();
+        let names: Vec<&str> = names.iter().map(String::as_str).collect();
+        let board = Board::new(
+            Opening::new(profidrive::Access::Records),
+            Vec::new(),
+            Instant::now(),
+        );
+        board.stations().survey(answers(&names), Instant::now());
+        let mut busy = HashSet::new();
+        let first: Vec<String> = board.due(&busy).into_iter().map(|(id, _)| id).collect();
+        assert_eq!(first.len(), AT_ONCE);
+        busy.extend(first.iter().cloned());
+        assert!(board.due(&busy).is_empty(), "no more at once");
+        for id in first {
+            busy.remove(&id);
+            board.stations().known.get_mut(&id).unwrap().read = Some(Instant::now());
+        }
+        let second = board.due(&busy);
+        let fresh = second
+            .iter()
+            .filter(|(id, _)| board.stations().known[id].read.is_none());
+        assert_eq!(fresh.count(), 7);
+    }
+
+    #[test]
+    fn stations_are_bounded() {
+        let names: Vec<String> = (0..STATIONS + 7).map(|number| number.to_string()).collect();
+        let names: Vec<&str> = names.iter().map(String::as_str).collect();
+        let mut stations = Stations::default();
+        assert_eq!(stations.survey(answers(&names), Instant::now()), 7);
+        assert_eq!(stations.known.len(), STATIONS);
+    }
+}

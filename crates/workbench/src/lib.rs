@@ -1,0 +1,31 @@
+//! The workbench: PROFIdrive drives in the browser. A local HTTP server with its page.
+//!
+//! It composes `profidrive` and owns no protocol, no rule of the drive profile and no safety rule. Nothing of this version writes
+//! to a drive or takes control of an axis.
+//!
+//! ```
+//! use profidrive_workbench::{Server, Settings, Source};
+//!
+//! let demo = Settings {
+//!     listen: "127.0.0.1:0".parse()?,
+//!     ..Settings::new(Source::Demo)
+//! };
+//! let server = Server::open(demo)?;
+//! println!("open {}", server.url());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+#![forbid(unsafe_code)]
+
+mod access;
+mod api;
+mod assets;
+mod board;
+mod problem;
+mod serve;
+mod settings;
+mod shared;
+mod words;
+
+pub use api::openapi;
+pub use serve::{ServeError, Server};
+pub use settings::{Settings, Source};

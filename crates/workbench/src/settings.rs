@@ -1,0 +1,92 @@
+//! What a server serves, and where.
+
+use std::net::{IpAddr, Ipv4Addr, SocketAddr};
+
+use profidrive::plant::{PlantError, PlantPlan};
+use profidrive::{Access, Opening};
+
+/// The plant of [`Source::Demo`].
+const DEMO: &str = include_str!("../assets/demo.toml");
+
+/// The port where none is given.
+const PORT: u16 = 8934;
+
+/// Where the drives of a server are. A server has one source, so that no screen mixes a simulation with a machine.
+#[derive(Debug, Clone)]
+pub enum Source {
+    /// The virtual drives of the built-in plant, in memory.
+    Demo,
+    /// The virtual drives of a plant, in memory.
+    Plant(Box<PlantPlan>),
+    /// The drives on a network interface.
+    Interface(String),
+    /// Drives by their addresses, for their parameters only.
+    Addresses(Vec<Ipv4Addr>),
+}
+
+impl Source {
+    /// Returns whether the drives are virtual.
+    #[must_use]
+    pub const fn is_simulation(&self) -> bool {
+        matches!(self, Self::Demo | Self::Plant(_))
+    }
+
+    /// Returns its stable name: `demo`, `plant`, `interface` or `addresses`.
+    #[must_use]
+    pub const fn id(&self) -> &'static str {
+        match self {
+            Self::Demo => "demo",
+            Self::Plant(_) => "plant",
+            Self::Interface(_) => "interface",
+            Self::Addresses(_) => "addresses",
+        }
+    }
+
+    /// Returns how the network of these drives is opened.
+    pub(crate) fn opening(&self) -> Result<Opening, PlantError> {
+        let opening = Opening::new(Access::Records);
+        Ok(match self {
+            Self::Demo => opening.in_plant(DEMO.parse()?).in_real_time(),
+            Self::Plant(plan) => opening.in_plant((**plan).clone()).in_real_time(),
+            Self::Interface(name) => opening.on(name),
+            Self::Addresses(_) => opening.by_ip(true),
+        })
+    }
+}
+
+/// How a server is started.
+#[derive(Debug, Clone)]
+pub struct Settings {
+    /// Where its drives are.
+    pub source: Source,
+    /// The address and port to listen on; port 0 takes a free one.
+    pub listen: SocketAddr,
+    /// What people call this server: `line 3`.
+    pub name: Option<String>,
+    /// Whether no address of this server allows more than to look and to stop.
+    pub read_only: bool,
+}
+
+impl Settings {
+    /// Returns the settings of a server on its usual port of this computer.
+    #[must_use]
+    pub const fn new(source: Source) -> Self {
+        Self {
+            source,
+            listen: SocketAddr::new(IpAddr::V4(Ipv4Addr::LOCALHOST), PORT),
+            name: None,
+            read_only: false,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_plant_of_the_demo_is_valid() {
+        let plan: PlantPlan = DEMO.parse().unwrap();
+        assert_eq!((plan.seed, plan.drives.len(), plan.controllers.len()), (7, 6, 1));
+    }
+}

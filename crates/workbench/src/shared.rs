@@ -1,0 +1,75 @@
+//! What the requests of a server share.
+
+use std::sync::atomic::AtomicU64;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Instant;
+
+use axum::http::StatusCode;
+use profidrive::Caller as Network;
+
+use crate::access::{Attempts, Once, Places, Role, Sessions, Tokens};
+use crate::board::Board;
+use crate::problem::Problem;
+use crate::settings::Source;
+
+/// What all requests share.
+#[derive(Debug)]
+pub(crate) struct Shared {
+    pub tokens: Tokens,
+    pub once: Mutex<Once>,
+    /// Whether nobody may do more than look and stop.
+    pub read_only: bool,
+    pub places: Places,
+    /// Name of the cookie. Browsers send the cookies of a host to each of its ports, so each server has its own name.
+    pub cookie: String,
+    pub source: Source,
+    /// What people call this server.
+    pub name: Option<String>,
+    /// Distinguishes this start from others.
+    pub boot: String,
+    /// Counts the stops that were requested.
+    pub stops: AtomicU64,
+    pub network: Network,
+    pub board: Arc<Board>,
+    pub sessions: Mutex<Sessions>,
+    pub attempts: Mutex<Attempts>,
+}
+
+impl Shared {
+    pub fn sessions(&self) -> MutexGuard<'_, Sessions> {
+        self.sessions.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    pub fn once(&self) -> MutexGuard<'_, Once> {
+        self.once.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Returns what the holder of a token may do who begins a session: also that of the browser that this program started.
+    pub fn try_login(&self, token: &str) -> Result<Role, Problem> {
+        match self.once().take(token, Instant::now()) {
+            true if self.read_only => Ok(Role::View),
+            true => Ok(Role::Control),
+            false => self.try_token(token),
+        }
+    }
+
+    /// Returns what the holder of a token may do.
+    pub fn try_token(&self, token: &str) -> Result<Role, Problem> {
+        let mut attempts = self.attempts.lock().unwrap_or_else(PoisonError::into_inner);
+        if !attempts.is_open(Instant::now()) {
+            return Err(Problem::new(
+                StatusCode::TOO_MANY_REQUESTS,
+                "rate",
+                "too many wrong tokens were tried: wait a second",
+            ));
+        }
+        self.tokens.role(token).ok_or_else(|| {
+            attempts.fail();
+            Problem::new(
+                StatusCode::UNAUTHORIZED,
+                "token",
+                "this is no token of this start: open the address that the server printed last",
+            )
+        })
+    }
+}

@@ -1,0 +1,62 @@
+//! Actions of the library in the words of this page.
+
+use profidrive::client::{Action, Advice};
+use profidrive::report::Wording;
+
+/// The words of the page. It carries out none of the actions yet, so none has a call.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct PageWords;
+
+impl Wording for PageWords {
+    fn command(&self, _: &Action) -> Option<String> {
+        None
+    }
+
+    fn advice(&self, advice: &Advice) -> String {
+        advice.worded(words)
+    }
+}
+
+/// Returns what a person does for an action, so that it stands in a sentence of advice.
+fn words(action: &Action) -> String {
+    match action {
+        Action::Write { parameter, value } => format!("set {parameter} to {value}"),
+        Action::Read { parameters } if !parameters.is_empty() => parameters.join(", "),
+        Action::Describe { parameter } => format!("the description of {parameter}"),
+        Action::Find { part, .. } if !part.is_empty() => format!("a search for {part}"),
+        Action::Scan => "a scan".to_owned(),
+        Action::Info => "its identity".to_owned(),
+        Action::Status => "its status".to_owned(),
+        Action::Faults => "its list of faults".to_owned(),
+        Action::Acknowledge => "acknowledge it".to_owned(),
+        Action::Monitor => "its values".to_owned(),
+        Action::Stop => "a stop".to_owned(),
+        Action::Disable => "a stop that switches it off".to_owned(),
+        Action::Home => "home it".to_owned(),
+        Action::SetName { .. } => "a name".to_owned(),
+        Action::SetAddress { .. } => "an IP address".to_owned(),
+        other => other.to_string(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn advice_is_a_sentence_without_names_of_programs() {
+        for (advice, sentence) in [
+            (
+                "remove the cause, then {acknowledge}, or acknowledge from its controller (STW1 bit 7)",
+                "remove the cause, then acknowledge it, or acknowledge from its controller (STW1 bit 7)",
+            ),
+            (
+                "switch the mains on; {read VBUS.VALUE VBUS.UVFTHRESH} shows the voltage",
+                "switch the mains on; VBUS.VALUE, VBUS.UVFTHRESH shows the voltage",
+            ),
+            ("{write 930=1} (speed)", "set 930 to 1 (speed)"),
+        ] {
+            assert_eq!(PageWords.advice(&Advice::from(advice)), sentence);
+        }
+    }
+}

@@ -1,0 +1,618 @@
+//! Who is let in: hosts, origins, sessions, tokens and limits, by requests as an attacker would make them.
+#![allow(clippy::unwrap_used, clippy::panic)] // a test reports by panicking
+
+use std::io::{Read, Write};
+use std::net::{SocketAddr, TcpStream};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+use profidrive::Stop;
+use profidrive_workbench::{ServeError, Server, Settings, Source, openapi};
+use serde_json::Value;
+
+/// A server that runs until it is dropped.
+struct Running {
+    address: SocketAddr,
+    control: String,
+    view: String,
+    once: String,
+    stop: Stop,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl Running {
+    fn start(settings: Settings) -> Self {
+        let listen = "127.0.0.1:0".parse().unwrap();
+        let server = Server::open(Settings { listen, ..settings }).unwrap();
+        let token = |url: String| url.split_once("#token=").unwrap().1.to_owned();
+        let (address, control, view) = (server.address(), token(server.url()), token(server.view_url()));
+        let once = token(server.url_once().unwrap());
+        let stop = Stop::new().unwrap();
+        let flag = stop.clone();
+        let thread = std::thread::spawn(move || server.run(&flag).unwrap());
+        Self {
+            address,
+            control,
+            view,
+            once,
+            stop,
+            thread: Some(thread),
+        }
+    }
+
+    fn demo() -> Self {
+        Self::start(Settings::new(Source::Demo))
+    }
+
+    /// Sends octets as they are and returns the answer.
+    fn raw(&self, request: &[u8]) -> Answer {
+        let mut stream = TcpStream::connect(self.address).unwrap();
+        stream.set_read_timeout(Some(Duration::from_secs(30))).unwrap();
+        // the server may answer and close before it has read all
+        let _ = stream.write_all(request);
+        let mut octets = Vec::new();
+        let _ = stream.read_to_end(&mut octets);
+        Answer::of(&octets)
+    }
+
+    /// Makes a request with these headers in place of none; `Host` and the origin of the page are in `PAGE`.
+    fn ask(&self, method: &str, path: &str, headers: &str, body: &str) -> Answer {
+        let headers = headers.replace("{address}", &self.address.to_string());
+        let length = body.len();
+        let request = format!(
+            "{method} {path} HTTP/1.1\r\n{headers}Connection: close\r\nContent-Length: {length}\r\n\r\n{body}"
+        );
+        self.raw(request.as_bytes())
+    }
+
+    fn login(&self, token: &str) -> Answer {
+        self.ask(
+            "POST",
+            "/api/v1/session",
+            &format!("{PAGE}{JSON}"),
+            &format!("{{\"token\":\"{token}\"}}"),
+        )
+    }
+
+    /// Begins a session and returns the headers of its page.
+    fn session(&self, token: &str) -> String {
+        let answer = self.login(token);
+        assert_eq!(answer.status, 200, "{answer:?}");
+        let cookie = answer.header("set-cookie").unwrap();
+        for part in ["HttpOnly", "SameSite=Strict", "Path=/"] {
+            assert!(cookie.contains(part), "{cookie}");
+        }
+        format!("{PAGE}Cookie: a=b; {}\r\n", cookie.split(';').next().unwrap())
+    }
+
+    fn bearer(token: &str) -> String {
+        format!("Host: {{address}}\r\nAuthorization: Bearer {token}\r\n")
+    }
+
+    fn stops(&self) -> u64 {
+        let answer = self.ask("GET", "/api/v1/server", &Self::bearer(&self.view), "");
+        answer.json()["stops"].as_u64().unwrap()
+    }
+}
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        self.stop.stop();
+        self.thread.take().unwrap().join().unwrap();
+    }
+}
+
+/// The headers of a request of the page.
+const PAGE: &str = "Host: {address}\r\nOrigin: http://{address}\r\nSec-Fetch-Site: same-origin\r\n";
+const JSON: &str = "Content-Type: application/json\r\n";
+
+#[derive(Debug)]
+struct Answer {
+    status: u16,
+    head: String,
+    body: String,
+}
+
+impl Answer {
+    fn of(octets: &[u8]) -> Self {
+        let text = String::from_utf8_lossy(octets);
+        let (head, body) = text.split_once("\r\n\r\n").unwrap_or((&text, ""));
+        let status = head
+            .split(' ')
+            .nth(1)
+            .and_then(|status| status.parse().ok())
+            .unwrap_or(0);
+        Self {
+            status,
+            head: head.to_owned(),
+            body: body.to_owned(),
+        }
+    }
+
+    fn header(&self, name: &str) -> Option<&str> {
+        let found = self
+            .head
+            .lines()
+            .find(|line| line.to_lowercase().starts_with(&format!("{name}: ")));
+        found
+            .and_then(|line| line.split_once(": "))
+            .map(|(_, value)| value)
+    }
+
+    fn json(&self) -> Value {
+        serde_json::from_str(&self.body).unwrap_or_else(|error| panic!("{error}: {self:?}"))
+    }
+}
+
+/// Every method and path of the interface.
+fn routes() -> Vec<(String, String)> {
+    let description: Value = serde_json::from_str(&openapi()).unwrap();
+    let paths = description["paths"].as_object().unwrap();
+    let routes = paths.iter().flat_map(|(path, methods)| {
+        let path = path.replace("{id}", "02:00:00:00:00:01");
+        let methods = methods.as_object().unwrap().keys();
+        methods.map(move |method| (method.to_uppercase(), path.clone()))
+    });
+    let routes: Vec<_> = routes.collect();
+    assert!(routes.len() >= 9, "{routes:?}");
+    routes
+}
+
+#[test]
+fn the_committed_description_is_that_of_the_routes() {
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/openapi.json");
+    assert!(
+        std::fs::read_to_string(file).unwrap() == openapi(),
+        "openapi.json is old: cargo run -p profidrive-workbench --example openapi > crates/workbench/openapi.json"
+    );
+}
+
+#[test]
+fn no_route_answers_without_a_session() {
+    let server = Running::demo();
+    for (method, path) in routes() {
+        let login = (&*method, &*path) == ("POST", "/api/v1/session");
+        let answer = server.ask(&method, &path, &format!("{PAGE}{JSON}"), "{\"token\":\"0\"}");
+        assert_eq!(answer.status, 401, "{method} {path}: {answer:?}");
+        assert_eq!(answer.json()["kind"], if login { "token" } else { "session" });
+        assert_eq!(answer.header("content-type"), Some("application/problem+json"));
+        let foreign = format!(
+            "{PAGE}Cookie: profidrive_{}={}\r\n",
+            server.address.port(),
+            "0".repeat(32)
+        );
+        let answer = server.ask(&method, &path, &foreign, "");
+        assert!(matches!(answer.status, 401 | 415), "{method} {path}: {answer:?}");
+    }
+}
+
+#[test]
+fn a_view_session_changes_nothing_and_can_stop() {
+    let server = Running::demo();
+    let (view, control) = (server.session(&server.view), server.session(&server.control));
+    let own = ["/api/v1/stop", "/api/v1/session"];
+    let changing = routes()
+        .into_iter()
+        .filter(|(method, path)| method != "GET" && !own.contains(&&**path));
+    // a route of tomorrow, whatever it is
+    let tomorrow = ("POST".to_owned(), "/api/v1/tomorrow".to_owned());
+    for (method, path) in changing.chain([tomorrow]) {
+        let answer = server.ask(&method, &path, &view, "");
+        assert_eq!(answer.status, 403, "{method} {path}: {answer:?}");
+    }
+    assert_eq!(server.ask("POST", "/api/v1/tomorrow", &control, "").status, 404);
+    let stopped = server.ask("POST", "/api/v1/stop", &view, "");
+    assert_eq!(
+        (stopped.status, stopped.json()["axes"].clone()),
+        (200, Value::Array(Vec::new()))
+    );
+    assert_eq!(server.ask("DELETE", "/api/v1/session", &view, "").status, 204);
+    assert_eq!(server.ask("GET", "/api/v1/session", &view, "").status, 401);
+    assert_eq!(
+        server.ask("GET", "/api/v1/session", &control, "").json()["role"],
+        "control"
+    );
+}
+
+#[test]
+fn a_server_that_is_read_only_lets_nobody_change_anything() {
+    let server = Running::start(Settings {
+        read_only: true,
+        ..Settings::new(Source::Demo)
+    });
+    assert_eq!(server.control, server.view, "there is no other address");
+    for token in [&server.view, &server.once] {
+        let session = server.session(token);
+        let report = server.ask("GET", "/api/v1/server", &session, "").json();
+        assert_eq!(
+            (&report["role"], &report["read_only"]),
+            (&"view".into(), &true.into())
+        );
+        let scan = server.ask("POST", "/api/v1/stations/scan", &session, "");
+        assert_eq!(scan.status, 403);
+        assert!(
+            scan.json()["detail"]
+                .as_str()
+                .unwrap()
+                .contains("look and stop only"),
+            "{scan:?}"
+        );
+        assert_eq!(server.ask("POST", "/api/v1/stop", &session, "").status, 200);
+    }
+}
+
+#[test]
+fn the_address_of_a_started_browser_begins_one_session() {
+    let server = Running::demo();
+    let bearer = Running::bearer(&server.once);
+    assert_eq!(
+        server.ask("GET", "/api/v1/server", &bearer, "").status,
+        401,
+        "it is for browsers"
+    );
+    let session = server.session(&server.once);
+    assert_eq!(
+        server.ask("GET", "/api/v1/session", &session, "").json()["role"],
+        "control"
+    );
+    assert_eq!(server.login(&server.once).status, 401, "used");
+}
+
+#[test]
+fn a_search_on_request_ends_with_all_stations() {
+    let server = Running::demo();
+    let control = Running::bearer(&server.control);
+    for _ in 0..2 {
+        let found = server.ask("POST", "/api/v1/stations/scan", &control, "").json();
+        assert_eq!(found["stations"].as_array().unwrap().len(), 6, "{found:#}");
+        assert!(found["age"].as_f64().unwrap() < 1.0, "{found:#}");
+    }
+}
+
+#[test]
+fn a_foreign_page_does_nothing_with_the_cookie_of_a_session() {
+    let server = Running::demo();
+    let session = server.session(&server.control);
+    let cookie = session.lines().find(|line| line.starts_with("Cookie")).unwrap();
+    let port = server.address.port();
+    for (foreign, method) in [
+        (
+            "Origin: http://evil.example\r\nSec-Fetch-Site: cross-site\r\n",
+            "POST",
+        ),
+        ("Origin: http://evil.example\r\n", "POST"),
+        ("Origin: null\r\n", "POST"),
+        ("", "POST"),
+        (
+            "Origin: http://{address}\r\nOrigin: http://evil.example\r\n",
+            "POST",
+        ),
+        ("Origin: https://{address}\r\n", "POST"),
+        (
+            &format!("Origin: http://127.0.0.1:{}\r\n", port.wrapping_add(1)),
+            "POST",
+        ),
+        ("Sec-Fetch-Site: cross-site\r\n", "GET"),
+        ("Sec-Fetch-Site: same-site\r\n", "GET"),
+        ("Origin: http://evil.example\r\n", "GET"),
+    ] {
+        let path = if method == "GET" {
+            "/api/v1/stations"
+        } else {
+            "/api/v1/stop"
+        };
+        for more in ["", JSON, "Content-Type: text/plain\r\n"] {
+            let headers = format!("Host: {{address}}\r\n{cookie}\r\n{foreign}{more}");
+            let answer = server.ask(method, path, &headers, "");
+            assert_eq!(
+                (answer.status, &answer.json()["kind"]),
+                (403, &Value::from("origin")),
+                "{foreign}"
+            );
+        }
+    }
+    // the token does not help a foreign page either
+    let body = format!("{{\"token\":\"{}\"}}", server.control);
+    let foreign = format!("Host: {{address}}\r\nOrigin: http://evil.example\r\n{JSON}");
+    assert_eq!(server.ask("POST", "/api/v1/session", &foreign, &body).status, 403);
+    assert_eq!(server.stops(), 0);
+}
+
+#[test]
+fn only_requests_for_this_server_are_answered() {
+    let server = Running::demo();
+    let session = server.session(&server.control);
+    let port = server.address.port();
+    for host in [
+        "evil.example",
+        &format!("evil.example:{port}"),
+        "127.0.0.1",
+        "localhost",
+        "",
+    ] {
+        let headers = session.replace("Host: {address}", &format!("Host: {host}"));
+        for path in ["/", "/app.js", "/api/v1/server"] {
+            assert_eq!(server.ask("GET", path, &headers, "").status, 421, "{host} {path}");
+        }
+    }
+    // as after a rebinding of the name: host and origin agree
+    let rebound = session.replace("{address}", &format!("evil.example:{port}"));
+    assert_eq!(server.ask("POST", "/api/v1/stop", &rebound, "").status, 421);
+    let twice = format!("Host: evil.example\r\n{session}");
+    assert!(matches!(
+        server.ask("GET", "/api/v1/server", &twice, "").status,
+        400 | 421
+    ));
+    for authority in ["evil.example", &server.address.to_string()] {
+        let answer = server.ask("GET", &format!("http://{authority}/api/v1/server"), &session, "");
+        assert_eq!(answer.status, 421, "{authority}");
+    }
+    assert_eq!(
+        server.ask("GET", "/api/v1/server", "", "").status,
+        421,
+        "without a host"
+    );
+    for host in ["localhost", "127.0.0.1", "[::1]"] {
+        let named = session.replace("{address}", &format!("{host}:{port}"));
+        assert_eq!(
+            server.ask("POST", "/api/v1/stop", &named, "").status,
+            200,
+            "{host}"
+        );
+    }
+    assert_eq!(server.stops(), 3);
+}
+
+#[test]
+fn tokens_are_not_guessed_and_not_taken_from_addresses() {
+    let (server, before) = (Running::demo(), Running::demo());
+    assert_eq!(
+        server.login(&before.control).status,
+        401,
+        "the token of another start"
+    );
+    let query = format!("/api/v1/server?token={}", server.control);
+    assert_eq!(
+        server.ask("GET", &query, PAGE, "").status,
+        401,
+        "a token in the query"
+    );
+    let start = Instant::now();
+    let (mut wrong, mut limited) = (0, 0);
+    for guess in 0..1000_u32 {
+        match server.login(&format!("{guess:032x}")).status {
+            401 => wrong += 1,
+            429 => limited += 1,
+            other => panic!("{other}"),
+        }
+    }
+    let seconds = start.elapsed().as_secs() + 2;
+    assert!(wrong <= 10 * seconds, "{wrong} in {seconds} s");
+    assert_eq!(wrong + limited, 1000);
+}
+
+#[test]
+fn a_program_has_its_token_in_a_header() {
+    let server = Running::demo();
+    for _ in 0..30 {
+        let answer = server.ask("GET", "/api/v1/server", &Running::bearer(&server.control), "");
+        assert_eq!(
+            (answer.status, &answer.json()["role"]),
+            (200, &Value::from("control")),
+            "right ones are not limited"
+        );
+    }
+    assert_eq!(
+        server
+            .ask("POST", "/api/v1/stop", &Running::bearer(&server.view), "")
+            .status,
+        200
+    );
+    assert_eq!(
+        server
+            .ask("GET", "/api/v1/server", &Running::bearer("x"), "")
+            .status,
+        401
+    );
+    // it does not help that a session is beside it
+    let both = format!("{}Authorization: Bearer x\r\n", server.session(&server.control));
+    assert_eq!(server.ask("GET", "/api/v1/server", &both, "").status, 401);
+}
+
+#[test]
+fn sessions_are_bounded() {
+    let server = Running::demo();
+    let first = server.session(&server.view);
+    for _ in 1..16 {
+        server.session(&server.view);
+    }
+    let refused = server.login(&server.control);
+    assert_eq!(
+        (refused.status, &refused.json()["kind"]),
+        (429, &Value::from("sessions"))
+    );
+    // a browser that begins again has one session as before
+    let body = format!("{{\"token\":\"{}\"}}", server.control);
+    assert_eq!(
+        server
+            .ask("POST", "/api/v1/session", &format!("{first}{JSON}"), &body)
+            .status,
+        200
+    );
+}
+
+#[test]
+fn bodies_are_json_and_bounded() {
+    let server = Running::demo();
+    let headers = format!("{PAGE}{JSON}");
+    let post = |headers: &str, body: &str| server.ask("POST", "/api/v1/session", headers, body).status;
+    assert_eq!(post(&headers, &"x".repeat(300 << 10)), 413);
+    let form = format!("{PAGE}Content-Type: application/x-www-form-urlencoded\r\n");
+    assert_eq!(post(&form, &format!("token={}", server.control)), 415);
+    assert!(matches!(post(&headers, &"[".repeat(100_000)), 400 | 422));
+    assert_eq!(post(&headers, "{\"token\":7}"), 422);
+    // a body without an end
+    let address = server.address.to_string();
+    let mut endless = format!("POST /api/v1/session HTTP/1.1\r\n{headers}Transfer-Encoding: chunked\r\n\r\n")
+        .replace("{address}", &address)
+        .into_bytes();
+    for _ in 0..400 {
+        endless.extend_from_slice(b"400\r\n");
+        endless.extend_from_slice(&[b' '; 0x400]);
+        endless.extend_from_slice(b"\r\n");
+    }
+    assert_eq!(server.raw(&endless).status, 413);
+    let long = format!("{PAGE}X: {}\r\n", "x".repeat(300 << 10));
+    assert_eq!(server.ask("GET", "/", &long, "").status, 431);
+}
+
+#[test]
+fn nothing_but_the_page_is_served_and_each_answer_has_the_headers() {
+    let server = Running::demo();
+    for path in [
+        "/",
+        "/network",
+        "/drives/02:00/overview",
+        "/app.js",
+        "/overview.js",
+        "/app.css",
+        "/icon.svg",
+        "/licences.txt",
+    ] {
+        let answer = server.ask("GET", path, PAGE, "");
+        assert_eq!(answer.status, 200, "{path}");
+        let again = format!("{PAGE}If-None-Match: {}\r\n", answer.header("etag").unwrap());
+        assert_eq!(server.ask("GET", path, &again, "").status, 304, "{path}");
+    }
+    for path in [
+        "/%2e%2e/Cargo.toml",
+        "/../Cargo.toml",
+        "//app.js",
+        "/app.js/",
+        "/\\app.js",
+        "/demo.toml",
+        "/manifest.json",
+        "/%00",
+    ] {
+        let answer = server.ask("GET", path, PAGE, "");
+        assert!(matches!(answer.status, 400 | 404), "{path}: {answer:?}");
+    }
+    assert_eq!(server.ask("POST", "/", PAGE, "").status, 405);
+    for path in ["/", "/nothing", "/api/v1/server", "/api/nothing"] {
+        let answer = server.ask("GET", path, PAGE, "");
+        let policy = answer.header("content-security-policy").unwrap_or_default();
+        for part in [
+            "default-src 'none'",
+            "script-src 'self';",
+            "frame-ancestors 'none'",
+            "require-trusted-types-for 'script'",
+        ] {
+            assert!(policy.contains(part), "{path}: {policy}");
+        }
+        assert_eq!(answer.header("x-content-type-options"), Some("nosniff"), "{path}");
+        assert_eq!(answer.header("referrer-policy"), Some("no-referrer"), "{path}");
+        assert_eq!(
+            answer.header("cross-origin-resource-policy"),
+            Some("same-origin"),
+            "{path}"
+        );
+        assert_eq!(
+            answer.header("cross-origin-opener-policy"),
+            Some("same-origin"),
+            "{path}"
+        );
+        assert!(answer.header("cache-control").is_some(), "{path}");
+    }
+}
+
+#[test]
+fn connections_without_a_request_hold_places_only_while_they_stay() {
+    let server = Running::demo();
+    let idle: Vec<TcpStream> = (0..300)
+        .map_while(|_| TcpStream::connect(server.address).ok())
+        .collect();
+    assert_eq!(idle.len(), 300);
+    drop(idle);
+    assert_eq!(server.ask("GET", "/", PAGE, "").status, 200);
+}
+
+#[test]
+fn a_server_is_for_this_computer_alone() {
+    let listen = "0.0.0.0:0".parse().unwrap();
+    let open = Server::open(Settings {
+        listen,
+        ..Settings::new(Source::Demo)
+    });
+    assert!(matches!(open, Err(ServeError::NotLocal(_))), "{open:?}");
+    let server = Running::demo();
+    let open = Server::open(Settings {
+        listen: server.address,
+        ..Settings::new(Source::Demo)
+    });
+    assert!(matches!(open, Err(ServeError::Listen { .. })), "{open:?}");
+}
+
+/// Returns the answer that satisfies a condition; asks again until then.
+fn eventually(server: &Running, path: &str, fits: impl Fn(&Value) -> bool) -> Value {
+    let start = Instant::now();
+    loop {
+        let answer = server.ask("GET", path, &Running::bearer(&server.view), "").json();
+        if fits(&answer) {
+            return answer;
+        }
+        assert!(start.elapsed() < Duration::from_secs(60), "{answer:#}");
+        std::thread::sleep(Duration::from_millis(50));
+    }
+}
+
+#[test]
+fn the_demo_shows_each_situation() {
+    let server = Running::demo();
+    let cause = |all: &Value, name: Option<&str>| {
+        let stations = all["stations"].as_array().unwrap();
+        let found = stations.iter().find(|one| one["name"].as_str() == name);
+        found.map(|one| one["status"]["cause"].as_str().unwrap_or_default().to_owned())
+    };
+    let wanted = |all: &Value| {
+        cause(all, Some("axis-2")).as_deref() == Some("fault")
+            && cause(all, Some("fan-1")).as_deref() == Some("fault")
+            && cause(all, Some("axis-1")).as_deref() == Some("no-controller")
+            && cause(all, Some("pump-1")).as_deref() == Some("no-controller")
+            && cause(all, Some("press-1")).as_deref() == Some("moves")
+    };
+    let all = eventually(&server, "/api/v1/stations", wanted);
+    let stations = all["stations"].as_array().unwrap();
+    assert_eq!(stations.len(), 6);
+    let named = |name: Option<&str>| stations.iter().find(|one| one["name"].as_str() == name).unwrap();
+    assert_eq!(named(Some("press-1"))["status"]["controller"]["name"], "plc-1");
+    assert_eq!(
+        named(None)["remarks"],
+        serde_json::json!(["no_name", "no_address"])
+    );
+    assert_eq!(named(None)["status"], Value::Null);
+    let id = named(Some("axis-2"))["id"].as_str().unwrap();
+    let faults = server.ask(
+        "GET",
+        &format!("/api/v1/drives/{id}/faults"),
+        &Running::bearer(&server.view),
+        "",
+    );
+    assert_eq!(faults.json()["faults"][0]["number"], 439);
+    let turns = |all: &Value| {
+        let drives = all["drives"].as_array().unwrap();
+        drives
+            .iter()
+            .any(|one| one["name"] == "press-1" && one["speed"].as_f64().unwrap() > 100.0)
+    };
+    eventually(&server, "/api/v1/plant/drives", turns);
+    let nobody = server.ask(
+        "GET",
+        "/api/v1/drives/nothing/status",
+        &Running::bearer(&server.view),
+        "",
+    );
+    assert_eq!(
+        (nobody.status, &nobody.json()["kind"]),
+        (404, &Value::from("drive"))
+    );
+}

@@ -1,0 +1,98 @@
+import { useEffect } from "preact/hooks";
+import { ErrorBoundary, LocationProvider, lazy, Route, Router, useLocation } from "preact-iso";
+import { Icon, type IconName } from "../parts/Icon";
+import { Network } from "../screens/network/Network";
+import { access, silent } from "../store/store";
+import { t } from "../text";
+import { Frame } from "./Frame";
+import { useKeys } from "./keys";
+import { selectedId } from "./selected";
+import { type Theme, theme } from "./theme";
+
+const Overview = lazy(() => import("../screens/overview/overview").then((screen) => screen.Overview));
+
+/** Keeps what follows the address: `?lang=`. */
+const query = location.search;
+
+function Link({ href, icon, text }: { href: string; icon: IconName; text: string }) {
+  const { path } = useLocation();
+  const here = path.startsWith("/drives/") === href.startsWith("/drives/");
+  return (
+    <a href={href + query} aria-current={here ? "page" : undefined}>
+      <Icon name={icon} />
+      <span>{text}</span>
+    </a>
+  );
+}
+
+function Navigation() {
+  const id = selectedId(useLocation().path);
+  return (
+    <nav aria-label={t("nav.label")}>
+      <Link href="/network" icon="network" text={t("nav.network")} />
+      <Link href={`/drives/${id ?? "none"}/overview`} icon="overview" text={t("nav.overview")} />
+      <label class="theme">
+        <span>{t("theme.label")}</span>
+        <select
+          value={theme.value}
+          onChange={(event) => {
+            theme.value = event.currentTarget.value as Theme;
+          }}
+        >
+          <option value="system">{t("theme.system")}</option>
+          <option value="light">{t("theme.light")}</option>
+          <option value="dark">{t("theme.dark")}</option>
+        </select>
+      </label>
+    </nav>
+  );
+}
+
+function Shell() {
+  const { path } = useLocation();
+  useKeys();
+  useEffect(() => {
+    document.title = `${t(path.startsWith("/drives/") ? "nav.overview" : "nav.network")} - ${t("app.title")}`;
+  }, [path]);
+  return (
+    <div class={silent.value === null ? "shell" : "shell lost"}>
+      <a class="skip" href="#content">
+        {t("nav.skip")}
+      </a>
+      <Frame />
+      <div class="body">
+        <Navigation />
+        <main id="content" tabIndex={-1}>
+          <ErrorBoundary>
+            <Router>
+              <Route path="/" component={Network} />
+              <Route path="/network" component={Network} />
+              <Route path="/drives/:id/overview" component={Overview} />
+              <Route default component={Network} />
+            </Router>
+          </ErrorBoundary>
+        </main>
+      </div>
+    </div>
+  );
+}
+
+export function App() {
+  const state = access.value;
+  if (state.kind === "entering") {
+    return null;
+  }
+  if (state.kind === "out") {
+    return (
+      <main class="login">
+        <h1>{t("login.title")}</h1>
+        <p role="alert">{state.reason}</p>
+      </main>
+    );
+  }
+  return (
+    <LocationProvider>
+      <Shell />
+    </LocationProvider>
+  );
+}

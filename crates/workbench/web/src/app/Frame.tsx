@@ -1,0 +1,139 @@
+import { signal } from "@preact/signals";
+import { useLocation } from "preact-iso";
+import type { Station } from "../api";
+import { digits, foreign, label, product, sorted } from "../parts/format";
+import { owner, ownerName, State } from "../parts/Reason";
+import { stop } from "../store/live";
+import { aged, server, silent, stations } from "../store/store";
+import { age, t } from "../text";
+import { selected, selectedId } from "./selected";
+
+/** What became of the last STOP. */
+const stopped = signal("");
+
+export async function pressStop(): Promise<void> {
+  stopped.value = "";
+  stopped.value = await stop();
+}
+
+/** Values older than this are grey, in s. */
+const STALE = 3;
+
+function Selector() {
+  const { path, route } = useLocation();
+  const id = selectedId(path) ?? "";
+  const all = sorted(stations.value ?? []);
+  const known = id === "" || all.some((station) => station.id === id);
+  return (
+    <label class="selector">
+      <span class="muted">{t("frame.drive")}</span>
+      <select
+        value={id}
+        onChange={(event) =>
+          route(`/drives/${encodeURIComponent(event.currentTarget.value)}/overview${location.search}`)
+        }
+      >
+        <option value="" disabled hidden>
+          {t("frame.none")}
+        </option>
+        {!known && <option value={id}>{foreign(id)}</option>}
+        {all.map((station) => (
+          <option key={station.id} value={station.id}>
+            {label(station)}
+          </option>
+        ))}
+      </select>
+    </label>
+  );
+}
+
+function Facts({ station }: { station: Station }) {
+  const { status } = station;
+  const old = (aged(station.age) ?? 0) > STALE || silent.value !== null;
+  const dash = "\u2013";
+  const live = silent.value === null;
+  const speed = status?.speed_actual;
+  return (
+    <>
+      <p class="line">
+        <bdi>{product(station)}</bdi>
+        <span class="number spare">{station.ip ?? dash}</span>
+        <span class="spare">
+          {status?.telegram ? t("frame.telegram", { number: status.telegram }) : t("frame.telegram.none")}
+        </span>
+        <bdi>{owner(station)}</bdi>
+      </p>
+      <p class={old ? "line stale" : "line"}>
+        {live ? <State station={station} /> : dash}
+        <span class="number spare">
+          <span class="muted">STW1</span> {(live && status?.stw1?.hex) || dash}
+        </span>
+        <span class="number spare">
+          <span class="muted">ZSW1</span> {(live && status?.zsw1?.hex) || dash}
+        </span>
+        <span class="number wide">
+          {live && speed ? digits(speed) : dash} <span class="unit">{speed?.unit ?? "rpm"}</span>
+        </span>
+        <span class={status?.faults.length ? "fault" : ""}>
+          {status?.faults.length ? status.faults.map((fault) => `F${fault.number}`).join(", ") : t("frame.fault.none")}
+        </span>
+      </p>
+    </>
+  );
+}
+
+function Stop({ station }: { station: Station | undefined }) {
+  const count = server.value?.controlled.length ?? 0;
+  const name = ownerName(station);
+  const why =
+    silent.value !== null
+      ? t("stop.why.unreachable")
+      : name !== null
+        ? t("stop.why.owner", { name })
+        : t("stop.why.none");
+  const text = silent.value !== null ? t("stop.unreachable") : count > 0 ? t("stop.many", { count }) : t("stop.none");
+  return (
+    <>
+      <p class="line why" id="stop-why">
+        <bdi>{why}</bdi> <span class="small">{t("stop.safety")}</span>
+      </p>
+      <button type="button" class="stop" aria-describedby="stop-why" onClick={() => void pressStop()}>
+        {text}
+      </button>
+    </>
+  );
+}
+
+/** What stands above each screen: the selected drive, the mode and STOP. */
+export function Frame() {
+  const station = selected(useLocation().path);
+  const simulation = server.value?.simulation ?? false;
+  const viewing = server.value?.role === "view" && !server.value.read_only;
+  return (
+    <header class="top">
+      <div class="frame">
+        <Selector />
+        {station ? <Facts station={station} /> : <p class="line muted">{t("frame.select")}</p>}
+        <p class="badges">
+          {server.value?.name && <bdi class="muted">{foreign(server.value.name)}</bdi>}
+          {simulation && <span class="badge simulation">{t("frame.simulation")}</span>}
+          <span class="badge">{t(viewing ? "frame.view" : "frame.readonly")}</span>
+        </p>
+        <Stop station={station} />
+      </div>
+      {simulation && (
+        <p class="band simulation">
+          <span>{t("frame.simulation.band")}</span>
+        </p>
+      )}
+      <p class="band stopped" role="alert" hidden={stopped.value === ""}>
+        {stopped.value}
+      </p>
+      {silent.value !== null && (
+        <p class="band lost" role="alert">
+          {t("frame.lost", { age: age(silent.value) })}
+        </p>
+      )}
+    </header>
+  );
+}

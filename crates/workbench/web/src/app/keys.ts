@@ -1,0 +1,39 @@
+import { useEffect } from "preact/hooks";
+import { useLocation } from "preact-iso";
+import { pressStop } from "./Frame";
+import { selectedId } from "./selected";
+
+/** Two keys of a sequence come within this time, in ms. */
+const SEQUENCE = 1000;
+
+/** `g n` and `g o` open screens; Ctrl+Space and twice Escape are STOP everywhere. */
+export function useKeys(): void {
+  const { path, route } = useLocation();
+  useEffect(() => {
+    let before = { key: "", time: 0 };
+    const press = (event: KeyboardEvent) => {
+      const last = performance.now() - before.time < SEQUENCE ? before.key : "";
+      before = { key: event.key, time: performance.now() };
+      if (event.repeat) {
+        return;
+      }
+      if ((event.ctrlKey && event.code === "Space") || (event.key === "Escape" && last === "Escape")) {
+        event.preventDefault();
+        void pressStop();
+        return;
+      }
+      const target = event.target;
+      const typing = target instanceof HTMLElement && target.matches("input, textarea, select");
+      if (typing || event.ctrlKey || event.altKey || event.metaKey || last !== "g") {
+        return;
+      }
+      if (event.key === "n") {
+        route(`/network${location.search}`);
+      } else if (event.key === "o") {
+        route(`/drives/${selectedId(path) ?? "none"}/overview${location.search}`);
+      }
+    };
+    addEventListener("keydown", press);
+    return () => removeEventListener("keydown", press);
+  }, [path, route]);
+}

@@ -1,0 +1,10 @@
+import { render } from "preact";
+import { App } from "./app/App";
+import { enter } from "./store/live";
+import "./style/base.css";
+
+const root = document.getElementById("app");
+if (root) {
+  render(<App />, root);
+  void enter();
+}

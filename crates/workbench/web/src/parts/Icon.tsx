@@ -1,0 +1,21 @@
+/** Signs with a shape of their own, so that colour is never the only difference. */
+const PATHS = {
+  cross: "M4 4l8 8M12 4l-8 8",
+  triangle: "M8 3l6 10H2zM8 7v3M8 12v.5",
+  square: "M3 3h10v10H3z",
+  tick: "M3 8.5l3.5 3.5L13 4.5",
+  dash: "M3 8h10",
+  network: "M8 2v4M4 10V8h8v2M4 10v4M12 10v4M6 2h4v4H6zM2 10h4v4H2zM10 10h4v4h-4z",
+  overview: "M2 2h5v12H2zM10 2h4v5h-4zM10 10h4v4h-4z",
+  live: "M3 3l5 5-5 5M8 3l5 5-5 5",
+} as const;
+
+export type IconName = keyof typeof PATHS;
+
+export function Icon({ name, tone }: { name: IconName; tone?: string }) {
+  return (
+    <svg class={`icon ${tone ?? ""}`} viewBox="0 0 16 16" width="16" height="16" aria-hidden="true">
+      <path d={PATHS[name]} />
+    </svg>
+  );
+}

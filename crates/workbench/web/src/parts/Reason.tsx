@@ -1,0 +1,85 @@
+import type { Station } from "../api";
+import { age, t } from "../text";
+import { foreign, urgency } from "./format";
+import { Icon, type IconName } from "./Icon";
+
+/** What is to be said about a station beside its status. */
+export function findings(station: Station): string[] {
+  const remarks = station.remarks.map((remark) => t(`remark.${remark}`));
+  return station.lost === null ? remarks : [t("remark.lost", { age: age(station.lost) }), ...remarks];
+}
+
+/** The sign of a station: its shape and its colour. */
+export function sign(station: Station): { icon: IconName; tone: string; word: string } {
+  const { status, error } = station;
+  switch (urgency(station)) {
+    case 0:
+      return { icon: "cross", tone: "fault", word: t("verdict.held") };
+    case 1:
+      return { icon: "cross", tone: "fault", word: t("verdict.unread") };
+    case 3:
+      return { icon: "triangle", tone: "warn", word: t("verdict.unknown") };
+    case 4:
+      return { icon: "dash", tone: "muted", word: t("verdict.unknown") };
+    default:
+      if (status?.verdict === "runs") return { icon: "tick", tone: "ok", word: t("verdict.runs") };
+      return {
+        icon: "square",
+        tone: "accent",
+        word: t(error || status?.verdict === "held" ? "verdict.held" : "verdict.waits"),
+      };
+  }
+}
+
+/** In one line why a station needs somebody, or that it runs. */
+export function reason(station: Station): string {
+  const { status, error, unread } = station;
+  const found = findings(station);
+  if (station.lost !== null) return found.join(", ");
+  const fault = status?.faults[0];
+  if (fault) return foreign(`F${fault.number} ${fault.meaning ?? ""}`);
+  if (error) return foreign(error.message);
+  if (status) return foreign(status.sentence);
+  if (found.length > 0) return found.join(", ");
+  return foreign(unread ?? t("network.unread"));
+}
+
+export function Reason({ station }: { station: Station }) {
+  const { icon, tone, word } = sign(station);
+  return (
+    <span class={`reason ${tone}`}>
+      <Icon name={icon} />
+      <span class="unseen">{word}: </span>
+      <bdi title={reason(station)}>{reason(station)}</bdi>
+    </span>
+  );
+}
+
+/** The state of a drive; operation enabled is the only filled one. */
+export function State({ station }: { station: Station }) {
+  const text = station.status?.state_text;
+  if (!text) return <span class="muted">&ndash;</span>;
+  const live = text.startsWith("S4");
+  return (
+    <span class={live ? "state live" : "state"} title={text}>
+      {live && <Icon name="live" />}
+      {live && <span class="unseen">{t("live.on")}: </span>}
+      <span class="cut">{text}</span>
+    </span>
+  );
+}
+
+/** Who has the cyclic connection of a drive, in words. */
+export function owner(station: Station): string {
+  const controller = station.status?.controller ?? station.info?.controller;
+  if (!controller) return t("frame.owner.unknown");
+  if (!controller.connected) return t("frame.owner.none");
+  return t("frame.owner", { name: ownerName(station) ?? "" });
+}
+
+/** The name of the controller that is connected; `null` where none is. */
+export function ownerName(station: Station | undefined): string | null {
+  const controller = station?.status?.controller ?? station?.info?.controller;
+  if (!controller?.connected) return null;
+  return controller.name === null ? t("frame.owner.unnamed") : foreign(controller.name);
+}

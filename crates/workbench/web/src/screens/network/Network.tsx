@@ -1,0 +1,146 @@
+import type { Station } from "../../api";
+import { cell, foreign, label, product, sorted } from "../../parts/format";
+import { findings, owner, ownerName, Reason, reason, State } from "../../parts/Reason";
+import { Shaft } from "../../parts/Shaft";
+import { searchNow } from "../../store/live";
+import { aged, failure, searched, searching, server, silent, stations } from "../../store/store";
+import { age, t } from "../../text";
+
+const dash = "\u2013";
+
+function name(station: Station): string {
+  const nameless = station.name === null && !station.id.startsWith("ip-");
+  return nameless ? t("network.noname") : label(station);
+}
+
+function Row({ station, simulation }: { station: Station; simulation: boolean }) {
+  const identity = station.info?.identity;
+  const known = station.mac !== "00:00:00:00:00:00";
+  const found = findings(station);
+  return (
+    <tr data-id={station.id} class={station.lost === null && silent.value === null ? "" : "stale"}>
+      <td class="why">
+        <Reason station={station} />
+      </td>
+      {simulation && (
+        <td>
+          <Shaft id={station.id} />
+        </td>
+      )}
+      <th scope="row">
+        <a href={`/drives/${encodeURIComponent(station.id)}/overview${location.search}`}>
+          <bdi>{name(station)}</bdi>
+        </a>
+        {station.status && found.length > 0 && <span class="warn small"> {found.join(", ")}</span>}
+      </th>
+      <td class="number">{station.ip ?? dash}</td>
+      <td class="number">{known ? station.mac : dash}</td>
+      <td>
+        <bdi>{product(station) || dash}</bdi>
+      </td>
+      <td>
+        <bdi>{identity ? foreign(identity.software_revision) : dash}</bdi>
+      </td>
+      <td>
+        <bdi>{identity ? foreign(identity.serial_number) : dash}</bdi>
+      </td>
+      <td class="words">{silent.value === null ? <State station={station} /> : dash}</td>
+      <td>
+        <bdi>{ownerName(station) ?? dash}</bdi>
+      </td>
+    </tr>
+  );
+}
+
+/** Writes the table to a file of the browser. */
+function exportTable(all: Station[]): void {
+  const head = ["name", "ip", "mac", "vendor and type", "firmware", "serial number", "state", "controller", "status"];
+  const rows = all.map((station) => [
+    station.name ?? "",
+    station.ip ?? "",
+    station.mac,
+    product(station),
+    station.info?.identity?.software_revision ?? "",
+    station.info?.identity?.serial_number ?? "",
+    station.status?.state_text ?? "",
+    owner(station),
+    reason(station),
+  ]);
+  const text = [head, ...rows].map((row) => row.map(cell).join(",")).join("\r\n");
+  const file = URL.createObjectURL(new Blob([`${text}\r\n`], { type: "text/csv" }));
+  const link = document.createElement("a");
+  link.href = file;
+  link.download = "network.csv";
+  link.click();
+  URL.revokeObjectURL(file);
+}
+
+function place(): string {
+  return server.value?.interface ?? t("network.place.plant");
+}
+
+export function Network() {
+  const simulation = server.value?.simulation ?? false;
+  const searches = server.value?.searches ?? true;
+  const all = sorted(stations.value ?? []);
+  const waiting = stations.value === null || searched.value === null;
+  const since = aged(searched.value);
+  return (
+    <section class="network">
+      <div class="title">
+        <h1>{t("network.title")}</h1>
+        <span class="muted">{since === null ? t("network.searching") : t("network.age", { age: age(since) })}</span>
+        {searches && server.value?.role === "control" && (
+          <button type="button" disabled={searching.value} onClick={() => void searchNow()}>
+            {t(searching.value ? "network.searching" : "network.scan")}
+          </button>
+        )}
+        <button type="button" disabled={all.length === 0} onClick={() => exportTable(all)}>
+          {t("network.export")}
+        </button>
+      </div>
+      {!searches && <p class="hint">{t("network.addresses")}</p>}
+      {failure.value !== null && (
+        <p class="hint fault">
+          <bdi>{t("network.failed", { reason: foreign(failure.value) })}</bdi>
+        </p>
+      )}
+      {/* biome-ignore lint/a11y/noNoninteractiveTabindex: a region that scrolls is reached by keys */}
+      <section class="scroll" tabIndex={0} aria-label={t("network.caption")}>
+        <table>
+          <caption class="unseen">{t("network.caption")}</caption>
+          <thead>
+            <tr>
+              <th scope="col">{t("network.why")}</th>
+              {simulation && <th scope="col">{t("network.shaft")}</th>}
+              <th scope="col">{t("network.name")}</th>
+              <th scope="col">{t("network.ip")}</th>
+              <th scope="col">{t("network.mac")}</th>
+              <th scope="col">{t("network.product")}</th>
+              <th scope="col">{t("network.firmware")}</th>
+              <th scope="col">{t("network.serial")}</th>
+              <th scope="col">{t("network.state")}</th>
+              <th scope="col">{t("network.owner")}</th>
+            </tr>
+          </thead>
+          <tbody>
+            {all.map((station) => (
+              <Row key={station.id} station={station} simulation={simulation} />
+            ))}
+            {all.length === 0 && (
+              <tr>
+                <td class="empty" colSpan={10}>
+                  {waiting
+                    ? t("network.searching")
+                    : searches
+                      ? t("network.empty.search", { place: place() })
+                      : t("network.empty.addresses")}
+                </td>
+              </tr>
+            )}
+          </tbody>
+        </table>
+      </section>
+    </section>
+  );
+}

@@ -1,0 +1,237 @@
+import { useLocation } from "preact-iso";
+import type { Quantity, Station, Status } from "../../api";
+import { selected, selectedId } from "../../app/selected";
+import { digits, foreign, label, sentence } from "../../parts/format";
+import { Icon } from "../../parts/Icon";
+import { findings, ownerName, sign } from "../../parts/Reason";
+import { Shaft } from "../../parts/Shaft";
+import { Spark } from "../../parts/Spark";
+import { aged, events, server, silent, stations } from "../../store/store";
+import { age, t } from "../../text";
+import { conditions } from "./conditions";
+
+/** Values older than this are grey; older than the second are dashes. In s. */
+const STALE = 3;
+const GONE = 15;
+
+function whyNot(station: Station): string {
+  const { status, error } = station;
+  if (station.lost !== null) return findings(station)[0] ?? "";
+  if (status) return status.sentence;
+  if (error) return error.message;
+  if (station.remarks.includes("no_address")) return t("overview.noaddress");
+  return station.unread ?? (station.remarks.length > 0 ? findings(station).join(", ") : t("overview.loading"));
+}
+
+function Why({ station }: { station: Station }) {
+  const { status, error } = station;
+  const { icon, tone, word } = sign(station);
+  const next = status?.next ?? error?.hint;
+  const name = ownerName(station);
+  return (
+    <section class="why-not" data-cause={status?.cause ?? ""} data-id={station.id}>
+      <p class={`sentence ${tone}`}>
+        <Icon name={icon} />
+        <span class="unseen">
+          {label(station)} {word}.{" "}
+        </span>
+        <bdi>{sentence(whyNot(station))}</bdi>
+      </p>
+      {next && (
+        <p class="next">
+          <b>{t("overview.next")}</b> <bdi>{sentence(next)}</bdi>
+        </p>
+      )}
+      {name !== null && <p>{t("overview.watch", { name })}</p>}
+      {station.remarks.includes("no_name") && <p>{t("overview.noname")}</p>}
+      {status?.notes.map((note) => (
+        <p key={note.cause} class="note">
+          <b>{t("overview.also")}</b> <bdi>{sentence(note.sentence)}</bdi>
+        </p>
+      ))}
+    </section>
+  );
+}
+
+function Conditions({ status }: { status: Status }) {
+  return (
+    <section>
+      <h2>{t("overview.conditions")}</h2>
+      <ul class="conditions">
+        {conditions(status).map(({ name, met, value }) => (
+          <li key={name}>
+            <Icon name={met === null ? "dash" : met ? "tick" : "square"} tone={met === false ? "accent" : "muted"} />
+            <span class="unseen">
+              {t(met === null ? "condition.info" : met ? "condition.met" : "condition.unmet")}:{" "}
+            </span>
+            <span>{name}</span>
+            <bdi class="muted">{foreign(value)}</bdi>
+          </li>
+        ))}
+      </ul>
+    </section>
+  );
+}
+
+function Faults({ status }: { status: Status }) {
+  const all = [
+    ...status.faults.map((fault) => ({ ...fault, tone: "fault", icon: "cross" as const, sign: "F" })),
+    ...status.warnings.map((warning) => ({ ...warning, tone: "warn", icon: "triangle" as const, sign: "W" })),
+  ];
+  if (all.length === 0) return null;
+  return (
+    <section>
+      <h2>{t("overview.faults")}</h2>
+      <ul class="faults">
+        {all.map((one) => (
+          <li key={`${one.sign}${one.number}`}>
+            <p class={one.tone}>
+              <Icon name={one.icon} />
+              <b>
+                {one.sign}
+                {one.number}
+              </b>{" "}
+              <bdi>{foreign(one.meaning ?? "")}</bdi>
+            </p>
+            {one.remedy && <p class="muted">{t("overview.remedy", { text: sentence(one.remedy) })}</p>}
+          </li>
+        ))}
+      </ul>
+    </section>
+  );
+}
+
+interface Shown {
+  id: string;
+  name: string;
+  title: string;
+  quantity: Quantity | null;
+  seconds: number | null;
+}
+
+function Value({ id, name, title, quantity, seconds }: Shown) {
+  if (quantity === null) return null;
+  const gone = silent.value !== null || seconds === null || seconds > GONE;
+  const stale = gone || seconds > STALE;
+  return (
+    <div class={stale ? "value stale" : "value"}>
+      <dt>{title}</dt>
+      <dd>
+        <span class="main number">{gone ? "\u2013" : digits(quantity)}</span>{" "}
+        <span class="unit">{quantity.unit === "%" ? "% of reference" : quantity.unit}</span>
+        <Spark id={id} name={name} title={title} unit={quantity.unit} />
+      </dd>
+    </div>
+  );
+}
+
+function Values({ station }: { station: Station }) {
+  const seconds = aged(station.age);
+  const { status, id } = station;
+  if (!status) return null;
+  const read = seconds === null ? 0 : seconds;
+  const stale = silent.value !== null || read > STALE;
+  const common = { id, seconds };
+  return (
+    <section>
+      <h2>
+        {t("overview.values")}
+        {server.value?.simulation && <Shaft id={id} />}
+        <span class="muted small">{t(stale ? "overview.stale" : "overview.age", { age: age(read) })}</span>
+      </h2>
+      <dl class="values">
+        <Value {...common} name="speed" title={t("value.speed")} quantity={status.speed_actual} />
+        <Value {...common} name="set" title={t("value.set")} quantity={status.speed_set} />
+        <Value {...common} name="position" title={t("value.position")} quantity={status.position} />
+        <Value {...common} name="following" title={t("value.following")} quantity={status.following_error} />
+        <Value {...common} name="bus" title={t("value.bus")} quantity={status.bus_voltage} />
+      </dl>
+    </section>
+  );
+}
+
+function Identity({ station }: { station: Station }) {
+  const identity = station.info?.identity;
+  const rows: [string, string | undefined][] = [
+    [t("identity.order"), identity?.order_id],
+    [t("identity.serial"), identity?.serial_number],
+    [t("identity.firmware"), identity?.software_revision],
+    [t("identity.hardware"), identity ? String(identity.hardware_revision) : undefined],
+    [t("identity.address"), station.ip ? `${station.ip}/${station.prefix ?? ""}` : undefined],
+    [t("identity.mac"), station.mac],
+    [t("identity.function"), identity?.function],
+    [t("identity.location"), identity?.location],
+  ];
+  return (
+    <section>
+      <h2>{t("overview.identity")}</h2>
+      <dl class="pairs">
+        {rows
+          .filter(([, text]) => text?.trim())
+          .map(([name, text]) => (
+            <div key={name}>
+              <dt>{name}</dt>
+              <dd>
+                <bdi>{foreign(text ?? "")}</bdi>
+              </dd>
+            </div>
+          ))}
+      </dl>
+    </section>
+  );
+}
+
+function Events({ id }: { id: string }) {
+  const own = events.value.filter((event) => event.drive === id).slice(0, 5);
+  return (
+    <section>
+      <h2>{t("overview.events")}</h2>
+      {own.length === 0 ? (
+        <p class="muted">{t("overview.events.none")}</p>
+      ) : (
+        <ul class="events">
+          {own.map(({ time, text }) => (
+            <li key={`${time.getTime()} ${text}`}>
+              <time class="number muted">{time.toTimeString().slice(0, 8)}</time> <bdi>{sentence(text)}</bdi>
+            </li>
+          ))}
+        </ul>
+      )}
+    </section>
+  );
+}
+
+export function Overview() {
+  const { path } = useLocation();
+  const station = selected(path);
+  if (!station) {
+    const waiting = selectedId(path) !== null && stations.value === null;
+    const text = selectedId(path) === null ? "overview.none" : waiting ? "overview.loading" : "overview.unknown";
+    return (
+      <section class="nothing">
+        <h1>{t("overview.title")}</h1>
+        <p>{t(text)}</p>
+        <p>
+          <a href={`/network${location.search}`}>{t("overview.none.action")}</a>
+        </p>
+      </section>
+    );
+  }
+  return (
+    <article class="overview">
+      <div>
+        <h1>
+          <bdi>{label(station)}</bdi>
+        </h1>
+        <Why station={station} />
+        {station.status && <Conditions status={station.status} />}
+        {station.status && <Faults status={station.status} />}
+      </div>
+      <div>
+        <Values station={station} />
+        <Identity station={station} />
+        <Events id={station.id} />
+      </div>
+    </article>
+  );
+}

@@ -1,0 +1,173 @@
+/** Brings what the workbench knows to the page. */
+import { batch } from "@preact/signals";
+import { Refused, request, type Server, type Shaft, type Station, type Stations, type Stopped } from "../api";
+import { t } from "../text";
+import {
+  access,
+  answered,
+  events,
+  failure,
+  now,
+  received,
+  searched,
+  searching,
+  server,
+  shafts,
+  stations,
+  type Track,
+  tracks,
+} from "./store";
+
+/** Time between two requests, in ms. */
+const PERIOD = 1000;
+const SHAFT_PERIOD = 100;
+const CLOCK_PERIOD = 250;
+/** Time for a search, in ms. */
+const SEARCH = 20_000;
+/** What is kept of a value, in ms. */
+const TRACK = 60_000;
+/** Events that are kept, of all drives. */
+const EVENTS = 100;
+
+/** Takes the token out of the address and begins a session with it, or goes on with the one there is. */
+export async function enter(): Promise<void> {
+  const token = new URLSearchParams(location.hash.slice(1)).get("token");
+  if (token !== null) {
+    // a token that stays in the address ends in bookmarks and pictures
+    history.replaceState(null, "", location.pathname + location.search);
+  }
+  try {
+    if (token !== null) {
+      const headers = { "Content-Type": "application/json" };
+      await request("session", { method: "POST", headers, body: JSON.stringify({ token }) });
+    }
+    server.value = await request<Server>("server");
+    access.value = { kind: "in" };
+    run();
+  } catch (error) {
+    const reason =
+      error instanceof Refused && error.status === 401 && token === null
+        ? t("login.text")
+        : t("login.refused", { reason: error instanceof Error ? error.message : String(error) });
+    access.value = { kind: "out", reason };
+  }
+}
+
+function run(): void {
+  setInterval(() => {
+    now.value = performance.now();
+  }, CLOCK_PERIOD);
+  every(PERIOD, async () => take(await request<Stations>("stations")));
+  if (server.value?.simulation) {
+    every(SHAFT_PERIOD, async () => {
+      const { drives } = await request<{ drives: Shaft[] }>("plant/drives");
+      shafts.value = new Map(drives.map((shaft) => [shaft.id, shaft]));
+    });
+  }
+}
+
+/** Calls `work` again and again, not while the page is hidden. An answer that says that there is no session ends it. */
+function every(period: number, work: () => Promise<void>): void {
+  const turn = async () => {
+    if (access.value.kind === "out") {
+      return;
+    }
+    const begin = performance.now();
+    if (!document.hidden) {
+      try {
+        await work();
+        answered.value = performance.now();
+      } catch (error) {
+        if (error instanceof Refused && error.status === 401) {
+          access.value = { kind: "out", reason: t("login.ended") };
+          return;
+        }
+      }
+    }
+    setTimeout(turn, Math.max(20, period - (performance.now() - begin)));
+  };
+  void turn();
+}
+
+/** Lets the workbench search for stations now. */
+export async function searchNow(): Promise<void> {
+  searching.value = true;
+  try {
+    take(await request<Stations>("stations/scan", { method: "POST", signal: AbortSignal.timeout(SEARCH) }));
+  } catch (error) {
+    failure.value = error instanceof Error ? error.message : String(error);
+  }
+  searching.value = false;
+}
+
+function take(report: Stations): void {
+  batch(() => {
+    note(stations.value ?? [], report.stations);
+    stations.value = report.stations;
+    received.value = performance.now();
+    now.value = received.value;
+    searched.value = report.age;
+    failure.value = report.failure?.message ?? null;
+    tracks.value = extended(tracks.value, report.stations);
+  });
+}
+
+/** Notes what is different from before. */
+function note(before: Station[], after: Station[]): void {
+  const known = new Map(before.map((station) => [station.id, station]));
+  const fresh = after.flatMap((station) => {
+    const old = known.get(station.id)?.status;
+    const status = station.status;
+    if (!old || !status || (old.cause === status.cause && old.state_text === status.state_text)) {
+      return [];
+    }
+    const state = status.state_text ?? "";
+    const text = old.cause === status.cause ? state : `${status.sentence}${state && ` (${state})`}`;
+    return [{ time: new Date(), drive: station.id, text }];
+  });
+  if (fresh.length > 0) {
+    events.value = [...fresh, ...events.value].slice(0, EVENTS);
+  }
+}
+
+/** Returns the tracks with the values of a new report. */
+function extended(all: ReadonlyMap<string, Track>, report: Station[]): Map<string, Track> {
+  const next = new Map<string, Track>();
+  const time = performance.now();
+  for (const { id, status, age } of report) {
+    const values = {
+      speed: status?.speed_actual,
+      set: status?.speed_set,
+      position: status?.position,
+      bus: status?.bus_voltage,
+      following: status?.following_error,
+    };
+    for (const [name, quantity] of Object.entries(values)) {
+      const key = `${id} ${name}`;
+      const old = all.get(key) ?? { times: [], values: [] };
+      const from = old.times.findIndex((then) => then > time - TRACK);
+      const kept = from < 0 ? { times: [], values: [] } : old;
+      const track = { times: kept.times.slice(Math.max(0, from)), values: kept.values.slice(Math.max(0, from)) };
+      const at = time - (age ?? 0) * 1000;
+      // a status that was shown before is no new value
+      if (quantity && at > (track.times.at(-1) ?? Number.NEGATIVE_INFINITY) + 100) {
+        track.times.push(at);
+        track.values.push(quantity.value);
+      }
+      if (track.times.length > 0) {
+        next.set(key, track);
+      }
+    }
+  }
+  return next;
+}
+
+/** Stops every axis that the server controls. Returns what became of it, in words. */
+export async function stop(): Promise<string> {
+  try {
+    const stopped = await request<Stopped>("stop", { method: "POST", keepalive: true });
+    return t("stop.done", { number: stopped.stops });
+  } catch {
+    return t("stop.failed");
+  }
+}

@@ -1,0 +1,17 @@
+import { en, type Key } from "./en";
+
+/** The pseudo-locale of the tests: 40 % longer, so that a translation is data and no work on the layout. */
+const pseudo = new URLSearchParams(location.search).get("lang") === "xx";
+
+/** Returns a text with its arguments. */
+export function t(key: Key, values: Record<string, string | number> = {}): string {
+  const text = en[key].replace(/\{(\w+)\}/g, (whole, name: string) => String(values[name] ?? whole));
+  return pseudo ? `[${text}${"~".repeat(Math.ceil(text.length * 0.4))}]` : text;
+}
+
+/** Returns an age in words: `3 s`, `2 min`. */
+export function age(seconds: number): string {
+  return seconds < 120
+    ? t("age.seconds", { count: Math.max(0, Math.round(seconds)) })
+    : t("age.minutes", { count: Math.floor(seconds / 60) });
+}

@@ -1,0 +1,32 @@
+import { execFileSync, spawn } from "node:child_process";
+import { end, expect, program, serve, test } from "./bench";
+
+// the namespace of the tests has no network but this cable: this end has an address, a virtual drive is at the other
+test("drives given by their addresses are read, and the page says what a search needs", async ({ page }) => {
+  const ip = (...words: string[]) => execFileSync("ip", words, { stdio: "inherit" });
+  ip("link", "add", "here", "type", "veth", "peer", "name", "there");
+  ip("addr", "add", "192.168.99.1/24", "dev", "here");
+  ip("link", "set", "here", "up");
+  ip("link", "set", "there", "up");
+  const drive = spawn(program, ["simulate", "-q", "--name", "akd-9", "--ip", "192.168.99.9/24", "-i", "there"], {
+    stdio: "inherit",
+  });
+  const server = await serve("--ip", "192.168.99.9", "--listen", "127.0.0.1:0");
+  try {
+    await page.goto(server.url);
+    await expect(page.getByText("A search needs a network interface: start with -i")).toBeVisible();
+    const row = page.getByRole("row", { name: "192.168.99.9" });
+    await expect(row).toContainText("no controller is connected", { timeout: 30_000 });
+    await expect(row).toContainText("V1.17.0");
+    await expect(page.getByText("SIMULATION")).toHaveCount(0);
+    await expect(page.getByRole("columnheader", { name: "Shaft" })).toHaveCount(0);
+    await row.getByRole("link").click();
+    await expect(page.locator(".sentence")).toContainText("no controller is connected");
+    const answer = await page.request.get(`${server.origin}/api/v1/plant/drives`);
+    expect(answer.status()).toBe(404);
+  } finally {
+    await end(server);
+    drive.kill("SIGKILL");
+    ip("link", "del", "here");
+  }
+});

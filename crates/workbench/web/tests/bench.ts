@@ -1,0 +1,93 @@
+/** A server for each test file, and a page that is let in. */
+import { type ChildProcess, spawn } from "node:child_process";
+import { mkdirSync } from "node:fs";
+import { join } from "node:path";
+import { createInterface } from "node:readline";
+import { fileURLToPath } from "node:url";
+import { test as base, expect, type Page } from "@playwright/test";
+
+const root = fileURLToPath(new URL("../../../..", import.meta.url));
+export const program = process.env.PROFIDRIVE ?? join(root, "target/debug/profidrive");
+export const pictures = join(root, "target/workbench");
+mkdirSync(pictures, { recursive: true });
+
+/** A server that runs. */
+export interface Running {
+  process: ChildProcess;
+  url: string;
+  viewUrl: string;
+  origin: string;
+}
+
+/** Starts `profidrive serve` with these arguments and waits until it is ready. */
+export async function serve(...args: string[]): Promise<Running> {
+  return serveIn({}, ...args);
+}
+
+/** The same with other variables of its environment. */
+export async function serveIn(variables: Record<string, string>, ...args: string[]): Promise<Running> {
+  const env = { ...process.env, ...variables };
+  const child = spawn(program, ["serve", "--json", ...args], { stdio: ["ignore", "pipe", "inherit"], env });
+  const lines = createInterface({ input: child.stdout });
+  for await (const line of lines) {
+    const ready = JSON.parse(line) as { event: string; url: string; view_url: string };
+    expect(ready.event).toBe("ready");
+    return { process: child, url: ready.url, viewUrl: ready.view_url, origin: new URL(ready.url).origin };
+  }
+  throw new Error(`${program} serve ${args.join(" ")} did not start`);
+}
+
+export async function end(server: Running): Promise<void> {
+  if (server.process.exitCode === null && server.process.signalCode === null) {
+    const ended = new Promise((resolve) => server.process.once("exit", resolve));
+    server.process.kill("SIGKILL");
+    await ended;
+  }
+}
+
+/** What the page must not do: its policy refuses something, or a script fails. */
+export function watch(page: Page): string[] {
+  const wrong: string[] = [];
+  page.on("pageerror", (error) => wrong.push(String(error)));
+  page.on("console", (message) => {
+    if (message.type() === "error") wrong.push(message.text());
+  });
+  page.on("dialog", (dialog) => {
+    wrong.push(`dialog: ${dialog.message()}`);
+    void dialog.dismiss();
+  });
+  return wrong;
+}
+
+export const test = base.extend<{ entered: Page }, { demo: Running }>({
+  demo: [
+    // biome-ignore lint/correctness/noEmptyPattern: Playwright reads the names in the pattern
+    async ({}, use) => {
+      const server = await serve("--demo", "--listen", "127.0.0.1:0");
+      await use(server);
+      await end(server);
+    },
+    { scope: "worker" },
+  ],
+  baseURL: async ({ demo }, use) => use(demo.origin),
+  entered: async ({ page, demo }, use) => {
+    const wrong = watch(page);
+    await page.goto(demo.url);
+    await rows(page);
+    await use(page);
+    expect(wrong).toEqual([]);
+    // a server has room for 16 sessions
+    await page.evaluate(() => fetch("/api/v1/session", { method: "DELETE" }));
+  },
+});
+
+/** Waits until each drive of the demo was read. */
+export async function rows(page: Page): Promise<void> {
+  await expect(page.getByRole("row")).toHaveCount(7);
+  await expect(page.getByRole("row", { name: "F439" })).toBeVisible();
+  await expect(page.getByRole("row", { name: "axis-1" })).toContainText("no controller is connected");
+  await expect(page.getByRole("row", { name: "fan-1" })).toContainText("Safe torque off");
+  await expect(page.getByRole("row", { name: "pump-1" })).toContainText("no controller is connected");
+}
+
+export { expect };

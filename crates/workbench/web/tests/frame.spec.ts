@@ -1,0 +1,215 @@
+import { chmodSync, copyFileSync, existsSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { createRequire } from "node:module";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import type { Page } from "@playwright/test";
+import { end, expect, pictures, rows, serve, serveIn, test } from "./bench";
+
+const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
+
+async function screens(page: Page): Promise<[string, string][]> {
+  const answer = await page.request.get("/api/v1/stations");
+  const { stations } = (await answer.json()) as { stations: { id: string; name: string | null }[] };
+  const named = (name: string) => encodeURIComponent(stations.find((one) => one.name === name)?.id ?? "");
+  return [
+    ["network", "/network"],
+    ["overview", `/drives/${named("fan-1")}/overview`],
+    ["overview-fault", `/drives/${named("axis-2")}/overview`],
+    ["overview-watch", `/drives/${named("press-1")}/overview`],
+    ["overview-none", "/drives/none/overview"],
+  ];
+}
+
+test("STOP can be reached on each screen and in each viewport", async ({ entered: page }) => {
+  for (const [name, path] of await screens(page)) {
+    await page.goto(path);
+    const stop = page.getByRole("button", { name: "STOP" });
+    await expect(stop).toBeVisible();
+    for (const [width, height] of [
+      [1366, 640],
+      [1024, 700],
+      [768, 950],
+      [400, 800],
+    ] as const) {
+      await page.setViewportSize({ width, height });
+      await page.evaluate(() => scrollTo(0, document.body.scrollHeight));
+      const seen = await stop.evaluate((button) => {
+        const { x, y, width, height, right, bottom } = button.getBoundingClientRect();
+        const hit = document.elementFromPoint(x + width / 2, y + height / 2);
+        const inside = x >= 0 && y >= 0 && right <= innerWidth && bottom <= innerHeight;
+        return { inside, height, hit: hit === button, sideways: document.documentElement.scrollWidth > innerWidth };
+      });
+      expect(seen, `${name} ${width}x${height}`).toMatchObject({ inside: true, hit: true, sideways: false });
+      expect(seen.height).toBeGreaterThanOrEqual(44);
+    }
+  }
+});
+
+test("STOP says honestly that there is nothing to stop, by mouse and keys", async ({ entered: page }) => {
+  const stop = page.getByRole("button", { name: "STOP not available" });
+  await expect(page.getByText("This server controls no axis. Use the emergency stop of the machine.")).toBeVisible();
+  const answer = page.getByRole("alert");
+  const count = async () => ((await (await page.request.get("/api/v1/server")).json()) as { stops: number }).stops;
+  const before = await count();
+  await stop.click();
+  await expect(answer).toHaveText(`STOP ${before + 1} was received. It stopped no axis: this server controls none.`);
+  await page.keyboard.press("Control+Space");
+  await expect(answer).toContainText(`STOP ${before + 2} `);
+  await page.keyboard.press("Escape");
+  await page.keyboard.press("Escape");
+  await expect(answer).toContainText(`STOP ${before + 3} `);
+});
+
+test("the browser that the program starts is let in once", async ({ page, browser }) => {
+  const folder = mkdtempSync(join(tmpdir(), "profidrive-open-"));
+  const argument = join(folder, "argument");
+  // in place of a desktop
+  writeFileSync(join(folder, "xdg-open"), `#!/bin/sh\necho "$1" >${argument}.new && mv ${argument}.new ${argument}\n`);
+  chmodSync(join(folder, "xdg-open"), 0o755);
+  const path = `${folder}:${process.env.PATH}`;
+  const server = await serveIn({ PATH: path }, "--demo", "--open", "--listen", "127.0.0.1:0");
+  try {
+    await expect.poll(() => existsSync(argument)).toBe(true);
+    const url = readFileSync(argument, "utf8").trim();
+    expect(url).not.toBe(server.url);
+    await page.goto(url);
+    await expect(page.getByRole("heading", { name: "Network" })).toBeVisible();
+    await expect(page.getByRole("button", { name: "Search now" })).toBeEnabled();
+    const other = await browser.newContext();
+    const second = await other.newPage();
+    await second.goto(url);
+    await expect(second.getByRole("alert")).toContainText("The workbench refused");
+    await other.close();
+  } finally {
+    await end(server);
+    rmSync(folder, { recursive: true });
+  }
+});
+
+test("a server that is read-only offers no change", async ({ page }) => {
+  const server = await serve("--demo", "--read-only", "--listen", "127.0.0.1:0");
+  try {
+    await page.goto(server.url);
+    await rows(page);
+    await expect(page.getByText("READ-ONLY")).toBeVisible();
+    await expect(page.getByRole("button", { name: "Search now" })).toHaveCount(0);
+  } finally {
+    await end(server);
+  }
+});
+
+test("a view link looks and stops", async ({ browser, demo }) => {
+  const context = await browser.newContext({ baseURL: demo.origin });
+  const page = await context.newPage();
+  await page.goto(demo.viewUrl);
+  await rows(page);
+  await expect(page.getByText("VIEW LINK")).toBeVisible();
+  await page.getByRole("button", { name: "STOP" }).click();
+  await expect(page.getByRole("alert")).toContainText("was received");
+  await context.close();
+});
+
+for (const theme of ["light", "dark"] as const) {
+  for (const lang of ["", "?lang=xx"]) {
+    test(`axe finds nothing: ${theme} ${lang}`, async ({ entered: page }) => {
+      await page.emulateMedia({ colorScheme: theme });
+      for (const [name, path] of await screens(page)) {
+        for (const [width, height] of [
+          [1366, 768],
+          [768, 950],
+        ] as const) {
+          await page.setViewportSize({ width, height });
+          await page.goto(path + lang);
+          await expect(page.locator("main h1")).toBeVisible();
+          await expect(page.getByRole("option").filter({ hasText: "axis-1" })).toBeAttached();
+          await page.screenshot({ path: join(pictures, `${name}-${theme}${lang ? "-long" : ""}-${width}.png`) });
+          // by the protocol of the browser, which the policy of the page does not bind
+          await page.evaluate(axe);
+          const violations = await page.evaluate(async () => {
+            const found = await (window as unknown as { axe: { run(): Promise<{ violations: unknown[] }> } }).axe.run();
+            return found.violations;
+          });
+          expect(violations, `${name} ${width}`).toEqual([]);
+        }
+      }
+    });
+  }
+}
+
+test("the keyboard reaches everything, with a visible focus", async ({ entered: page }) => {
+  const wanted = await page.locator("a:visible, button:visible, select:visible").count();
+  const reached = new Set<string>();
+  for (let press = 0; press < wanted + 6; press += 1) {
+    await page.keyboard.press("Tab");
+    const seen = await page.evaluate(() => {
+      const now = document.activeElement;
+      if (!(now instanceof HTMLElement) || now === document.body) return null;
+      const { outlineStyle, outlineWidth } = getComputedStyle(now);
+      return { name: `${now.tagName} ${now.textContent}`, ring: outlineStyle !== "none" && outlineWidth !== "0px" };
+    });
+    if (seen) {
+      expect(seen.ring, seen.name).toBe(true);
+      reached.add(seen.name);
+    }
+  }
+  // the link that skips the navigation is hidden until it has the focus
+  expect(reached.size).toBeGreaterThanOrEqual(wanted);
+  await page.keyboard.press("g");
+  await page.keyboard.press("o");
+  await expect(page.getByText("Select a drive to see why it does not run.")).toBeVisible();
+  await page.keyboard.press("g");
+  await page.keyboard.press("n");
+  await expect(page.getByRole("heading", { name: "Network" })).toBeVisible();
+});
+
+test("a lost workbench is said, old values are dashes, and it comes back by itself", async ({ page }) => {
+  const server = await serve("--demo", "--listen", "127.0.0.1:0");
+  try {
+    await page.goto(server.url);
+    await rows(page);
+    await page.getByRole("link", { name: "press-1" }).click();
+    await expect(page.locator(".value .main").first()).toHaveText(/\d/);
+    server.process.kill("SIGSTOP");
+    await expect(page.getByText(/Connection to the workbench lost \d+ s ago/)).toBeVisible();
+    await expect(page.getByRole("button", { name: "STOP cannot reach" })).toBeVisible();
+    for (const value of await page.locator(".value .main").allTextContents()) {
+      expect(value).toBe("\u2013");
+    }
+    server.process.kill("SIGCONT");
+    await expect(page.getByText(/Connection to the workbench lost/)).toBeHidden();
+    await expect(page.locator(".value .main").first()).toHaveText(/\d/);
+    await expect(page.getByText("READ-ONLY")).toBeVisible();
+    const address = new URL(server.url).host;
+    await end(server);
+    await expect(page.getByText(/Connection to the workbench lost/)).toBeVisible();
+    const again = await serve("--demo", "--listen", address);
+    try {
+      await expect(page.getByText("Open the address that it printed last.")).toBeVisible();
+    } finally {
+      await end(again);
+    }
+  } finally {
+    await end(server);
+  }
+});
+
+test("without a token the page says what it needs", async ({ browser, demo }) => {
+  const context = await browser.newContext();
+  const page = await context.newPage();
+  await page.goto(`${demo.origin}/network`);
+  await expect(page.getByRole("alert")).toContainText("Open the address that the server printed");
+  await page.goto(`${demo.origin}/#token=00000000000000000000000000000000`);
+  await page.reload();
+  await expect(page.getByRole("alert")).toBeVisible();
+  await context.close();
+});
+
+test("the picture of the README", async ({ entered: page }) => {
+  await page.setViewportSize({ width: 1366, height: 420 });
+  await expect(page.getByRole("row", { name: "press-1" })).toContainText("S4");
+  const file = join(pictures, "workbench.png");
+  await page.screenshot({ path: file });
+  if (process.env.PICTURE) {
+    copyFileSync(file, process.env.PICTURE);
+  }
+});
