@@ -186,7 +186,7 @@ impl OpenError {
         match self {
             Self::NoInterface { .. } => ErrorKind::Usage,
             #[cfg(feature = "simulate")]
-            Self::PlantFile(error) => crate::Explained::kind(error),
+            Self::PlantFile(error) => crate::simulate::kind(error),
             #[cfg(feature = "simulate")]
             Self::Plant(_) => ErrorKind::Usage,
             _ => ErrorKind::Unreachable,

@@ -6,9 +6,9 @@ mod explained;
 use std::path::Path;
 use std::sync::Arc;
 
-use client::Client;
+use client::{Client, ErrorKind};
 use network::system::Stop;
-use plant::PlantPlan;
+use plant::{PlantFileError, PlantPlan};
 use profinet::controller::ControllerConfig;
 use profinet::{IpSuite, MacAddress};
 
@@ -48,6 +48,14 @@ pub fn open_plant(path: impl AsRef<Path>) -> Result<Network, OpenError> {
 /// When no IP address is left beside its drives for this program.
 pub fn open_plan(plant: PlantPlan) -> Result<Network, OpenError> {
     Opening::new(Access::default()).in_plant(plant).open()
+}
+
+/// The kind of the error: the content of the file, or the file itself.
+pub(crate) const fn kind(error: &PlantFileError) -> ErrorKind {
+    match error {
+        PlantFileError::PlantPlan { .. } => ErrorKind::Usage,
+        _ => ErrorKind::Local,
+    }
 }
 
 impl Opening {

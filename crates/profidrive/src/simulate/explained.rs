@@ -11,10 +11,7 @@ use crate::addressing::check_station_name;
 
 impl Explained for PlantFileError {
     fn kind(&self) -> ErrorKind {
-        match self {
-            Self::PlantPlan { .. } => ErrorKind::Usage,
-            _ => ErrorKind::Local,
-        }
+        super::kind(self)
     }
 }
 
