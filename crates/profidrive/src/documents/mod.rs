@@ -18,7 +18,7 @@ pub use portrait::{DrivePortrait, Portrait, portrait};
 #[non_exhaustive]
 pub enum DocumentError {
     /// There is something of this name.
-    #[error("{} is there already", .0.display())]
+    #[error("{} exists already", .0.display())]
     Exists(PathBuf),
     /// The folder of the file does not exist.
     #[error("there is no folder {}", .0.display())]
@@ -55,8 +55,8 @@ impl DocumentError {
     #[must_use]
     pub fn kind(&self) -> ErrorKind {
         match self {
-            Self::Exists(_) | Self::NoFolder(_) | Self::TooLarge { .. } => ErrorKind::Usage,
-            Self::NotRead { .. } | Self::File(_) => ErrorKind::Local,
+            Self::NoFolder(_) | Self::TooLarge { .. } => ErrorKind::Usage,
+            Self::Exists(_) | Self::NotRead { .. } | Self::File(_) => ErrorKind::Local,
             Self::Client(error) => error.kind(),
             Self::Content(_) => ErrorKind::Internal,
         }
