@@ -380,6 +380,30 @@ fn a_recording_is_drawn_on_a_terminal_that_is_restored() {
     );
 }
 
+/// Runs a program whose stdout is a terminal that is not its own: no keys can be read.
+const FOREIGN_TERMINAL: &str = "
+import os, pty, subprocess, sys
+own, other = pty.openpty()
+done = subprocess.run(sys.argv[1:], stdin=subprocess.DEVNULL, stdout=other, stderr=subprocess.PIPE, start_new_session=True)
+sys.stderr.buffer.write(done.stderr)
+sys.exit(done.returncode)
+";
+
+#[test]
+fn a_terminal_that_cannot_be_used_leaves_no_file() {
+    let lab = Lab::new("record-foreign-terminal");
+    let file = path(&lab, "live.csv");
+    let program = built("profidrive");
+    let line = ["-c", FOREIGN_TERMINAL, program.to_str().unwrap()];
+    let more = ["record", "akd-1", "speed", "--live", "-o", &file];
+    let refused = lab.run(Side::Controller, python(), [&line[..], &more].concat(), SHORT);
+    assert!(
+        refused.code == Some(2) && refused.err.contains("this one cannot be used"),
+        "{refused:?}"
+    );
+    assert!(!Path::new(&file).exists());
+}
+
 fn record_without_terminal(lab: &Lab) -> Finished {
     record(lab, &["akd-1", "speed", "--every", "cycle", "--live"])
 }
