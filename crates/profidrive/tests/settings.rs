@@ -115,7 +115,7 @@ fn a_changed_setting_is_found_restored_and_brought_back() {
     .wait();
     let refused = refused.unwrap_err();
     assert!(
-        matches!(refused, RestoreError::WayBack { .. }) && refused.kind() == ErrorKind::Usage,
+        matches!(refused, RestoreError::WayBack { .. }) && refused.kind() == ErrorKind::Local,
         "{refused}"
     );
     assert_eq!(std::fs::read_to_string(&way_back).expect("kept"), "precious");

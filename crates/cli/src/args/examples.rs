@@ -261,6 +261,7 @@ pub const EXAMPLES: &[(&str, &[Example])] = &[
         &[
             ("diff akd-1.backup akd-1", "what changed since the backup"),
             ("diff akd-1 akd-2", "two drives"),
+            ("diff backups all", "each drive against its file in a folder"),
             ("diff machine.toml all", "the machine against its file"),
         ],
     ),

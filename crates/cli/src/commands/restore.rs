@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use client::change::{Change, ChangeSet, Choice, Plan, Skip, Skipped, Step};
-use client::{Drive, Wait};
+use client::{Drive, ErrorKind, Wait};
 use profidrive::report::RestoreReport;
 use profidrive::settings::{self, RestoreError, Shortfall};
 use profile::value::Reading;
@@ -80,10 +80,10 @@ pub fn run(args: &Restore, target: &Target, output: &Output) -> Result<(), Failu
 /// Where the way back goes: never over anything.
 fn way_back(args: &Restore) -> Result<PathBuf, Failure> {
     match &args.way_back {
-        Some(path) if path.exists() => Err(Failure::usage(format!(
-            "--way-back: {} is there already",
-            path.display()
-        ))),
+        Some(path) if path.exists() => Err(Failure::new(
+            ErrorKind::Local,
+            format!("--way-back: {} exists already", path.display()),
+        )),
         Some(path) => Ok(path.clone()),
         None => settings::way_back(&args.file).ok_or_else(|| {
             Failure::usage("no free name for the values before: `.before-1` to `.before-9999` exist; choose one with --way-back PATH")

@@ -38,7 +38,7 @@ use network::files::StateFile;
 
 pub use backup::{Missing, MissingSettings, backup, missing, outcome};
 pub use comparison::{CompareError, Comparison, as_in};
-pub use file::{BackupFile, FileError, file_in, make_folder, read};
+pub use file::{BackupFile, FileError, file_in, make_folder, read, without_drive};
 pub use lasting::lasting;
 
 /// Most ways back beside one file.
@@ -95,9 +95,6 @@ impl RestoreError {
         match self {
             Self::Misfit(_) | Self::Controlled { .. } => ErrorKind::Safety,
             Self::Nothing => ErrorKind::Usage,
-            Self::WayBack { source, .. } if source.kind() == std::io::ErrorKind::AlreadyExists => {
-                ErrorKind::Usage
-            }
             Self::WayBack { .. } => ErrorKind::Local,
             Self::Client(error) => error.kind(),
         }
