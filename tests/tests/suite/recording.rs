@@ -232,6 +232,8 @@ fn a_full_disk_ends_a_recording_and_loses_nothing_that_was_recorded() {
             .split_once("; the ")
             .and_then(|(_, rest)| rest.split(' ').next()?.parse().ok())
             .unwrap();
+        assert_eq!(report["written"].as_u64(), Some(said as u64), "{report}");
+        assert!(report["rows"].as_u64() > Some(said as u64), "{report}");
         let copy = lab.folder().join(readable);
         let there = if name.ends_with("csv") {
             let text = std::fs::read_to_string(&copy).unwrap();

@@ -49,7 +49,7 @@ pub struct Restore {
     /// Show what would be written, but write nothing
     #[arg(long)]
     pub dry_run: bool,
-    /// Let the drive keep the values over power-off (DRV.NVSAVE), once all are written and verified
+    /// Save the values in the drive (DRV.NVSAVE) once all are written and verified, so that they outlive power-off
     #[arg(long)]
     pub save: bool,
     /// Where to write the values that the drive has before; FILE.before-1, -2, .. when left out

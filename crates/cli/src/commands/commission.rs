@@ -1,6 +1,7 @@
 //! `profidrive commission`, and `profidrive diff` with a machine file
 
 use std::path::Path;
+use std::sync::{Mutex, PoisonError};
 
 use client::backup::Backup;
 use client::change::Step;
@@ -223,9 +224,12 @@ fn plan(
 ) -> Result<(Opening, Live, Vec<Planned>), Failure> {
     let all = Selector::all();
     let (opening, mut session) = connect::network(&options.target("all"), &all, Need::Records, output)?;
-    let spinner = connect::spinner(output, "reading the drives of the machine".to_owned());
-    let planned = commissioning::plan(&opening, &mut session, machine, purpose).wait();
-    spinner.finish_and_clear();
+    let steps = Mutex::new(connect::steps(output));
+    let progress = |step: profidrive::Step| {
+        steps.lock().unwrap_or_else(PoisonError::into_inner).show(&step);
+    };
+    let planned = commissioning::plan_with(&opening, &mut session, machine, purpose, progress).wait();
+    drop(steps);
     Ok((opening, session, planned?))
 }
 

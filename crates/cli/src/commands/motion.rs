@@ -60,12 +60,9 @@ impl Acknowledging {
 impl Each for Acknowledging {
     const DOING: &'static str = "acknowledging";
 
+    /// A drive without a fault needs no port of a controller, which another program of this computer may hold.
     fn need(&self) -> Need {
-        if self.by_parameter {
-            Need::Records
-        } else {
-            Need::Cyclic
-        }
+        Need::Records
     }
 
     async fn work(

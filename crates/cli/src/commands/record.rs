@@ -69,7 +69,10 @@ pub fn run(args: &Record, target: &Target, output: &Output) -> Result<(), Failur
     let result = taken.record(&mut recording).wait();
     let (place, scope) = taken.end();
     let closed = session.close().wait();
-    let mut report = RecordReport::of(&recording, &cyclic, place.files());
+    let mut report = RecordReport {
+        written: place.rows(),
+        ..RecordReport::of(&recording, &cyclic, place.files())
+    };
     let drawn = match args.plot.as_ref().zip(scope) {
         Some((file, scope)) => {
             let marks: Vec<Mark> = report.trigger.iter().map(mark).collect();
@@ -280,6 +283,10 @@ fn show(report: &RecordReport, to_file: bool, began: bool, output: &Output) {
     }
     if !began {
         return;
+    }
+    let all = report.rows + report.gaps;
+    if let Some(written) = report.written.filter(|written| *written < all) {
+        output.warn(&format!("only {written} of these {all} rows could be written"));
     }
     if !report.files.is_empty() {
         output.say(&format!("{time} recorded to {}", report.files.join(", ")));

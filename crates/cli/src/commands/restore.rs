@@ -32,9 +32,13 @@ pub fn run(args: &Restore, target: &Target, output: &Output) -> Result<(), Failu
         force: args.force,
         dry_run: args.dry_run,
     };
-    let spinner = connect::spinner(output, format!("reading {}", drive.label()));
-    let plan = settings::plan(&mut session, &mut drive, &wanted, &request).wait();
-    spinner.finish_and_clear();
+    let bar = connect::bar(output, 0, "reading");
+    let progress = |done: usize, all: usize| {
+        bar.set_length(all as u64);
+        bar.set_position(done as u64);
+    };
+    let plan = settings::plan_with(&mut session, &mut drive, &wanted, &request, progress).wait();
+    bar.finish_and_clear();
     let mut plan = plan?;
     for one in plan.identity_differences(&wanted) {
         output.say(&format!(

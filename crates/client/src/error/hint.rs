@@ -192,7 +192,7 @@ impl Error {
                 "name the network interface; raw sockets on it require root or CAP_NET_RAW"
             }
             Self::NeedsCallPort { .. } => {
-                "end that program (see: ss -ulpn sport = :34964), or use another computer; until then stop the drive at its panel or by its inputs"
+                "end that program, or use another computer; until then stop the drive at its panel or by its inputs"
             }
             Self::NoIpAddress { .. } => "give it one: {address}",
             Self::OwnedByController { .. } => {

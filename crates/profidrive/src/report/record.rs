@@ -19,6 +19,9 @@ pub struct RecordReport {
     pub rows: u64,
     /// Rows that are gaps, of all drives.
     pub gaps: u64,
+    /// Rows in the files, gaps among them: fewer than were recorded where a file could not be written. Null where the rows went
+    /// elsewhere.
+    pub written: Option<u64>,
     /// The signals.
     pub signals: Vec<RecordedSignal>,
     /// The drives.
@@ -179,6 +182,7 @@ mod of {
                 time: recording.elapsed().as_secs_f64(),
                 rows: counts.iter().map(|counts| counts.rows).sum(),
                 gaps: counts.iter().map(|counts| counts.gaps).sum(),
+                written: None,
                 signals: signals.collect(),
                 drives: drives.collect(),
                 trigger: recording.triggered().map(|triggered| RecordTrigger {
