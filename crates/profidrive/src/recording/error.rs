@@ -112,7 +112,7 @@ pub enum RecordingError {
     #[error("`{trigger}` did not happen within {}{}: nothing was recorded", lasting(*.waited), held(.already))]
     NotTriggered {
         /// What was waited for.
-        trigger: Trigger,
+        trigger: Box<Trigger>,
         /// For how long.
         waited: Duration,
         /// The drives on which the condition was true from the beginning.

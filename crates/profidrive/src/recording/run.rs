@@ -312,7 +312,7 @@ impl Recording {
         match &self.missed_trigger {
             None => Ok(()),
             Some((trigger, waited, already)) => Err(RecordingError::NotTriggered {
-                trigger: trigger.clone(),
+                trigger: Box::new(trigger.clone()),
                 waited: *waited,
                 already: already
                     .iter()
