@@ -32,6 +32,7 @@ pub fn command(action: &Action, drive: &str) -> Option<String> {
     let plain = |word: &str| word.replace(' ', "");
     let rest = match action {
         Action::Scan => "scan".to_owned(),
+        Action::Doctor => format!("doctor {drive}"),
         Action::Blink { device } => format!("blink {}", of(device)),
         Action::SetName { device } => format!("name {} NAME", of(device)),
         Action::SetAddress { device } => format!("ip {} A.B.C.D/NN", of(device)),

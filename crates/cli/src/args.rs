@@ -291,15 +291,15 @@ pub struct Global {
 pub enum Command {
     /// List the stations that answer on the network; exit code 4 when there is none
     Scan(OnNetwork<Scan>),
-    /// Give a station its name; `blink` first shows which one it is
+    /// Set the name of a station; `blink` shows which one it is
     Name(OnNetwork<Name>),
-    /// Give a station its IP address; `blink` first shows which one it is
+    /// Set the IP address of a station; `blink` shows which one it is
     Ip(OnNetwork<Ip>),
-    /// Let a station blink, to be sure which one it is
+    /// Make the LED of a station blink, to identify it
     Blink(OnNetwork<Blink>),
-    /// Reset a station to factory values (asks first); `blink` first shows which one it is
+    /// Reset a station to factory values, after a confirmation; `blink` shows which one it is
     Reset(OnNetwork<Reset>),
-    /// Show who a drive is and in which state
+    /// Show the identity and the state of a drive
     Info(OnSelected<NoArguments>),
     /// Read parameters
     Read(OnSelected<Read>),
@@ -329,7 +329,7 @@ pub enum Command {
     Home(OnDrive<Home>),
     /// Bring a drive to rest: by its stop parameter, or by its control word where no controller has it
     Stop(OnSelected<Stop>),
-    /// Say in one sentence why a drive does not run; reads only (exit code 5 when something keeps it)
+    /// Show the status of a drive and why it does not run; reads only (exit code 5 when something keeps it from running)
     #[command(mut_arg("drive", |drive| drive.required(false).default_value("all")))]
     Status(OnSelected<Status>),
     /// Examine this computer, its network interface and the way to each drive: permissions, loss, duplicates; reads only
@@ -350,13 +350,13 @@ pub enum Command {
     Faults(OnSelected<Faults>),
     /// Save the settings of a drive as text, one parameter a line
     Backup(OnSelected<Backup>),
-    /// Compare the settings of two files, two drives, or a file and a drive
+    /// Compare the settings of two files, two drives, a file and a drive, or a folder of backups and its drives
     Diff(OnDrives<Diff>),
     /// Restore saved settings: prints a plan, saves the present values first, writes, verifies
     Restore(OnDrive<Restore>),
-    /// Bring the drives of a machine to what the machine file says: names, addresses, settings; shows a plan and asks first
+    /// Configure the drives of a machine as in the machine file: names, addresses, settings; prints a plan and asks for confirmation
     Commission(OnDrives<Commission>),
-    /// Let a new drive take the place of an old one: its name, its address and its settings; shows a plan and asks first
+    /// Configure a new drive as the replacement of an old one: name, address, settings; prints a plan and asks for confirmation
     Replace(OnDrives<Replace>),
     /// Explain what a number means
     Explain(Explain),
@@ -364,7 +364,7 @@ pub enum Command {
     Decode(Decode),
     /// Device descriptions (GSDML): write that of a virtual drive, show one, check one
     Gsdml(Gsdml),
-    /// Let something happen to a drive that `simulate` runs: a fault, a load, a pulled cable
+    /// Inject an event into a drive that `simulate` runs: a fault, a load, a pulled cable
     Inject(Inject),
     /// Put virtual drives on a network
     Simulate(OnNetwork<Simulate>),

@@ -24,7 +24,7 @@ pub type Live = Network;
 /// Opens the network for a command.
 pub fn session(interface: &Interface, need: Need, output: &Output) -> Result<Live, Failure> {
     let (opening, stop) = opening(interface, need)?;
-    let session = opening.open().map_err(without_permission)?;
+    let session = opening.open().map_err(|error| unopened_on(interface, error))?;
     Ok(attended(session, &stop, QUICK_STOP, output))
 }
 
@@ -79,7 +79,8 @@ pub fn drive(target: &Target, need: Need, output: &Output) -> Result<(Live, Driv
         .hint("name the drive; {scan} lists who answers")
     })?;
     let (opening, stop) = opening_for(target, need)?;
-    let session = opening.open_to(address).map_err(without_permission)?;
+    let unopened = |error| unopened_on(&target.options.interface, error);
+    let session = opening.open_to(address).map_err(unopened)?;
     let mut session = attended(session, &stop, QUICK_STOP, output);
     let mut shown = None;
     let mut observer = |event: FindEvent<'_>| match event {
@@ -122,7 +123,8 @@ pub fn drives_with(
 ) -> Result<(Live, Fleet), Failure> {
     let selector = selector(target, output)?;
     let (opening, stop) = opening_for(target, need)?;
-    let session = opening.open_for(&selector).map_err(without_permission)?;
+    let unopened = |error| unopened_on(&target.options.interface, error);
+    let session = opening.open_for(&selector).map_err(unopened)?;
     let mut session = attended(session, &stop, hurried, output);
     let spinner = spinner(output, format!("looking for {selector}"));
     let found = opening.select(&mut session, &selector).wait();
@@ -142,7 +144,8 @@ pub fn network(
     output: &Output,
 ) -> Result<(Opening, Live), Failure> {
     let (opening, stop) = opening_for(target, need)?;
-    let session = opening.open_for(selector).map_err(without_permission)?;
+    let unopened = |error| unopened_on(&target.options.interface, error);
+    let session = opening.open_for(selector).map_err(unopened)?;
     Ok((opening, attended(session, &stop, QUICK_STOP, output)))
 }
 
@@ -206,6 +209,17 @@ fn attended(mut session: Live, stop: &Stop, hurried: &'static str, output: &Outp
     session
 }
 
+/// Returns the failure of an interface that cannot be used, with where its name is from where that is not the command line.
+fn unopened_on(interface: &Interface, error: OpenError) -> Failure {
+    let failure = without_permission(error);
+    match &interface.configured {
+        Some(name) if explicit(interface).is_none() => failure.and_hint(format!(
+            "the interface `{name}` is from the configuration file; -i IFACE names another"
+        )),
+        _ => failure,
+    }
+}
+
 /// Returns the paths that work without permission for raw sockets.
 pub fn without_permission(error: OpenError) -> Failure {
     let missing = matches!(error, OpenError::Network(NetworkError::NoPermission { .. }));
@@ -243,12 +257,15 @@ fn failed(error: DriveError, taken_for: &Kind) -> Failure {
 
 /// Returns the interface that was named, as an option, in the environment or in the configuration.
 pub fn named(option: &Interface) -> Option<String> {
+    explicit(option).or_else(|| option.configured.clone())
+}
+
+/// Returns the interface that was named as an option or in the environment.
+fn explicit(option: &Interface) -> Option<String> {
     let variable = || std::env::var("PROFIDRIVE_INTERFACE").ok();
     // an empty variable is not a variable
     let named = option.interface.clone().or_else(variable);
-    named
-        .filter(|name| !name.is_empty())
-        .or_else(|| option.configured.clone())
+    named.filter(|name| !name.is_empty())
 }
 
 /// Returns the interface to use: as configured, else the only one there is.

@@ -118,6 +118,7 @@ explained!(
     profidrive::OpenError,
     profidrive::addressing::AddressingError,
     profidrive::commissioning::CommissionError,
+    profidrive::documents::DocumentError,
     profidrive::machine::MachineError,
     profidrive::monitor::MonitorError,
     profidrive::parameters::ParameterError,

@@ -10,6 +10,7 @@ use client::ErrorKind;
 use profidrive::recording::{RecordingStop, Row, Table};
 use ratatui::DefaultTerminal;
 use ratatui::crossterm::event::{self, Event, KeyCode, KeyEventKind, KeyModifiers};
+use ratatui::crossterm::terminal;
 
 use crate::failure::Failure;
 use crate::output::Output;
@@ -31,13 +32,17 @@ pub struct LivePlot {
 impl LivePlot {
     /// Checks that there is a terminal to draw on.
     pub fn check(output: &Output) -> Result<(), Failure> {
-        if output.live() {
-            return Ok(());
+        let draws = "--plot FILE.svg draws to a file";
+        if !output.live() {
+            let message = "--live draws on a terminal: stdout is none, or --json or --quiet is given";
+            return Err(Failure::usage(message).hint(draws));
         }
-        Err(
-            Failure::usage("--live draws on a terminal: stdout is none, or --json or --quiet is given")
-                .hint("--plot FILE.svg draws to a file"),
-        )
+        // stdout may be a terminal that is not that of this program: its keys cannot be read
+        let keys = terminal::enable_raw_mode().and_then(|()| terminal::disable_raw_mode());
+        keys.map_err(|error| {
+            let message = format!("--live draws on a terminal, and this one cannot be used: {error}");
+            Failure::usage(message).hint(draws)
+        })
     }
 
     /// Takes the terminal. `stop` ends the recording with a key.

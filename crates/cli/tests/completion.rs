@@ -125,12 +125,15 @@ fn the_configuration_names_the_interface_and_colours_and_nothing_else() {
         code == Some(4) && err.contains("no network interface `no-such-9`"),
         "{err}"
     );
+    let words = "the interface `no-such-9` is from the configuration file";
+    assert!(err.contains(words), "{err}");
     for (arguments, variables) in [
         (&["scan", "-i", "no-such-8"][..], &[][..]),
         (&["scan"], &[("PROFIDRIVE_INTERFACE", "no-such-8")]),
     ] {
         let (_, _, err) = run(arguments, variables);
         assert!(err.contains("no network interface `no-such-8`"), "{err}");
+        assert!(!err.contains("configuration file"), "{err}");
     }
     let coloured = ["explain", "0x047F", "--as", "stw1"];
     let decode = ["decode", "--hex", "047F0000", "--telegram", "1"];

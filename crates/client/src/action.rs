@@ -10,6 +10,8 @@ use std::fmt;
 pub enum Action {
     /// List the devices of the network.
     Scan,
+    /// Examine this computer, its network and the way to the drive.
+    Doctor,
     /// Make a device show itself.
     Blink {
         /// How the device is addressed, where a name would not identify it.
@@ -154,6 +156,7 @@ impl Action {
     pub const fn id(&self) -> &'static str {
         match self {
             Self::Scan => "scan",
+            Self::Doctor => "doctor",
             Self::Blink { .. } => "blink",
             Self::SetName { .. } => "name",
             Self::SetAddress { .. } => "address",
@@ -183,6 +186,7 @@ impl Action {
         let device = (!first().is_empty()).then(|| first().to_owned());
         Some(match name {
             "scan" => Self::Scan,
+            "doctor" => Self::Doctor,
             "blink" => Self::Blink { device },
             "name" => Self::SetName { device },
             "address" => Self::SetAddress { device },
@@ -253,6 +257,7 @@ impl Action {
     pub fn sentence(self) -> Advice {
         let does = match self {
             Self::Scan => "lists the devices that respond",
+            Self::Doctor => "measures packet loss and latency",
             Self::Blink { .. } => "shows which device it is",
             Self::SetName { .. } => "gives it a name",
             Self::SetAddress { .. } => "gives it an address",

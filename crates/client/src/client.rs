@@ -20,7 +20,7 @@ use uss::{ReceiverStatistics, SlaveId};
 
 use crate::axis::{AxisControl, Goal, Octets, Sample, SampleQueue, Wiring};
 use crate::line::{Answered, Bridge, Line, LineConfig};
-use crate::mapper::{Mapper, Registered};
+use crate::mapper::{Mapper, QueryId, Registered};
 use axis::AxisLink;
 
 pub use axis::AxisView;
@@ -229,14 +229,14 @@ impl Client {
         &self.controller
     }
 
-    /// Queries the endpoint mapper at `address` which device it belongs to; one question at a time.
-    pub fn ask_mapper(&mut self, now: Instant, address: Ipv4Addr) {
-        self.mapper.ask(now, address);
+    /// Queries the endpoint mapper at `address` which device it belongs to.
+    pub fn ask_mapper(&mut self, now: Instant, address: Ipv4Addr) -> QueryId {
+        self.mapper.ask(now, address)
     }
 
-    /// Returns the answer of the endpoint mapper; `None` inside when there was none.
-    pub fn take_registered(&mut self) -> Option<Option<Registered>> {
-        self.mapper.take()
+    /// Returns the answer to a query of an endpoint mapper, once there is one; `None` inside when it has no device.
+    pub fn take_registered(&mut self, query: QueryId) -> Option<Option<Registered>> {
+        self.mapper.take(query)
     }
 
     /// Returns the stations that answered an Identify request, once its time is over.

@@ -54,7 +54,7 @@ pub use error::{ChannelCause, ChannelRefusal, Error, ErrorKind, NotCarried, Refu
 pub use identity::Identity;
 pub use line::LineConfig;
 pub use loss::{LossAction, LossReaction, Remedy};
-pub use mapper::Registered;
+pub use mapper::{QueryId, Registered};
 pub use modules::{VendorModule, modules_of};
 pub use network::Network;
 pub use route::{ClosedRoute, Route, RouteNotice};

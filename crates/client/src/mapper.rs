@@ -2,6 +2,7 @@
 //!
 //! DCE 1.1 RPC, endpoint mapper lookup; the object UUID of a PROFINET device carries vendor, device and instance.
 
+use std::collections::VecDeque;
 use std::net::{Ipv4Addr, SocketAddrV4};
 
 use profinet::rpc::{self, ClientConfig};
@@ -27,18 +28,27 @@ pub struct Registered {
     pub annotation: String,
 }
 
-/// One enumeration at a time.
+/// Results that no caller fetched at most; the oldest makes room.
+const MAX_RESULTS: usize = 256;
+
+/// Names a query.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct QueryId(u32);
+
+/// Queries of several devices at once.
 #[derive(Debug)]
 pub struct Mapper {
     calls: rpc::Client,
     uuids: UuidSource,
     port: u16,
-    present: Option<Enumeration>,
-    result: Option<Option<Registered>>,
+    next: u32,
+    open: Vec<Enumeration>,
+    results: VecDeque<(QueryId, Option<Registered>)>,
 }
 
 #[derive(Debug)]
 struct Enumeration {
+    id: QueryId,
     server: SocketAddrV4,
     activity: Uuid,
     /// Calls so far, and their numbers.
@@ -53,8 +63,9 @@ impl Mapper {
             calls: rpc::Client::new(ClientConfig::default()),
             uuids: UuidSource::new(seed),
             port,
-            present: None,
-            result: None,
+            next: 0,
+            open: Vec::new(),
+            results: VecDeque::new(),
         }
     }
 
@@ -63,72 +74,71 @@ impl Mapper {
         self.port
     }
 
-    /// Starts a query; a pending one is dropped.
-    pub fn ask(&mut self, now: Instant, address: Ipv4Addr) {
-        if let Some(call) = self.present.take().and_then(|present| present.open) {
-            self.calls.cancel(call);
-        }
-        self.result = None;
-        let server = SocketAddrV4::new(address, RPC_PORT);
-        self.present = Some(Enumeration {
-            server,
+    /// Starts a query.
+    pub fn ask(&mut self, now: Instant, address: Ipv4Addr) -> QueryId {
+        self.next = self.next.wrapping_add(1);
+        let id = QueryId(self.next);
+        let mut query = Enumeration {
+            id,
+            server: SocketAddrV4::new(address, RPC_PORT),
             activity: self.uuids.uuid(),
             calls: 0,
             open: None,
-        });
-        self.next_entry(now, EpmHandle::default());
+        };
+        self.next_entry(now, &mut query, EpmHandle::default());
+        self.open.push(query);
+        id
     }
 
-    /// Returns the answer, once there is one: the inner value is `None` when it has no usable entry.
-    pub fn take(&mut self) -> Option<Option<Registered>> {
-        self.result.take()
+    /// Returns the answer to a query, once there is one: the inner value is `None` when it has no usable entry.
+    pub fn take(&mut self, id: QueryId) -> Option<Option<Registered>> {
+        let at = self.results.iter().position(|(of, _)| *of == id)?;
+        self.results.remove(at).map(|(_, result)| result)
     }
 
-    fn next_entry(&mut self, now: Instant, handle: EpmHandle) {
-        let Some(present) = &mut self.present else { return };
+    fn next_entry(&mut self, now: Instant, query: &mut Enumeration, handle: EpmHandle) {
         let header = Header {
             interface_version: VERSION,
             ..Header::request(
                 Uuid::NIL,
                 Uuid::ENDPOINT_MAPPER,
-                present.activity,
-                present.calls,
+                query.activity,
+                query.calls,
                 EPM_LOOKUP,
             )
         };
         let mut stub = Vec::new();
         LookupRequest::all(handle).encode(&mut stub, header.order);
-        present.calls += 1;
-        present.open = Some(self.calls.call(now, present.server, header, stub));
+        query.calls += 1;
+        query.open = Some(self.calls.call(now, query.server, header, stub));
     }
 
     fn work(&mut self, now: Instant) {
         while let Some((call, reply)) = self.calls.poll_event() {
-            let Some(present) = &mut self.present else {
+            let Some(at) = self.open.iter().position(|query| query.open == Some(call)) else {
                 continue;
             };
-            if present.open != Some(call) {
-                continue;
-            }
-            present.open = None;
-            let more = present.calls < MAX_ENTRIES;
+            let mut query = self.open.swap_remove(at);
+            let more = query.calls < MAX_ENTRIES;
             let answer = reply
                 .ok()
                 .and_then(|reply| LookupResponse::decode(&mut Reader::new(&reply.stub), reply.order).ok());
-            match answer {
+            let found = match answer {
                 Some(answer) if answer.status == 0 => match answer.entries.iter().find_map(device) {
-                    Some(found) => self.end(Some(found)),
-                    None if more => self.next_entry(now, answer.handle),
-                    None => self.end(None),
+                    None if more => {
+                        self.next_entry(now, &mut query, answer.handle);
+                        self.open.push(query);
+                        continue;
+                    }
+                    found => found,
                 },
-                _ => self.end(None),
+                _ => None,
+            };
+            if self.results.len() >= MAX_RESULTS {
+                self.results.pop_front();
             }
+            self.results.push_back((query.id, found));
         }
-    }
-
-    fn end(&mut self, result: Option<Registered>) {
-        self.present = None;
-        self.result = Some(result);
     }
 
     pub fn handle_datagram(&mut self, now: Instant, source: SocketAddrV4, payload: &[u8]) {
@@ -216,13 +226,32 @@ mod tests {
     fn an_enumeration_without_end_is_ended() {
         let server = SocketAddrV4::new(Ipv4Addr::new(10, 0, 0, 1), RPC_PORT);
         let mut mapper = Mapper::new(1, 0xC001);
-        mapper.ask(Instant::ZERO, *server.ip());
+        let id = mapper.ask(Instant::ZERO, *server.ip());
         for _ in 0..15 {
             assert!(answer(&mut mapper, server));
-            assert_eq!(mapper.take(), None);
+            assert_eq!(mapper.take(id), None);
         }
         assert!(answer(&mut mapper, server));
-        assert_eq!(mapper.take(), Some(None));
+        assert_eq!(mapper.take(id), Some(None));
         assert!(!answer(&mut mapper, server), "nothing more is sent");
+    }
+
+    /// Each query has its own result, and those that no caller fetches are bounded.
+    #[test]
+    fn queries_at_once_are_not_mixed_up() {
+        let silent = Ipv4Addr::new(10, 0, 0, 9);
+        let mut mapper = Mapper::new(1, 0xC001);
+        let mut now = Instant::ZERO;
+        let queries: Vec<QueryId> = (0..MAX_RESULTS + 10).map(|_| mapper.ask(now, silent)).collect();
+        let mut buffer = [0; profinet::MAX_FRAME];
+        while let Some(due) = mapper.poll_timeout() {
+            now = due;
+            mapper.handle_timeout(now);
+            while mapper.poll_transmit(now, &mut buffer).is_some() {}
+        }
+        let (gone, kept) = queries.split_at(10);
+        assert!(gone.iter().all(|id| mapper.take(*id).is_none()));
+        assert!(kept.iter().all(|id| mapper.take(*id) == Some(None)));
+        assert!(kept.iter().all(|id| mapper.take(*id).is_none()), "taken once");
     }
 }

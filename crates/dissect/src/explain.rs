@@ -135,6 +135,24 @@ pub const MODES: [(&str, &str, Mode); 2] = [
 ];
 
 impl Kind {
+    /// Returns what a text is that can be nothing else: a state by its name (`S4`), a fault as a drive displays it (`F439`, `n602`;
+    /// a VLT: `A13`, `W34`).
+    ///
+    /// ```
+    /// use profidrive_dissect::explain::Kind;
+    /// assert_eq!(Kind::of("W34"), Some(Kind::Fault));
+    /// assert_eq!(Kind::of("0x047F"), None);
+    /// ```
+    #[must_use]
+    pub fn of(text: &str) -> Option<Self> {
+        if !states::named(text).is_empty() {
+            return Some(Self::State);
+        }
+        let (letter, digits) = displayed(text);
+        let is_number = !digits.is_empty() && digits.bytes().all(|octet| octet.is_ascii_digit());
+        (letter.is_some() && is_number).then_some(Self::Fault)
+    }
+
     /// Returns true for words whose bits depend on the mode of the drive.
     #[must_use]
     pub const fn has_modes(self) -> bool {
@@ -383,15 +401,35 @@ fn bits(text: &str, kind: &'static str, pnu: u16, warning: bool, first: u8) -> R
     Ok((lines, meaning))
 }
 
+/// Letters before the number of a fault in displays: F and n of an AKD, A (alarm) and W (warning) of a VLT, F and A (alarm, which is
+/// a warning) of a Vacon.
+const LETTERS: [char; 4] = ['F', 'N', 'A', 'W'];
+
+/// Returns the letter before a number, in upper case, and the number.
+fn displayed(text: &str) -> (Option<char>, &str) {
+    let text = text.trim();
+    let letter = text.chars().next().map(|letter| letter.to_ascii_uppercase());
+    match letter.filter(|letter| LETTERS.contains(letter)) {
+        Some(letter) => (Some(letter), text.get(1..).unwrap_or_default().trim_start()),
+        None => (None, text),
+    }
+}
+
 fn fault(text: &str, model: Option<Model>) -> Result<Parts, NotExplained> {
-    let (warning, digits) = match text.as_bytes().first() {
-        Some(b'n' | b'N') => (true, text.get(1..).unwrap_or_default()),
-        Some(b'f' | b'F') => (false, text.get(1..).unwrap_or_default()),
-        _ => (false, text),
-    };
+    let (letter, digits) = displayed(text);
     let number = word(digits).or_else(|_| word(text))?;
+    let of_vlt = matches!(letter, Some('A' | 'W'));
+    let warning = match letter {
+        Some('N' | 'W') => true,
+        // of the models that display it, only a VLT trips with an alarm
+        Some('A') => {
+            model.is_some_and(|model| model.catalogue.is_some_and(|tables| tables.model != VLT.model))
+        }
+        _ => false,
+    };
     let all: Vec<&Catalogue> = match model {
         Some(model) => model.catalogue.into_iter().collect(),
+        None if of_vlt => vec![&VLT],
         None => model::ALL
             .into_iter()
             .filter_map(|model| model.catalogue)
@@ -559,6 +597,27 @@ mod tests {
             (number, known),
             (439, vec![("akd", true), ("vlt", false), ("vacon", false)])
         );
+    }
+
+    /// As the displays write them.
+    #[test]
+    fn faults_are_named_by_the_letters_of_the_drives() {
+        for (text, model, begin) in [
+            ("W34", None, "VLT n34: "),
+            ("A13", None, "VLT F13: "),
+            ("a 13", None, "VLT F13: "),
+            ("F 30", Some("vacon"), "VACON F30: "),
+            ("A10", Some("vacon"), "VACON n10: "),
+            ("n602", Some("akd"), "AKD n602: "),
+        ] {
+            assert_eq!(Kind::of(text), Some(Kind::Fault), "{text}");
+            let model = model.and_then(Model::by_name);
+            let lines = explain(text, Kind::Fault, None, model).unwrap().lines;
+            assert!(lines[0].starts_with(begin), "{text}: {lines:?}");
+        }
+        for text in ["34", "0x34", "W", "F0x13", "DE80B500", "A1G", "", "Ä1"] {
+            assert_eq!(Kind::of(text), None, "{text}");
+        }
     }
 
     #[test]

@@ -35,6 +35,20 @@ impl Caller {
     }
 }
 
+/// Returns the time of day of an event as people write it.
+///
+/// ```
+/// use std::time::{Duration, SystemTime};
+/// let time = SystemTime::UNIX_EPOCH + Duration::from_millis(1_795_525_507_123);
+/// assert_eq!(profidrive::date_and_time(time), "2026-11-24 13:05:07.123 UTC");
+/// ```
+#[cfg(any(feature = "recording", feature = "documents"))]
+#[must_use]
+pub fn date_and_time(time: SystemTime) -> String {
+    let time: chrono::DateTime<chrono::Utc> = time.into();
+    time.format("%Y-%m-%d %H:%M:%S%.3f UTC").to_string()
+}
+
 /// Returns a time as people write it: `250 ms`, `2.5 s`, `1 min 30 s`, `2 h 5 min`.
 ///
 /// ```

@@ -1,10 +1,12 @@
 //! What every front end shows of an error: what happened, and what a person can do about it.
 
+use std::net::Ipv4Addr;
 use std::sync::Arc;
 
 use client::{Action, Advice, AtWork, Choice, Error, ErrorKind};
-use network::system::Error as SystemError;
+use network::system::{Error as SystemError, PortHolder};
 use profile::notation::setting::Cause;
+use profinet::RPC_PORT;
 
 use crate::addressing::AddressingError;
 use crate::carrier::CarrierError;
@@ -107,7 +109,14 @@ impl Explained for SystemError {
     }
 
     fn advice(&self) -> Advice {
-        words(self.hint())
+        let holders = match self {
+            Self::PortOccupied { address, port } => PortHolder::named(*port, *address),
+            _ => None,
+        };
+        match holders {
+            Some(holders) => words(Some(format!("it is held by {holders}: end it first"))),
+            None => words(self.hint()),
+        }
     }
 }
 
@@ -150,6 +159,11 @@ impl Explained for Error {
     fn advice(&self) -> Advice {
         let own = match self {
             Self::AtWork { works, .. } => Some(at_work(works)),
+            Self::NeedsCallPort { .. } => {
+                let holders = PortHolder::named(RPC_PORT, Ipv4Addr::UNSPECIFIED);
+                let named = words(holders.map(|holders| format!("it is held by {holders}")));
+                Some(named.then(Self::advice(self).unwrap_or_default()))
+            }
             _ => Self::advice(self),
         };
         let of_carrier = words(carrier(self).and_then(CarrierError::hint));

@@ -53,6 +53,9 @@ pub const AT_ONCE: usize = 64;
 /// Time for all stations to answer.
 const SEARCH: Duration = Duration::from_secs(1);
 
+/// Time for the first answer of one drive of many to a parameter request: one that is silent holds up the others no longer.
+pub const FIRST_ANSWER: Duration = Duration::from_secs(2);
+
 /// The drives of a selection.
 #[derive(Debug)]
 pub struct Fleet {
@@ -122,7 +125,7 @@ impl Opening {
         let wanted = wanted(selector, &answered);
         let session: &Session = network;
         let found = stream::iter(wanted).map(|wanted| {
-            let mut session = session.clone();
+            let mut session = of_many(session);
             let transport = &transport;
             async move { self.found(&mut session, transport, wanted).await }
         });
@@ -291,7 +294,7 @@ pub async fn each<T, E: From<DriveError>>(
 ) -> Vec<Member<Result<T, E>>> {
     let work = &work;
     let all = stream::iter(members).map(|Selected { name, drive, .. }| {
-        let mut session = session.clone();
+        let mut session = of_many(session);
         async move {
             match drive {
                 Ok(mut drive) => {
@@ -308,6 +311,13 @@ pub async fn each<T, E: From<DriveError>>(
         }
     });
     all.buffered(AT_ONCE).collect().await
+}
+
+/// Returns a caller for one drive of many.
+pub(crate) fn of_many(session: &Session) -> Session {
+    let mut session = session.clone();
+    session.expect_first_answer_within(FIRST_ANSWER);
+    session
 }
 
 /// Returns what is to be found, each once.

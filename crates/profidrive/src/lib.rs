@@ -103,6 +103,8 @@ pub use carrier::{CarrierError, serial_settings};
 /// The services of a drive, and the types of this library that come from there.
 pub use client;
 pub use client::Wait;
+#[cfg(any(feature = "recording", feature = "documents"))]
+pub use clock::date_and_time;
 pub use clock::{WallClock, lasting};
 #[cfg(feature = "gsdml")]
 pub use description::{DescriptionError, describe};

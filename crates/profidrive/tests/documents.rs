@@ -5,12 +5,13 @@
 use std::io::Read as _;
 use std::path::PathBuf;
 
+use profidrive::Explained as _;
 use profidrive::client::ErrorKind;
 use profidrive::documents::bundle::{Contents, bundle};
 use profidrive::documents::{DocumentError, NewFile, page};
 use profidrive::machine::Machine;
 use profidrive::report::PlainWording;
-use profidrive::{Access, Opening, Part, Selector, Wait, parameters};
+use profidrive::{Access, Opening, Outcome, Part, Selector, Wait, parameters};
 
 const PLANT: &str = r#"
     [[drive]]
@@ -69,6 +70,10 @@ fn an_archive_has_what_can_be_read_and_notes_what_cannot() {
     .wait()
     .unwrap();
     assert!(!report.complete);
+    // two were read, one was not
+    assert_eq!(report.outcome(), Outcome::NoAnswer);
+    let read: Vec<bool> = report.drives.iter().map(|drive| drive.read).collect();
+    assert_eq!(read, [true, true, false]);
     let nobody = report
         .drives
         .iter()
@@ -102,7 +107,7 @@ fn an_archive_has_what_can_be_read_and_notes_what_cannot() {
     let again = NewFile::at(file.path()).unwrap_err();
     assert_eq!(
         (again.kind(), std::fs::read_dir(&folder.0).unwrap().count()),
-        (ErrorKind::Usage, 2)
+        (ErrorKind::Local, 2)
     );
 }
 
@@ -154,7 +159,7 @@ fn a_page_shows_drives_changed_settings_and_faults_and_nothing_of_it_is_markup()
     let report = page::page(&opening, &mut network, about, &file, &PlainWording, &mut |_| {})
         .wait()
         .unwrap();
-    assert_eq!(report.drives.len(), 2);
+    assert_eq!((report.drives.len(), report.outcome()), (2, Outcome::Complete));
     let text = std::fs::read_to_string(file.path()).unwrap();
     assert!(!text.contains("<b>"), "the title is escaped");
     let row = text.lines().find(|line| line.contains("DRV.ACC<")).unwrap();

@@ -179,3 +179,47 @@ fn a_write_that_one_drive_cannot_take_changes_no_drive() {
     assert!(written.iter().all(|member| member.result.is_ok()));
     assert_eq!(acceleration(&mut network), Some(4000.0));
 }
+
+/// One that is found and answers no parameters holds up the others for two seconds, not for ten.
+#[test]
+fn one_without_an_answer_to_parameters_is_given_up_soon() {
+    let text = PLANT.replace(
+        "ip = \"192.168.0.12/24\"\n",
+        "ip = \"192.168.0.12/24\"\nevent = [{ at = \"0s\", do = \"answers=silent\" }]\n",
+    );
+    let (opening, mut network) = plant(&text);
+    let fleet = select(&opening, &mut network, "akd-*");
+    let begin = network.now();
+    let wanted = ["DRV.ACC".parse().unwrap()];
+    let work = async |session: &mut client::Session, drive: &mut client::Drive| {
+        let values = parameters::read(session, drive, &wanted).await;
+        values.map_err(DriveError::from)
+    };
+    let answers = fleet::each(&network, fleet.members, work).wait();
+    let spent = network.now() - begin;
+    let answered: Vec<bool> = answers.iter().map(|member| member.result.is_ok()).collect();
+    assert_eq!(answered, [false, true]);
+    assert!((1.9..2.5).contains(&spent.as_secs_f64()), "{spent:?}");
+}
+
+/// The shorter time is that of the first answer: later ones have the usual time.
+#[test]
+fn a_drive_that_answered_has_the_usual_time() {
+    let (opening, mut network) = plant(PLANT);
+    let fleet = select(&opening, &mut network, "akd-2");
+    let profidrive::Transport::Plant(joined) = network.transport().clone() else {
+        unreachable!("a plant is in memory");
+    };
+    let wanted = ["DRV.ACC".parse().unwrap()];
+    let work = async |session: &mut client::Session, drive: &mut client::Drive| {
+        parameters::read(session, drive, &wanted).await?;
+        let late = "answers=late 3s".parse().unwrap();
+        joined
+            .with_world(|world| world.inject("akd-2", late, None))
+            .unwrap();
+        let values = parameters::read(session, drive, &wanted).await;
+        values.map_err(DriveError::from)
+    };
+    let answers = fleet::each(&network, fleet.members, work).wait();
+    assert!(answers[0].result.is_ok(), "{:?}", answers[0].result);
+}

@@ -4,6 +4,9 @@
 #![allow(clippy::unwrap_used, clippy::panic)]
 #![cfg(feature = "simulate")]
 
+use std::time::Duration;
+
+use profidrive::client::Action;
 use profidrive::{Transport, Wait};
 
 const PLANT: &str = "[[drive]]\nname = \"akd-1\"\nip = \"192.168.0.11/24\"";
@@ -39,4 +42,34 @@ fn thirty_percent_loss_is_called_loss() {
 fn a_pulled_cable_is_not_called_loss() {
     let error = error_of_reads("cable=pulled", 1).unwrap();
     assert!(!error.contains("loss"), "{error}");
+}
+
+/// The first request for a parameter fails, and what is known by then is that the drive answered one of two DCP requests.
+#[test]
+fn loss_before_the_first_request_is_called_loss() {
+    let mut network = profidrive::open_plan(PLANT.parse().unwrap()).unwrap();
+    let Transport::Plant(plant) = network.transport().clone() else {
+        panic!("a plant is in memory");
+    };
+    let pulled = |lasts| {
+        let event = "cable=pulled".parse().unwrap();
+        plant
+            .with_world(|world| world.inject("akd-1", event, lasts))
+            .unwrap();
+    };
+    pulled(Some(Duration::from_millis(100)));
+    let mut drive = network.find(&"akd-1".parse().unwrap()).wait().unwrap();
+    pulled(None);
+    let selection = drive.select("ramp-up").unwrap();
+    let error = network.read_one(&mut drive, &selection).wait().unwrap_err();
+    let text = error.to_string();
+    assert!(
+        text.ends_with(": packet loss (1 of the 2 requests before it were answered)"),
+        "{text}"
+    );
+    let advice = error.advice().unwrap();
+    assert!(
+        advice.actions().any(|action| *action == Action::Doctor),
+        "{advice}"
+    );
 }

@@ -198,6 +198,8 @@ fn a_trigger_has_the_time_before_it() {
         assert_eq!(news.len(), 1, "{news:?}");
         let triggered = recording.triggered().unwrap();
         assert_eq!(triggered.drive, 0);
+        let numbers: Vec<u16> = triggered.faults.iter().map(|fault| fault.number).collect();
+        assert_eq!(numbers, [439]);
         let (first, last) = (rows[0].time, rows[rows.len() - 1].time);
         let before = triggered.time - first;
         assert!(before > MS * 440 && before <= MS * 500, "{before:?}");

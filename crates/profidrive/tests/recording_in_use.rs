@@ -270,6 +270,32 @@ fn an_event_that_did_not_happen_is_an_error_and_a_gap_of_each_drive() {
 }
 
 #[test]
+fn a_condition_that_is_true_from_the_beginning_is_named_at_once_and_at_the_end() {
+    let (network, members) = open("name = \"akd-1\"");
+    let request = Request {
+        trigger: Some("DRV.ACC > 1000rpm/s".parse().unwrap()),
+        ..Request::new(["DRV.ACC"], Every::Interval(MS * 50))
+    };
+    let mut recording = begin(&network, members, &request).unwrap();
+    let first = recording.next().wait().unwrap().unwrap();
+    assert!(matches!(first, News::HoldsAlready { drive: 0, .. }), "{first:?}");
+    let words = first.remarks(recording.table())[0].sentence.clone();
+    assert!(
+        words.starts_with("akd-1: `DRV.ACC > 1000rpm/s` is true already"),
+        "{words}"
+    );
+    (*network).clone().pass(MS * 2000).wait().unwrap();
+    recording.stop();
+    let (_, news) = rest(&mut recording);
+    assert!(news.is_empty(), "said once: {news:?}");
+    let error = recording.check_triggered().unwrap_err().to_string();
+    assert!(
+        error.contains("true from the beginning on akd-1, and did not become true again"),
+        "{error}"
+    );
+}
+
+#[test]
 fn a_recording_of_no_time_is_refused() {
     let error = cyclic(&["ZSW1"], 0).check().unwrap_err();
     assert_eq!(

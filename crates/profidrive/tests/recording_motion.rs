@@ -233,3 +233,21 @@ fn a_frequency_for_a_drive_that_is_no_converter_is_a_mistake_of_the_caller() {
         );
     }
 }
+
+/// The times of a step are no more exact than the cycles that arrived.
+#[test]
+fn cycles_that_were_missed_widen_the_times_of_a_step() {
+    for (more, is_lossy) in [
+        ("", false),
+        ("event = [{ at = \"0s\", do = \"loss=10%\" }]", true),
+    ] {
+        let (mut network, mut drive) = open(more);
+        let stepped = motion::step(&mut network, &mut drive, &step(0.0, 120.0), &Observer::default())
+            .wait()
+            .unwrap();
+        let cycles = stepped.resolution.as_secs_f64() / stepped.cycle.as_secs_f64();
+        assert_eq!(stepped.missed > 0, is_lossy, "{}", stepped.missed);
+        assert_eq!(cycles > 1.9, is_lossy, "{cycles}");
+        assert!(cycles >= 1.0, "{cycles}");
+    }
+}

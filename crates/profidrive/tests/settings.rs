@@ -116,7 +116,7 @@ fn a_changed_setting_is_found_restored_and_brought_back() {
     .wait();
     let refused = refused.unwrap_err();
     assert!(
-        matches!(refused, RestoreError::WayBack { .. }) && refused.kind() == ErrorKind::Usage,
+        matches!(refused, RestoreError::WayBack { .. }) && refused.kind() == ErrorKind::Local,
         "{refused}"
     );
     assert_eq!(std::fs::read_to_string(&way_back).expect("kept"), "precious");
@@ -268,4 +268,22 @@ fn what_is_not_a_backup_is_not_replaced() {
     let missing = settings::read(&folder.join("none")).unwrap_err();
     assert!(matches!(missing, FileError::Missing(_)), "{missing}");
     std::fs::remove_dir_all(folder).expect("removed");
+}
+
+/// A restore reads as long as it writes: what it reads is counted too.
+#[test]
+fn what_a_restore_reads_is_counted_to_its_end() {
+    let (mut network, mut drive) = open("akd-1");
+    let backup = saved(&mut network, &mut drive);
+    let mut seen = Vec::new();
+    let progress = |done, all| seen.push((done, all));
+    settings::plan_with(&mut network, &mut drive, &backup, &Restore::default(), progress)
+        .wait()
+        .unwrap();
+    assert!(
+        seen.len() > 3 && seen.windows(2).all(|pair| pair[0].0 <= pair[1].0),
+        "{seen:?}"
+    );
+    let (done, all) = seen[seen.len() - 1];
+    assert!(done == all && all >= backup.readings().len(), "{seen:?}");
 }

@@ -99,7 +99,7 @@ fn a_drive_is_stopped_while_its_suspended_client_has_the_port_of_the_controller(
     while status()["controller"]["connected"] != false {}
     assert_eq!(status()["cause"], "turns-alone");
     let stop = client(&lab, &["stop", "vlt-1"]).ok();
-    assert!(stop.out.contains("it stands"), "{stop:?}");
+    assert!(stop.out.contains("it is at rest"), "{stop:?}");
     run.signal("CONT");
     assert_eq!(run.finish(SHORT).code, Some(4));
     assert_eq!(status()["cause"], "no-controller");
@@ -137,7 +137,7 @@ fn a_stop_needs_the_port_of_the_controller_and_no_parameters() {
     for words in [
         "UDP port 34964",
         "in use by another program",
-        "ss -ulpn",
+        "it is held by python3",
         "nothing was commanded",
     ] {
         assert!(refused.err.contains(words), "{words}: {refused:?}");
@@ -147,7 +147,7 @@ fn a_stop_needs_the_port_of_the_controller_and_no_parameters() {
 
     client(&lab, &["inject", "vlt-1", "answers=silent"]).ok();
     let stop = client(&lab, &["stop", "vlt-1"]).ok();
-    assert!(stop.out.contains("it stands"), "{stop:?}");
+    assert!(stop.out.contains("it is at rest"), "{stop:?}");
     assert!(
         stop.err.contains("parameters of vlt-1 cannot be read"),
         "{stop:?}"
@@ -237,7 +237,7 @@ fn status_and_stop_beside_a_client_that_runs() {
     run.wait_for("actual   299", SHORT);
     assert_eq!(cause(&lab), "moves");
     let stop = client(&lab, &["stop", "akd-1"]).ok();
-    assert!(stop.out.contains("it stands"), "{stop:?}");
+    assert!(stop.out.contains("it is at rest"), "{stop:?}");
     assert!(stop.err.contains("goes on commanding"), "{stop:?}");
     assert!(number(&lab, "VL.FB_32").abs() < 1.0);
     assert_eq!(number(&lab, "DRV.ACTIVE"), 1.0);

@@ -232,6 +232,8 @@ fn a_full_disk_ends_a_recording_and_loses_nothing_that_was_recorded() {
             .split_once("; the ")
             .and_then(|(_, rest)| rest.split(' ').next()?.parse().ok())
             .unwrap();
+        assert_eq!(report["written"].as_u64(), Some(said as u64), "{report}");
+        assert!(report["rows"].as_u64() > Some(said as u64), "{report}");
         let copy = lab.folder().join(readable);
         let there = if name.ends_with("csv") {
             let text = std::fs::read_to_string(&copy).unwrap();
@@ -378,6 +380,30 @@ fn a_recording_is_drawn_on_a_terminal_that_is_restored() {
         refused.code == Some(2) && refused.err.contains("--live draws on a terminal"),
         "{refused:?}"
     );
+}
+
+/// Runs a program whose stdout is a terminal that is not its own: no keys can be read.
+const FOREIGN_TERMINAL: &str = "
+import os, pty, subprocess, sys
+own, other = pty.openpty()
+done = subprocess.run(sys.argv[1:], stdin=subprocess.DEVNULL, stdout=other, stderr=subprocess.PIPE, start_new_session=True)
+sys.stderr.buffer.write(done.stderr)
+sys.exit(done.returncode)
+";
+
+#[test]
+fn a_terminal_that_cannot_be_used_leaves_no_file() {
+    let lab = Lab::new("record-foreign-terminal");
+    let file = path(&lab, "live.csv");
+    let program = built("profidrive");
+    let line = ["-c", FOREIGN_TERMINAL, program.to_str().unwrap()];
+    let more = ["record", "akd-1", "speed", "--live", "-o", &file];
+    let refused = lab.run(Side::Controller, python(), [&line[..], &more].concat(), SHORT);
+    assert!(
+        refused.code == Some(2) && refused.err.contains("this one cannot be used"),
+        "{refused:?}"
+    );
+    assert!(!Path::new(&file).exists());
 }
 
 fn record_without_terminal(lab: &Lab) -> Finished {

@@ -96,8 +96,26 @@ fn a_machine_in_one_command_each() {
     assert_eq!(first_words(&saved).len(), 8);
     let same = client(&lab, &["diff", &format!("{folder}/vlt-2.backup"), "vlt-2"]).ok();
     assert!(same.out.is_empty(), "{same:?}");
+    client(&lab, &["diff", folder, "all"]).ok();
+    client(&lab, &["write", "akd-2", "DRV.ACC=4100"]).ok();
+    std::fs::copy(format!("{folder}/akd-1.backup"), format!("{folder}/gone.backup")).unwrap();
+    let drift = client(&lab, &["diff", folder, "all"]);
+    assert_eq!(
+        (drift.code, first_words(&drift)),
+        (Some(5), vec!["akd-2"]),
+        "{drift:?}"
+    );
+    assert!(
+        drift.err.contains("not as in the backup: akd-2 (1 of 8)")
+            && drift.err.contains("gone.backup: no drive of this name answers"),
+        "{drift:?}"
+    );
+    client(&lab, &["write", "akd-2", "DRV.ACC=4000"]).ok();
     let again = client(&lab, &["backup", "all", "-o", folder]).ok();
     assert_eq!(again.out.matches("unchanged").count(), 8, "{again:?}");
+    client(&lab, &["write", "akd-1", "DRV.ACC=4500"]).ok();
+    let newer = client(&lab, &["backup", "all", "-o", folder]).ok();
+    assert_eq!(newer.out.matches("older one replaced").count(), 1, "{newer:?}");
 }
 
 #[test]

@@ -31,10 +31,10 @@ pub struct Backup {
 
 #[derive(Debug, Args)]
 pub struct Diff {
-    /// A backup file, a machine file (*.toml) or a drive; a file of this name comes first
+    /// A backup file, a folder of backups, a machine file (*.toml) or a drive; a file of this name comes first
     #[arg(value_name = "A")]
     pub left: String,
-    /// A backup file or a drive; for a machine file its drives: all, @line1, akd-*
+    /// A backup file or a drive; for a folder or a machine file the drives: all, @line1, akd-*
     #[arg(value_name = "B")]
     pub right: String,
 }
@@ -49,7 +49,7 @@ pub struct Restore {
     /// Show what would be written, but write nothing
     #[arg(long)]
     pub dry_run: bool,
-    /// Let the drive keep the values over power-off (DRV.NVSAVE), once all are written and verified
+    /// Save the values in the drive (DRV.NVSAVE) once all are written and verified, so that they outlive power-off
     #[arg(long)]
     pub save: bool,
     /// Where to write the values that the drive has before; FILE.before-1, -2, .. when left out

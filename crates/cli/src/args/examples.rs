@@ -54,7 +54,7 @@ pub const EXAMPLES: &[(&str, &[Example])] = &[
         &[
             (
                 "reset akd-1 --mode communication",
-                "name and address as delivered; asks first",
+                "name and address as delivered, after a confirmation",
             ),
             (
                 "reset akd-1 --mode application --yes",
@@ -261,6 +261,7 @@ pub const EXAMPLES: &[(&str, &[Example])] = &[
         &[
             ("diff akd-1.backup akd-1", "what changed since the backup"),
             ("diff akd-1 akd-2", "two drives"),
+            ("diff backups all", "each drive against its file in a folder"),
             ("diff machine.toml all", "the machine against its file"),
         ],
     ),
@@ -278,7 +279,7 @@ pub const EXAMPLES: &[(&str, &[Example])] = &[
         "commission",
         &[
             ("commission machine.toml --dry-run", "what differs from the file"),
-            ("commission machine.toml", "change it; asks first"),
+            ("commission machine.toml", "change it, after a confirmation"),
             (
                 "commission --from all machine.toml",
                 "write the file from what is there",
@@ -300,6 +301,7 @@ pub const EXAMPLES: &[(&str, &[Example])] = &[
         &[
             ("explain 0x047F --as stw1", "the bits of a control word"),
             ("explain 439 --as fault --model akd", "a fault number"),
+            ("explain W34", "a warning as a VLT displays it"),
         ],
     ),
     (

@@ -25,12 +25,13 @@ fn named<T: Copy + Send + Sync + 'static>(
 
 #[derive(Debug, Args)]
 pub struct Explain {
-    /// The number: 0x047F, 1151, 0b0000_0100_0111_1111, DE80B500; a state also by its name, S1 to S5
+    /// The number: 0x047F, 1151, 0b0000_0100_0111_1111, DE80B500; a state also by its name, S1 to S5; a fault also as the drive
+    /// displays it: F439, n602, A13, W34
     #[arg(allow_negative_numbers = true)]
     pub value: String,
-    /// What the number is
+    /// What the number is; can be left out for the name of a state and for a fault with its letter
     #[arg(long = "as", value_parser = named(&KINDS), value_name = "KIND")]
-    pub kind: Kind,
+    pub kind: Option<Kind>,
     /// Mode of the drive, for stw1 and zsw1; without it both modes are shown
     #[arg(long, value_parser = named(&MODES), value_name = "MODE")]
     pub mode: Option<Mode>,

@@ -1,11 +1,12 @@
 //! Device descriptions.
 
 use std::path::PathBuf;
+use std::time::Duration;
 
 use clap::{Args, Subcommand};
 use virtual_drive::model::Model;
 
-use super::simulated;
+use super::{duration, simulated};
 
 /// What to do with device descriptions.
 #[derive(Debug, Args)]
@@ -29,6 +30,10 @@ pub struct GsdmlExport {
     /// Drive model
     #[arg(long, value_parser = simulated(), value_name = "MODEL", default_value = "akd")]
     pub model: &'static Model,
+    /// Fastest update time in the description: 1, 2, 4, 8 .. 512 ms; that of the model when left out. For drives of `simulate` with
+    /// the same option
+    #[arg(long, value_name = "TIME", value_parser = duration)]
+    pub min_cycle: Option<Duration>,
     /// Folder to write into; the rules give the names of the files
     #[arg(short, long, value_name = "DIR", default_value = ".")]
     pub output: PathBuf,

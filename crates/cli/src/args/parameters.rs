@@ -20,7 +20,7 @@ pub struct Write {
     /// Check and show, but write nothing
     #[arg(long)]
     pub dry_run: bool,
-    /// Let the drive keep the values over a power cycle (AKD: DRV.NVSAVE saves all it has; VLT: these values)
+    /// Save the values in the drive, so that they outlive a power cycle (AKD: DRV.NVSAVE saves all settings; VLT: these values)
     #[arg(long, conflicts_with = "dry_run")]
     pub save: bool,
     /// Write to several drives without asking

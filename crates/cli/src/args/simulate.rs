@@ -145,7 +145,7 @@ fn parity(text: &str) -> Result<Parity, &'static str> {
     known.ok_or("even, odd or none")
 }
 
-/// What to let happen to which virtual drive.
+/// What to inject into which virtual drive.
 #[derive(Debug, Args)]
 pub struct Inject {
     /// Station name, IP address, MAC address, or fc:PORT/ADDRESS or uss:PORT/ADDRESS of a drive that `profidrive simulate` runs on this computer

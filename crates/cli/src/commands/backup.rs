@@ -49,8 +49,28 @@ struct Saving<'a> {
 struct Saved {
     backup: Backup,
     problem: Option<ErrorKind>,
-    /// Also whether its content is new.
-    file: Option<(PathBuf, bool)>,
+    /// Also what became of it.
+    file: Option<(PathBuf, Kept)>,
+}
+
+/// What became of the file of a backup.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Kept {
+    New,
+    /// An older backup had its name.
+    Replaced,
+    /// It had the same content.
+    Unchanged,
+}
+
+impl Kept {
+    const fn words(self) -> &'static str {
+        match self {
+            Self::New => "",
+            Self::Replaced => "older one replaced",
+            Self::Unchanged => "unchanged",
+        }
+    }
 }
 
 impl Each for Saving<'_> {
@@ -67,7 +87,14 @@ impl Each for Saving<'_> {
         if problem == Some(ErrorKind::Difference) {
             return Err(without_content(&settings::missing(&backup), &drive.label()));
         }
-        let write = |file: &BackupFile| Ok::<_, FileError>((file.path().to_owned(), file.write(&backup)?));
+        let write = |file: &BackupFile| {
+            let kept = match (file.write(&backup)?, file.has_content()) {
+                (false, _) => Kept::Unchanged,
+                (true, true) => Kept::Replaced,
+                (true, false) => Kept::New,
+            };
+            Ok::<_, FileError>((file.path().to_owned(), kept))
+        };
         let file = match &self.place {
             Place::Output => None,
             Place::File(file) => Some(write(file)?),
@@ -108,9 +135,12 @@ impl Shown for Saving<'_> {
 
     fn remark(&self, done: &Saved, drive: &Drive, output: &Output) {
         let Saved { backup, file, .. } = done;
-        let Some((path, new)) = file else { return };
+        let Some((path, kept)) = file else { return };
         let (label, count) = (drive.label(), backup.readings().len());
-        let unchanged = if *new { "" } else { ", unchanged" };
+        let kept = match kept.words() {
+            "" => String::new(),
+            words => format!(", {words}"),
+        };
         let tasks = match (&backup.header.tasks, backup.task_count()) {
             (_, 0) => String::new(),
             (TaskCoverage::All, 1) => " and 1 motion task".to_owned(),
@@ -122,16 +152,16 @@ impl Shown for Saving<'_> {
             refused => format!(" (of {}, {refused} missing)", count + refused),
         };
         output.say(&format!(
-            "{count} settings{refused}{tasks} of {label} in {}{unchanged}",
+            "{count} settings{refused}{tasks} of {label} in {}{kept}",
             path.display()
         ));
     }
 
     fn rows(&self, done: &Saved, _: &Drive) -> Vec<Vec<String>> {
         let Saved { backup, file, .. } = done;
-        let (path, new) = file.as_ref().map_or_else(
-            || (String::new(), true),
-            |(path, new)| (path.display().to_string(), *new),
+        let (path, kept) = file.as_ref().map_or_else(
+            || (String::new(), ""),
+            |(path, kept)| (path.display().to_string(), kept.words()),
         );
         let tasks = match &backup.header.tasks {
             TaskCoverage::LeftOut(_) => "left out".to_owned(),
@@ -142,11 +172,7 @@ impl Shown for Saving<'_> {
             backup.refused().len().to_string(),
             tasks,
             path,
-            if new {
-                String::new()
-            } else {
-                "unchanged".to_owned()
-            },
+            kept.to_owned(),
         ]]
     }
 

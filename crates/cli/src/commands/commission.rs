@@ -1,6 +1,7 @@
 //! `profidrive commission`, and `profidrive diff` with a machine file
 
 use std::path::Path;
+use std::sync::{Mutex, PoisonError};
 
 use client::backup::Backup;
 use client::change::Step;
@@ -31,13 +32,30 @@ pub fn run(args: &Commission, options: &DriveOptions, output: &Output) -> Result
         return from(drives, &path, args.force, options, output);
     }
     let machine = selected(Machine::read(&path)?, args.only.as_deref())?;
-    carry_out(&machine, (args.dry_run, args.yes), options, output)
+    carry_out(&machine, MACHINE, (args.dry_run, args.yes), options, output)
 }
+
+/// Where the wanted state is from, as messages and tables name it.
+#[derive(Clone, Copy)]
+struct Origin {
+    name: &'static str,
+    heading: &'static str,
+}
+
+const MACHINE: Origin = Origin {
+    name: "the file says",
+    heading: ">in the file",
+};
+const BACKUP: Origin = Origin {
+    name: "its backup says",
+    heading: ">in the backup",
+};
 
 /// `profidrive replace NEW OLD`
 pub fn replace(args: &Replace, options: &DriveOptions, output: &Output) -> Result<(), Failure> {
     let (mut session, new) = connect::drive(&options.target(&args.new), Need::Discovery, output)?;
     session.close().wait()?;
+    let origin = if args.backup.is_some() { BACKUP } else { MACHINE };
     let machine = match &args.backup {
         Some(file) => Machine::replacement(&new, &args.old, file, &settings::read(file)?),
         None => {
@@ -52,7 +70,7 @@ pub fn replace(args: &Replace, options: &DriveOptions, output: &Output) -> Resul
             })?
         }
     };
-    carry_out(&machine, (args.dry_run, args.yes), options, output)
+    carry_out(&machine, origin, (args.dry_run, args.yes), options, output)
 }
 
 /// Writes the machine file from the drives that are there, and their backups beside it.
@@ -108,6 +126,7 @@ fn from(
 /// Shows what a machine needs, asks, and does it.
 fn carry_out(
     machine: &Machine,
+    origin: Origin,
     (dry_run, yes): (bool, bool),
     options: &DriveOptions,
     output: &Output,
@@ -116,7 +135,7 @@ fn carry_out(
     let objections = planned.iter().any(|one| !one.objections.is_empty());
     let changing = planned.iter().filter(|one| one.is_change()).count();
     if !output.json() {
-        show(&planned, output);
+        show(&planned, origin, output);
     }
     if objections || dry_run || changing == 0 {
         session.close().wait()?;
@@ -125,16 +144,25 @@ fn carry_out(
             message: format!("nothing was changed; {}", failure.message),
             ..failure
         })?;
-        output.say(if changing == 0 {
-            "nothing to change: every drive is as the file says"
+        let every = if machine.drives.len() == 1 {
+            "the drive"
         } else {
-            "dry run: nothing was changed"
+            "every drive"
+        };
+        output.say(&if changing == 0 {
+            format!("nothing to change: {every} is as {}", origin.name)
+        } else {
+            "dry run: nothing was changed".to_owned()
         });
         return Ok(());
     }
     if !yes {
+        let text = match planned.len() {
+            1 => "Change the drive?".to_owned(),
+            all => format!("Change {changing} of {all} drives?"),
+        };
         let question = Question {
-            text: &format!("Change {changing} of {} drives?", planned.len()),
+            text: &text,
             undone: "nothing was changed",
             unasked: "--yes changes without asking",
         };
@@ -150,7 +178,7 @@ fn carry_out(
     let done = done?;
     let closed = session.close().wait();
     output.json_report(&CommissionReport::new(machine, &done, false, &Commands::any()));
-    results(&done, output);
+    results(&done, origin, output);
     ended(done, output)?;
     Ok(closed?)
 }
@@ -162,7 +190,7 @@ pub fn drift(path: &Path, drives: &str, options: &DriveOptions, output: &Output)
     session.close().wait()?;
     output.json_report(&CommissionReport::new(&machine, &planned, true, &Commands::any()));
     if !output.json() {
-        show(&planned, output);
+        show(&planned, MACHINE, output);
     }
     let differ = planned.iter().filter(|one| one.is_change()).count();
     let drives = planned.len();
@@ -196,15 +224,18 @@ fn plan(
 ) -> Result<(Opening, Live, Vec<Planned>), Failure> {
     let all = Selector::all();
     let (opening, mut session) = connect::network(&options.target("all"), &all, Need::Records, output)?;
-    let spinner = connect::spinner(output, "reading the drives of the machine".to_owned());
-    let planned = commissioning::plan(&opening, &mut session, machine, purpose).wait();
-    spinner.finish_and_clear();
+    let steps = Mutex::new(connect::steps(output));
+    let progress = |step: profidrive::Step| {
+        steps.lock().unwrap_or_else(PoisonError::into_inner).show(&step);
+    };
+    let planned = commissioning::plan_with(&opening, &mut session, machine, purpose, progress).wait();
+    drop(steps);
     Ok((opening, session, planned?))
 }
 
 /// What differs from the file, one line each.
-fn show(planned: &[Planned], output: &Output) {
-    let mut table = Table::new(&["drive", "name", "number", ">now", "", ">in the file", "unit"]);
+fn show(planned: &[Planned], origin: Origin, output: &Output) {
+    let mut table = Table::new(&["drive", "name", "number", ">now", "", origin.heading, "unit"]);
     for one in planned {
         let mut row = |name: &str, number: &str, now: &str, new: &str, unit: &str| {
             table.row([&one.wanted.name, name, number, now, "->", new, unit].map(clean));
@@ -245,13 +276,16 @@ fn show(planned: &[Planned], output: &Output) {
     output.table(&table);
 }
 
-fn results(done: &[Planned], output: &Output) {
+fn results(done: &[Planned], origin: Origin, output: &Output) {
     for one in done.iter().filter(|one| one.is_change()) {
         let name = &one.wanted.name;
         let set = one.settings.as_ref().map(|settings| &settings.plan.set);
         let written = set.map_or(0, |set| set.count(Step::is_written));
         if one.verified {
-            output.say(&format!("{name}: as the file says; settings written: {written}"));
+            output.say(&format!(
+                "{name}: as {}; settings written: {written}",
+                origin.name
+            ));
         }
         if let Some(path) = &one.way_back {
             let path = path.display();

@@ -7,7 +7,7 @@ use client::{DriveAddress, ErrorKind, Wait};
 use profidrive::settings::{self, CompareError, Comparison};
 use profile::value::Reading;
 
-use super::{backup, commission};
+use super::{backup, commission, diff_folder};
 use crate::advice::Commands;
 use crate::args::{Diff, DriveOptions, Target};
 use crate::connect::{self, Need};
@@ -20,6 +20,9 @@ pub fn run(args: &Diff, options: &DriveOptions, output: &Output) -> Result<(), F
     let machine = Path::new(&args.left);
     if machine.extension().is_some_and(|extension| extension == "toml") {
         return commission::drift(machine, &args.right, options, output);
+    }
+    if machine.is_dir() {
+        return diff_folder::run(machine, &options.target(&args.right), output);
     }
     let (left, right) = (source(&args.left)?, source(&args.right)?);
     let drive = |name: &str| {
@@ -65,7 +68,11 @@ pub fn run(args: &Diff, options: &DriveOptions, output: &Output) -> Result<(), F
     }
     output.json_report(&comparison.report(&args.left, &args.right, &Commands::any()));
     if !output.json() {
-        output.table(&rows(&comparison));
+        let mut table = Table::new(&["name", "number", ">left", ">right", "unit", "meaning"]);
+        for row in rows(&comparison) {
+            table.row(row);
+        }
+        output.table(&table);
         for one in &comparison.tasks {
             output.line(&format!("MT[{}]", one.number));
             output.line(&format!("  left   {}", one.left.text(left.parameters())));
@@ -87,25 +94,24 @@ pub fn run(args: &Diff, options: &DriveOptions, output: &Output) -> Result<(), F
     Err(Failure::silent(kind))
 }
 
-/// One line for each difference; those of the connection last, an array of them in one line.
-fn rows(comparison: &Comparison<'_>) -> Table {
-    let mut table = Table::new(&["name", "number", ">left", ">right", "unit", "meaning"]);
+/// One row for each setting that differs: name, number, left, right, unit, meaning. Those of the connection come last, an array of
+/// them in one row.
+pub fn rows(comparison: &Comparison<'_>) -> Vec<[String; 6]> {
+    let mut rows = Vec::new();
     let (connection, settings): (Vec<&Difference>, Vec<&Difference>) = comparison
         .settings
         .iter()
         .partition(|one| comparison.is_of_connection(one));
-    for one in settings {
-        table.row(row(one));
-    }
+    rows.extend(settings.into_iter().map(row));
     let pnu = |one: &&Difference| one.reading().map(|reading| reading.pnu);
     for group in connection.chunk_by(|a, b| pnu(a) == pnu(b)) {
         match group {
-            [first, .., last] => table.row(folded(first, last, comparison.left, comparison.right)),
-            [one] => table.row(row(one)),
+            [first, .., last] => rows.push(folded(first, last, comparison.left, comparison.right)),
+            [one] => rows.push(row(one)),
             [] => {}
         }
     }
-    table
+    rows
 }
 
 fn row(one: &Difference) -> [String; 6] {
@@ -237,19 +243,11 @@ mod tests {
         let left = backup("p915[0] = 1\np915[1] = 5\np915[2] = 0\np922 = 1\np2108 = 3000 rpm/s");
         let right =
             backup("p915[0] = 1\np915[1] = 104\np915[2] = 28\np922 = 9\np2108 = 4000 rpm/s\np2115 = 1 rps/s");
-        let found = rows(&Comparison::new(&left, &right).unwrap()).lines();
-        let text = found.join("\n");
-        assert_eq!(found.len(), 5, "{text}");
-        let words: Vec<Vec<&str>> = found
-            .iter()
-            .map(|line| line.split_whitespace().collect())
-            .collect();
-        assert_eq!(words[1][..4], ["DRV.ACC", "p2108", "3000", "4000"], "{text}");
-        assert!(words[2].contains(&"(missing)"), "{text}");
-        assert!(
-            found[3].contains("p0915[1..2]") && found[3].contains("5 0") && found[3].contains("104 28"),
-            "{text}"
-        );
-        assert!(found[4].contains("p0922"), "{text}");
+        let found = rows(&Comparison::new(&left, &right).unwrap());
+        assert_eq!(found.len(), 4, "{found:?}");
+        assert_eq!(found[0][..4], ["DRV.ACC", "p2108", "3000", "4000"]);
+        assert_eq!(found[1][2], "(missing)");
+        assert_eq!(found[2][1..4], ["p0915[1..2]", "5 0", "104 28"]);
+        assert_eq!(found[3][1], "p0922");
     }
 }

@@ -35,10 +35,7 @@ fn ended(kind: ErrorKind, report: &DoctorReport) -> Failure {
         .filter(|one| one.severity == Severity::Error);
     let mut names: Vec<&str> = of_errors.map(|one| one.check.name()).collect();
     names.dedup();
-    Failure::new(
-        kind,
-        format!("not as it should be: {}", profidrive::listed(&names)),
-    )
+    Failure::new(kind, format!("problems found: {}", profidrive::listed(&names)))
 }
 
 impl Page for DoctorReport {

@@ -2,8 +2,9 @@
 
 use client::Wait;
 use profidrive::documents::bundle::{self, Contents};
-use profidrive::documents::{DocumentError, NewFile, page};
+use profidrive::documents::{NewFile, page};
 use profidrive::report::{BundleReport, BundledDrive, PageReport};
+use profidrive::{Outcome, listed};
 
 use crate::advice::Commands;
 use crate::args::{Bundle, Report, Target};
@@ -25,8 +26,9 @@ pub fn bundle(args: &Bundle, target: &Target, output: &Output) -> Result<(), Fai
     let wording = Commands::any();
     let written = bundle::bundle(&opening, &selector, &contents, &file, &wording, &mut progress).wait();
     drop(steps);
-    output.report(&written?);
-    Ok(())
+    let written = written?;
+    output.report(&written);
+    ended(written.outcome(), &written.drives)
 }
 
 pub fn report(args: &Report, target: &Target, output: &Output) -> Result<(), Failure> {
@@ -48,15 +50,43 @@ pub fn report(args: &Report, target: &Target, output: &Output) -> Result<(), Fai
     .wait();
     drop(steps);
     let closed = network.close().wait();
-    output.report(&written?);
+    let written = written?;
+    output.report(&written);
+    ended(written.outcome(), &written.drives)?;
     Ok(closed?)
+}
+
+/// Returns how the command ends: with an error where nothing was read of a drive.
+fn ended(outcome: Outcome, drives: &[BundledDrive]) -> Result<(), Failure> {
+    let Some(kind) = outcome.kind() else {
+        return Ok(());
+    };
+    let silent = drives.iter().filter(|drive| !drive.read);
+    let silent: Vec<&str> = silent.map(|drive| drive.drive.as_str()).collect();
+    let message = match silent.len() {
+        0 => "no drive answered".to_owned(),
+        count => format!(
+            "nothing was read of {} ({count} of {})",
+            listed(&silent),
+            drives.len()
+        ),
+    };
+    Err(Failure::new(kind, message).hint("{scan} lists who answers"))
+}
+
+/// `3 of 7 drives read`
+fn read_of(drives: &[BundledDrive]) -> String {
+    let read = drives.iter().filter(|drive| drive.read).count();
+    let plural = if drives.len() == 1 { "" } else { "s" };
+    format!("{read} of {} drive{plural} read", drives.len())
 }
 
 impl Page for BundleReport {
     fn print(&self, output: &Output) {
         output.line(&format!(
-            "{}: {} files, {} octets",
+            "{}: {}, {} files, {} octets",
             self.file,
+            read_of(&self.drives),
             self.files.len(),
             self.size
         ));
@@ -69,11 +99,10 @@ impl Page for BundleReport {
 
 impl Page for PageReport {
     fn print(&self, output: &Output) {
-        let plural = if self.drives.len() == 1 { "" } else { "s" };
         output.line(&format!(
-            "{}: {} drive{plural}, {} octets",
+            "{}: {}, {} octets",
             self.file,
-            self.drives.len(),
+            read_of(&self.drives),
             self.size
         ));
         missing(&self.drives, output);
@@ -84,18 +113,6 @@ fn missing(drives: &[BundledDrive], output: &Output) {
     for drive in drives {
         for missing in &drive.missing {
             output.warn(&format!("{}: {missing}", drive.drive));
-        }
-    }
-}
-
-impl From<DocumentError> for Failure {
-    fn from(error: DocumentError) -> Self {
-        match error {
-            DocumentError::Client(error) => error.into(),
-            DocumentError::Exists(_) => {
-                Self::new(error.kind(), error.to_string()).hint("choose another name: nothing is replaced")
-            }
-            other => Self::new(other.kind(), other.to_string()),
         }
     }
 }

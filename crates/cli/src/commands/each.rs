@@ -64,9 +64,9 @@ pub trait Shown {
     /// Returns the rows of one of many drives, without its name.
     fn rows(&self, done: &Self::Done, drive: &Drive) -> Vec<Vec<String>>;
 
-    /// Returns the row of a drive without a result, without its name.
-    fn missing_row(&self) -> Option<Vec<String>> {
-        None
+    /// Returns the row of a drive without a result, without its name. The message of one that answered stands below the table.
+    fn missing_row(&self, answered: bool) -> Option<Vec<String>> {
+        (!answered).then(|| vec!["no answer".to_owned()])
     }
 
     /// Returns what is not as it should be; the last one ends the command.
@@ -221,13 +221,7 @@ pub fn shown<V: Shown, E: Into<Failure>>(
     let row = |member| Row::new(member, |done, drive| verb.problems(done, drive));
     let mut rows: Vec<Row<V::Done>> = members.into_iter().map(row).collect();
     rows.sort_by_key(|row| std::cmp::Reverse(row.done.as_ref().map_or(u8::MAX, |done| verb.urgency(done))));
-    let of_row = |row| {
-        let Row {
-            name, drive, done, ..
-        }: &Row<V::Done> = row;
-        (name.as_str(), done.as_ref().zip(drive.as_ref()))
-    };
-    table(verb, rows.iter().map(of_row), output);
+    table(verb, rows.iter().map(TableRow::of), output);
     if !left_out.is_empty() {
         let left_out = left_out.join(", ");
         output.say(&format!("left out, as they are no drives: {left_out}"));
@@ -243,25 +237,47 @@ pub fn shown<V: Shown, E: Into<Failure>>(
     ended(&rows, V::MATTER, output)
 }
 
-/// Prints a table of drives, for people: the name of each, and what came of it where something did.
-pub fn table<'a, V: Shown>(
-    verb: &V,
-    drives: impl Iterator<Item = (&'a str, Option<(&'a V::Done, &'a Drive)>)>,
-    output: &Output,
-) where
+/// What a table shows of a drive.
+pub struct TableRow<'a, D> {
+    /// Its name.
+    pub name: &'a str,
+    /// What came of it, where something did.
+    pub done: Option<(&'a D, &'a Drive)>,
+    /// Whether it answered at all.
+    pub answered: bool,
+}
+
+impl<'a, D> TableRow<'a, D> {
+    fn of(row: &'a Row<D>) -> Self {
+        Self {
+            name: &row.name,
+            done: row.done.as_ref().zip(row.drive.as_ref()),
+            answered: !row.problems.iter().any(|problem| is_silence(problem.kind)),
+        }
+    }
+}
+
+/// Whether an error of this kind means that a drive did not answer.
+pub const fn is_silence(kind: ErrorKind) -> bool {
+    matches!(kind, ErrorKind::Unreachable | ErrorKind::Lost)
+}
+
+/// Prints a table of drives, for people.
+pub fn table<'a, V: Shown>(verb: &V, drives: impl Iterator<Item = TableRow<'a, V::Done>>, output: &Output)
+where
     V::Done: 'a,
 {
     if output.json() {
         return;
     }
     let mut table = Table::new(&[&["drive"], V::COLUMNS].concat());
-    for (name, done) in drives {
-        let rows = match done {
+    for row in drives {
+        let rows = match row.done {
             Some((done, drive)) => verb.rows(done, drive),
-            None => verb.missing_row().into_iter().collect(),
+            None => verb.missing_row(row.answered).into_iter().collect(),
         };
         for cells in rows {
-            table.row(std::iter::once(name.to_owned()).chain(cells));
+            table.row(std::iter::once(row.name.to_owned()).chain(cells));
         }
     }
     output.table(&table);

@@ -153,7 +153,7 @@ fn lines(report: &FaultsReport) -> Vec<Line> {
             _ => "fault situations",
         };
         lines.push(Line::Plain(format!(
-            "{} {counted} so far (PNU 944)",
+            "{counted} counted by the drive: {} (PNU 944)",
             report.counter
         )));
     }

@@ -8,6 +8,7 @@ mod completions;
 mod decode;
 mod demo;
 mod diff;
+mod diff_folder;
 mod doctor;
 mod documents;
 mod each;

@@ -60,12 +60,9 @@ impl Acknowledging {
 impl Each for Acknowledging {
     const DOING: &'static str = "acknowledging";
 
+    /// A drive without a fault needs no port of a controller, which another program of this computer may hold.
     fn need(&self) -> Need {
-        if self.by_parameter {
-            Need::Records
-        } else {
-            Need::Cyclic
-        }
+        Need::Records
     }
 
     async fn work(
@@ -95,7 +92,7 @@ impl Shown for Acknowledging {
         vec![vec![acknowledged(done).to_owned()]]
     }
 
-    fn missing_row(&self) -> Option<Vec<String>> {
+    fn missing_row(&self, _: bool) -> Option<Vec<String>> {
         Some(vec!["not acknowledged".to_owned()])
     }
 }
@@ -206,8 +203,11 @@ impl Watching<'_> {
                     .warn(&format!("{label} has restarted: it was connected to again"));
             }
             show(&seen, &label, &column, self.raw, self.output);
+            let at = seen.wall.map_or_else(String::new, |wall| {
+                format!("{}  ", profidrive::date_and_time(wall))
+            });
             for fault in &seen.faults {
-                self.output.warn(&format!("{column}{fault}"));
+                self.output.warn(&format!("{column}{at}{fault}"));
             }
             if !monitor.pause(session, end).await? {
                 return Ok(());

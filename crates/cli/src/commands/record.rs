@@ -45,6 +45,12 @@ pub fn run(args: &Record, target: &Target, output: &Output) -> Result<(), Failur
     let sources = ready(prepare(&session, found.members, &request).wait(), output)?;
     let cyclic: Vec<Option<(Duration, u16)>> = sources.iter().map(Source::cyclic).collect();
     let mut recording = Recording::begin(&session, session.wall_clock(), sources, &request)?;
+    output.say(&beginning(&recording, args, &request));
+    // the terminal first: a file that is created stays
+    let live = args
+        .live
+        .then(|| LivePlot::begin(recording.table(), recording.stop_handle()))
+        .transpose()?;
     let place = match args.output.as_deref().zip(form) {
         Some((file, Some(form))) => {
             let file = RecordingFile::create(recording.table(), file, form, args.rotate)?;
@@ -53,11 +59,6 @@ pub fn run(args: &Record, target: &Target, output: &Output) -> Result<(), Failur
         Some((_, None)) => Place::printed(recording.table(), output)?,
         None => Place::Nowhere,
     };
-    output.say(&beginning(&recording, args, &request));
-    let live = args
-        .live
-        .then(|| LivePlot::begin(recording.table(), recording.stop_handle()))
-        .transpose()?;
     let mut taken = Taken {
         place,
         scope: args.plot.as_ref().map(|_| Scope::new(recording.table())),
@@ -68,7 +69,10 @@ pub fn run(args: &Record, target: &Target, output: &Output) -> Result<(), Failur
     let result = taken.record(&mut recording).wait();
     let (place, scope) = taken.end();
     let closed = session.close().wait();
-    let mut report = RecordReport::of(&recording, &cyclic, place.files());
+    let mut report = RecordReport {
+        written: place.rows(),
+        ..RecordReport::of(&recording, &cyclic, place.files())
+    };
     let drawn = match args.plot.as_ref().zip(scope) {
         Some((file, scope)) => {
             let marks: Vec<Mark> = report.trigger.iter().map(mark).collect();
@@ -80,7 +84,8 @@ pub fn run(args: &Record, target: &Target, output: &Output) -> Result<(), Failur
     };
     output.json_report(&report);
     if !output.json() {
-        show(&report, !matches!(place, Place::Printed(..)), output);
+        let began = recording.check_triggered().is_ok();
+        show(&report, !matches!(place, Place::Printed(..)), began, output);
     }
     each::last(result?, output)?;
     drawn?;
@@ -255,8 +260,8 @@ impl From<RecordingError> for Failure {
     }
 }
 
-/// Shows what was recorded; beside rows that are printed, to the person only.
-fn show(report: &RecordReport, to_file: bool, output: &Output) {
+/// Shows what was recorded; beside rows that are printed, to the person only. A recording that never began has gaps alone.
+fn show(report: &RecordReport, to_file: bool, began: bool, output: &Output) {
     let mut table = TextTable::new(&["drive", "rows", "gaps", "missed", "outages"]);
     for drive in &report.drives {
         table.row([
@@ -272,7 +277,16 @@ fn show(report: &RecordReport, to_file: bool, output: &Output) {
         output.table(&table);
     } else {
         table.lines().iter().for_each(|line| output.say(line));
-        output.say(&format!("{time} recorded"));
+        if began {
+            output.say(&format!("{time} recorded"));
+        }
+    }
+    if !began {
+        return;
+    }
+    let all = report.rows + report.gaps;
+    if let Some(written) = report.written.filter(|written| *written < all) {
+        output.warn(&format!("only {written} of these {all} rows could be written"));
     }
     if !report.files.is_empty() {
         output.say(&format!("{time} recorded to {}", report.files.join(", ")));

@@ -34,8 +34,9 @@ impl<'o> Taken<'o> {
             match news {
                 News::Row(row) if broken.is_none() => {
                     if let Err(error) = self.take(&row) {
-                        // the connections are closed in order all the same
+                        // the connections are closed in order all the same, which can take its time
                         recording.stop_handle().stop_once();
+                        self.remark(true, format!("{error}; the recording ends"));
                         broken = Some(error);
                     }
                 }
@@ -128,6 +129,14 @@ impl<'o> Place<'o> {
         match self {
             Self::File(file) => file.files(),
             Self::Printed(..) | Self::Nowhere => &[],
+        }
+    }
+
+    /// Returns the rows in the files; `None` where they went elsewhere.
+    pub fn rows(&self) -> Option<u64> {
+        match self {
+            Self::File(file) => Some(file.rows()),
+            Self::Printed(..) | Self::Nowhere => None,
         }
     }
 

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use client::change::{Change, ChangeSet, Choice, Plan, Skip, Skipped, Step};
-use client::{Drive, Wait};
+use client::{Drive, ErrorKind, Wait};
 use profidrive::report::RestoreReport;
 use profidrive::settings::{self, RestoreError};
 use profile::value::Reading;
@@ -32,9 +32,13 @@ pub fn run(args: &Restore, target: &Target, output: &Output) -> Result<(), Failu
         force: args.force,
         dry_run: args.dry_run,
     };
-    let spinner = connect::spinner(output, format!("reading {}", drive.label()));
-    let plan = settings::plan(&mut session, &mut drive, &wanted, &request).wait();
-    spinner.finish_and_clear();
+    let bar = connect::bar(output, 0, "reading");
+    let progress = |done: usize, all: usize| {
+        bar.set_length(all as u64);
+        bar.set_position(done as u64);
+    };
+    let plan = settings::plan_with(&mut session, &mut drive, &wanted, &request, progress).wait();
+    bar.finish_and_clear();
     let mut plan = plan?;
     for one in plan.identity_differences(&wanted) {
         output.say(&format!(
@@ -80,10 +84,10 @@ pub fn run(args: &Restore, target: &Target, output: &Output) -> Result<(), Failu
 /// Where the way back goes: never over anything.
 fn way_back(args: &Restore) -> Result<PathBuf, Failure> {
     match &args.way_back {
-        Some(path) if path.exists() => Err(Failure::usage(format!(
-            "--way-back: {} is there already",
-            path.display()
-        ))),
+        Some(path) if path.exists() => Err(Failure::new(
+            ErrorKind::Local,
+            format!("--way-back: {} exists already", path.display()),
+        )),
         Some(path) => Ok(path.clone()),
         None => settings::way_back(&args.file).ok_or_else(|| {
             Failure::usage("no free name for the values before: `.before-1` to `.before-9999` exist; choose one with --way-back PATH")

@@ -50,7 +50,7 @@ pub fn run(args: &Step, target: &Target, output: &Output) -> Result<(), Failure>
     let report = StepReport::new(&stepped, &wanted, compared, files);
     output.json_report(&report);
     if !output.json() {
-        show(&report, unit, stepped.cycle, output);
+        show(&report, unit, stepped.resolution, output);
     }
     // the figures are there whatever became of the files
     recorded.and(drawn.map_or(Ok(()), |(_, result)| result))
@@ -99,7 +99,7 @@ fn wanted(args: &Step) -> Result<motion::Step, Failure> {
     Ok(wanted)
 }
 
-fn show(report: &StepReport, unit: &str, cycle: Duration, output: &Output) {
+fn show(report: &StepReport, unit: &str, resolution: Duration, output: &Output) {
     let Some(response) = &report.response else {
         output.warn("no figures: the telegram carries no speed, or no sample of the step arrived");
         return;
@@ -119,7 +119,12 @@ fn show(report: &StepReport, unit: &str, cycle: Duration, output: &Output) {
         table.row(std::iter::once(title).chain(values));
     }
     output.table(&table);
-    output.say(&format!("times are exact to one cycle: ± {}", lasting(cycle)));
+    let missed = match report.missed {
+        0 => String::new(),
+        1 => "; 1 cycle was missed".to_owned(),
+        count => format!("; {count} cycles were missed"),
+    };
+    output.say(&format!("times are exact to ± {}{missed}", lasting(resolution)));
 }
 
 const FIGURES: [&str; 5] = [

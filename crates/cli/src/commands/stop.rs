@@ -56,7 +56,7 @@ impl Shown for Stop {
         vec![vec![at_rest.to_owned(), done.to_string()]]
     }
 
-    fn missing_row(&self) -> Option<Vec<String>> {
+    fn missing_row(&self, _: bool) -> Option<Vec<String>> {
         Some(vec!["not known".to_owned(), String::new()])
     }
 

@@ -192,7 +192,7 @@ impl Error {
                 "name the network interface; raw sockets on it require root or CAP_NET_RAW"
             }
             Self::NeedsCallPort { .. } => {
-                "end that program (see: ss -ulpn sport = :34964), or use another computer; until then stop the drive at its panel or by its inputs"
+                "end that program, or use another computer; until then stop the drive at its panel or by its inputs"
             }
             Self::NoIpAddress { .. } => "give it one: {address}",
             Self::OwnedByController { .. } => {
@@ -217,8 +217,16 @@ impl Error {
                 cause: LostCause::Service(ServiceError::Timeout { .. }),
                 ..
             } => {
-                "check cable and power, and that its IP address has not gone to another device; {scan} lists the devices that respond"
+                "check cable and power, and that its IP address has not gone to another device; {scan} lists the devices that respond, {doctor} measures packet loss and latency"
             }
+            Self::Record {
+                error: ServiceError::Timeout { .. },
+                ..
+            }
+            | Self::Dcp {
+                error: DcpError::Timeout { .. },
+                ..
+            } => "check cable and power; {doctor} measures packet loss and latency",
             Self::Record {
                 error: ServiceError::NotReady { .. },
                 ..
@@ -374,7 +382,7 @@ mod tests {
         };
         let hint = error.advice().unwrap().to_string();
         assert!(
-            hint.contains("cable and power") && hint.contains("[scan]"),
+            hint.contains("cable and power") && hint.contains("[scan]") && hint.contains("[doctor]"),
             "{hint}"
         );
     }

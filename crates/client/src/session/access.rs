@@ -440,16 +440,17 @@ impl Session {
         }
         let what = || "parameter access".to_owned();
         let ar = self.for_parameters(drive).await?;
-        let due = self.due();
+        let time = self.time_for_answer();
         let octets = self
             .call(drive, ar, &what, |client, now, ar| {
                 let (controller, at) = (client.controller(), channel(drive));
-                match due {
-                    Some(due) => controller.parameter_job_within(now, ar, at, request, due - now),
+                match time {
+                    Some(time) => controller.parameter_job_within(now, ar, at, request, time),
                     None => controller.parameter_job(now, ar, at, request),
                 }
             })
             .await?;
+        self.manner().first_answer = None;
         Ok(Answered::by_record(octets))
     }
 

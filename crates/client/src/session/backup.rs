@@ -108,6 +108,16 @@ impl Session {
     /// # Errors
     /// When the drive cannot be reached.
     pub async fn backup_like(&mut self, drive: &mut Drive, like: &Backup) -> Result<Backup, Error> {
+        self.backup_like_with(drive, like, &mut |_, _| {}).await
+    }
+
+    /// The same; `progress` receives how many settings and motion tasks are read, and how many there are.
+    async fn backup_like_with(
+        &mut self,
+        drive: &mut Drive,
+        like: &Backup,
+        progress: &mut (dyn FnMut(usize, usize) + Send),
+    ) -> Result<Backup, Error> {
         // what the file calls a parameter is one of this drive
         let selections: Vec<Selection> = like
             .selections()
@@ -123,9 +133,15 @@ impl Session {
                     .is_none_or(|one| one.access != Access::WriteOnly)
             })
             .collect();
-        let mut backup = self.backup_of(drive, &selections, &mut |_, _| {}).await?;
-        self.read_tasks(drive, &mut backup, &like.task_numbers(), &mut |_| {})
+        let tasks = like.task_numbers();
+        let (settings, all) = (selections.len(), selections.len() + tasks.len());
+        let mut backup = self
+            .backup_of(drive, &selections, &mut |done, _| progress(done, all))
             .await?;
+        self.read_tasks(drive, &mut backup, &tasks, &mut |done| {
+            progress(settings + done, all)
+        })
+        .await?;
         Ok(backup)
     }
 
@@ -166,7 +182,21 @@ impl Session {
     /// # Errors
     /// When the drive cannot be reached.
     pub async fn plan(&mut self, drive: &mut Drive, wanted: &Backup, choice: &Choice) -> Result<Plan, Error> {
-        let present = self.backup_like(drive, wanted).await?;
+        self.plan_reporting(drive, wanted, choice, &mut |_, _| {}).await
+    }
+
+    /// The same; `progress` receives how many settings and motion tasks are read, and how many there are.
+    ///
+    /// # Errors
+    /// When the drive cannot be reached.
+    pub async fn plan_reporting(
+        &mut self,
+        drive: &mut Drive,
+        wanted: &Backup,
+        choice: &Choice,
+        progress: &mut (dyn FnMut(usize, usize) + Send),
+    ) -> Result<Plan, Error> {
+        let present = self.backup_like_with(drive, wanted, progress).await?;
         let mut plan = Plan::new(wanted, &present, choice);
         plan.set.of_drive(drive);
         Ok(plan)

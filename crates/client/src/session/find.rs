@@ -209,8 +209,11 @@ impl Session {
             return Err(Error::NeedsDiscovery { drive: drive.clone() });
         };
         let now = self.now();
-        self.client().ask_mapper(now, *address);
-        let Some(Some(found)) = self.wait(MAPPER_LIMIT, Client::take_registered).await? else {
+        let query = self.client().ask_mapper(now, *address);
+        let found = self
+            .wait(MAPPER_LIMIT, |client| client.take_registered(query))
+            .await?;
+        let Some(Some(found)) = found else {
             return Err(Error::NotFound {
                 drive: drive.clone(),
                 answered: Vec::new(),

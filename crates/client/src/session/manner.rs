@@ -1,6 +1,7 @@
 //! How the requests of a caller are carried out at present: what a stop or a motion changes for a while.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
 
 use profinet::Instant;
 
@@ -17,6 +18,8 @@ pub(super) struct Manner {
     pub bound: Option<Instant>,
     /// Parameters that are not answered are tolerated.
     pub unread: Option<Unread>,
+    /// Time that the drive has for its first answer to a parameter request, until there is one.
+    pub first_answer: Option<Duration>,
 }
 
 /// Ends with what it stands for, a call that is dropped half-way included: then everything holds again that held before.

@@ -56,6 +56,19 @@ impl Session {
         self.manner().unread.get_or_insert_default();
     }
 
+    /// Gives a drive only `limit` to be ready with the answer to the first parameter request of this caller. Once it has answered
+    /// one, the others have their usual time. For one drive of many: the others do not wait long for one that is silent.
+    pub fn expect_first_answer_within(&mut self, limit: Duration) {
+        self.manner().first_answer = Some(limit);
+    }
+
+    /// Returns the time for the answer to a parameter request that is sent now; `None` for the usual time.
+    pub(super) fn time_for_answer(&self) -> Option<Duration> {
+        let due = self.due().map(|due| due.saturating_since(self.now()));
+        let first = self.manner().first_answer;
+        due.into_iter().chain(first).min()
+    }
+
     /// Returns the error since which parameters are not read any more, after
     /// [`tolerate_unread`](Self::tolerate_unread); `None` while they are.
     #[must_use]

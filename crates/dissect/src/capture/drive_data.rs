@@ -122,7 +122,7 @@ impl DriveData {
             ..Cyclic::default()
         });
         if let Some(bad) = provider.filter(|provider| !provider.is_good()) {
-            let text = format!("slot {}: data marked bad ({bad})", self.slot);
+            let text = format!("slot {}: data marked {bad}", self.slot);
             sink.report(Weight::Warning, "cyclic", text, detail);
         } else if self.provider.is_some() {
             sink.report(

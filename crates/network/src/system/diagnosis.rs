@@ -1,6 +1,7 @@
 //! What of this computer decides how well it works as a controller: permissions, the state of an interface, who holds a port,
 //! how late its timers are. Where a system does not report something, it is `None`.
 
+use std::fmt;
 use std::net::Ipv4Addr;
 use std::time::Duration;
 
@@ -68,6 +69,27 @@ impl PortHolder {
     #[must_use]
     pub fn of(port: u16) -> Option<Vec<Self>> {
         os::holders(port)
+    }
+
+    /// Returns who has a UDP port of an address, in words; `None` where nobody is known to.
+    #[must_use]
+    pub fn named(port: u16, address: Ipv4Addr) -> Option<String> {
+        let all = Self::of(port).unwrap_or_default();
+        let here = all.iter().filter(|holder| {
+            address.is_unspecified() || holder.address.is_unspecified() || holder.address == address
+        });
+        let named: Vec<String> = here.map(Self::to_string).collect();
+        (!named.is_empty()).then(|| named.join(", "))
+    }
+}
+
+/// `codesys (process 812)`
+impl fmt::Display for PortHolder {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match (&self.program, self.process) {
+            (Some(program), Some(process)) => write!(f, "{program} (process {process})"),
+            _ => f.write_str("a process of another user"),
+        }
     }
 }
 

@@ -78,8 +78,8 @@ impl Error {
     pub fn hint(&self) -> Option<String> {
         match self {
             Self::NoPermission { .. } => Some(
-                "run as root; or give the program the right once: sudo setcap cap_net_raw+ep PROGRAM; \
-                 or try it in a network of its own: unshare --user --map-root-user --net"
+                "run as root, or grant the capability once: sudo setcap cap_net_raw+ep PROGRAM; \
+                 without a real network: unshare --user --map-root-user --net"
                     .to_owned(),
             ),
             Self::NoRawEthernet => Some(

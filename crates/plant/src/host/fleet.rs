@@ -272,7 +272,10 @@ fn address(first: Ipv4Addr, prefix: u8, offset: u16) -> IpSuite {
 }
 
 /// Returns the fastest update time in steps of 31.25 us: a power of two of them, as every update time of PROFINET here.
-fn interval(time: Duration) -> Result<u16, FleetError> {
+///
+/// # Errors
+/// [`FleetError::Interval`]
+pub fn interval(time: Duration) -> Result<u16, FleetError> {
     let wanted = time.as_nanos();
     let nanos = |ticks: &u16| u128::from(*ticks) * TICK_NANOS;
     let mut possible = (5..=14).map(|power| 1_u16 << power);

@@ -45,7 +45,7 @@ pub use description::{DescriptionError, ForeignDescription};
 pub use duplicate_check::Duplicate;
 pub use error::HostError;
 pub use event::{DriveEvent, Event, EventSender, Events, SaveResult, Saved, events};
-pub use fleet::{Fleet, FleetError, MacChoice};
+pub use fleet::{Fleet, FleetError, MacChoice, interval};
 pub use load::{Load, Overload};
 pub use serial::{SerialHost, SerialHostConfig};
 pub use state_folder::{DriveState, Found, StateFolder};

@@ -16,21 +16,21 @@ use crate::settings::{FileError, RestoreError};
 #[non_exhaustive]
 pub enum CommissionError {
     /// No station has the name or the MAC address of the drive.
-    #[error("{drive} (line {line}) does not answer{}", by(.mac.as_ref()))]
+    #[error("{drive}{} does not answer{}", at(*.line), by(.mac.as_ref()))]
     NotFound {
         /// Name of the drive.
         drive: String,
-        /// Line of the machine file.
+        /// Line of the machine file; 0 where there is none, only a backup.
         line: usize,
         /// The MAC address that was searched, too.
         mac: Option<MacAddress>,
     },
     /// Another station than the one with this MAC address has the name.
-    #[error("{drive} (line {line}): the station with this name has the MAC address {found}, not {mac}")]
+    #[error("{drive}{}: the station with this name has the MAC address {found}, not {mac}", at(*.line))]
     OtherStation {
         /// Name of the drive.
         drive: String,
-        /// Line of the machine file.
+        /// Line of the machine file; 0 where there is none, only a backup.
         line: usize,
         /// The MAC address in the file.
         mac: MacAddress,
@@ -38,11 +38,11 @@ pub enum CommissionError {
         found: MacAddress,
     },
     /// The drive is of another model.
-    #[error("{drive} (line {line}): the file says {wanted}, the drive is {found}")]
+    #[error("{drive}{}: {} {wanted}, the drive is {found}", at(*.line), source(*.line))]
     OtherModel {
         /// Name of the drive.
         drive: String,
-        /// Line of the machine file.
+        /// Line of the machine file; 0 where there is none, only a backup.
         line: usize,
         /// Model of the file.
         wanted: &'static str,
@@ -50,21 +50,21 @@ pub enum CommissionError {
         found: String,
     },
     /// A setting of the file is not valid for this drive.
-    #[error("{drive} (line {line}): {problem}")]
+    #[error("{drive}{}: {problem}", at(*.line))]
     Setting {
         /// Name of the drive.
         drive: String,
-        /// Line of the machine file.
+        /// Line of the machine file; 0 where there is none, only a backup.
         line: usize,
         /// What is wrong.
         problem: Box<Error>,
     },
     /// The drive cannot have a setting of the file or of the backup.
-    #[error("{drive} (line {line}): {parameter} cannot be set: {why}")]
+    #[error("{drive}{}: {parameter} cannot be set: {why}", at(*.line))]
     LeftOut {
         /// Name of the drive.
         drive: String,
-        /// Line of the machine file.
+        /// Line of the machine file; 0 where there is none, only a backup.
         line: usize,
         /// The parameter.
         parameter: String,
@@ -107,7 +107,7 @@ pub enum CommissionError {
         source: std::io::Error,
     },
     /// A machine file is there and is not to be replaced.
-    #[error("{} is there already", .0.display())]
+    #[error("{} exists already", .0.display())]
     Exists(PathBuf),
     /// A drive that is there cannot be in a machine file.
     #[error("{drive} cannot be in a machine file: {why}")]
@@ -151,6 +151,22 @@ pub enum CommissionError {
     Client(#[from] Error),
 }
 
+/// ` (line 4)`, for a drive of a machine file.
+fn at(line: usize) -> String {
+    match line {
+        0 => String::new(),
+        line => format!(" (line {line})"),
+    }
+}
+
+const fn source(line: usize) -> &'static str {
+    if line == 0 {
+        "the backup is of"
+    } else {
+        "the file says"
+    }
+}
+
 fn by(mac: Option<&MacAddress>) -> String {
     mac.map_or_else(String::new, |mac| format!(", neither by its name nor as {mac}"))
 }
@@ -165,11 +181,11 @@ impl CommissionError {
             Self::Setting { problem, .. } => problem.kind(),
             Self::LeftOut { .. } | Self::TasksLeftOut { .. } | Self::Differs { .. } => ErrorKind::Difference,
             Self::Refused { .. } => ErrorKind::Refused,
-            Self::NoFolder | Self::Exists(_) => ErrorKind::Usage,
+            Self::NoFolder => ErrorKind::Usage,
             Self::NotInFile { .. } => ErrorKind::Unsupported,
             Self::NotRead { .. } | Self::NothingRead(_) => ErrorKind::Partial,
             Self::Interrupted(_) => ErrorKind::Interrupted,
-            Self::Note { .. } => ErrorKind::Local,
+            Self::Exists(_) | Self::Note { .. } => ErrorKind::Local,
             Self::Machine(error) => error.kind(),
             Self::Drive(error) => error.kind(),
             Self::Addressing(error) => error.kind(),
@@ -184,4 +200,25 @@ impl CommissionError {
 pub(super) fn ambiguous(name: &str, macs: Vec<MacAddress>) -> CommissionError {
     let drive = DriveAddress::Name(name.to_owned());
     CommissionError::Client(Error::Ambiguous { drive, macs })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A drive that takes the place of another one by a backup has no line in any file.
+    #[test]
+    fn only_a_drive_of_a_machine_file_has_a_line() {
+        let error = |line| {
+            let error = CommissionError::OtherModel {
+                drive: "akd-1".into(),
+                line,
+                wanted: "AKD",
+                found: "VLT".into(),
+            };
+            error.to_string()
+        };
+        assert_eq!(error(4), "akd-1 (line 4): the file says AKD, the drive is VLT");
+        assert_eq!(error(0), "akd-1: the backup is of AKD, the drive is VLT");
+    }
 }

@@ -28,6 +28,7 @@ mod wanted;
 
 use std::fs;
 use std::path::PathBuf;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 
 use client::change::{Saved, Step};
@@ -39,7 +40,7 @@ pub use from_drives::{FromDrives, MachineFile, from_drives};
 pub use wanted::PlannedSettings;
 
 use crate::drive::DriveError;
-use crate::fleet::AT_ONCE;
+use crate::fleet::{AT_ONCE, of_many};
 use crate::machine::{Machine, MachineDrive};
 use crate::open::{Caller, Opening, Transport};
 use crate::report::{IpReport, NameReport};
@@ -121,6 +122,21 @@ pub async fn plan(
     machine: &Machine,
     purpose: Purpose,
 ) -> Result<Vec<Planned>, DriveError> {
+    plan_with(opening, network, machine, purpose, |_| ()).await
+}
+
+/// The same; `progress` receives how many drives are read.
+///
+/// # Errors
+/// As [`plan`].
+pub async fn plan_with(
+    opening: &Opening,
+    network: &mut Caller,
+    machine: &Machine,
+    purpose: Purpose,
+    progress: impl Fn(crate::Step) + Sync,
+) -> Result<Vec<Planned>, DriveError> {
+    progress(crate::Step::of(Part::Searching));
     let answered = network.scan(SEARCH).await?;
     let mut planned: Vec<Planned> = machine.drives.iter().map(Planned::of).collect();
     for one in &mut planned {
@@ -134,8 +150,11 @@ pub async fn plan(
     }
     let transport = network.transport().clone();
     let session: &Session = network;
+    let (count, read) = (planned.len(), AtomicUsize::new(0));
+    let (read, progress) = (&read, &progress);
+    progress(crate::Step::counted(Part::Drives, 0, count));
     let all = stream::iter(planned).map(|mut one| {
-        let mut session = session.clone();
+        let mut session = of_many(session);
         let transport = &transport;
         async move {
             if let Err(error) =
@@ -143,6 +162,8 @@ pub async fn plan(
             {
                 one.objections.push(error);
             }
+            let done = read.fetch_add(1, Ordering::Relaxed) + 1;
+            progress(crate::Step::counted(Part::Drives, done, count));
             one
         }
     });

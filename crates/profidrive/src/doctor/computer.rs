@@ -224,10 +224,7 @@ fn held_by(holder: &PortHolder) -> String {
     } else {
         holder.address.to_string()
     };
-    match (&holder.program, holder.process) {
-        (Some(program), Some(process)) => format!("{address} by {program} (process {process})"),
-        _ => format!("{address} by a process of another user"),
-    }
+    format!("{address} by {holder}")
 }
 
 #[cfg(test)]

@@ -311,10 +311,7 @@ impl Archive {
                     text.as_bytes(),
                 )?;
             }
-            drives.push(BundledDrive {
-                drive: drive.name.clone(),
-                missing: drive.problems.clone(),
-            });
+            drives.push(drive.entry());
         }
         Ok(drives)
     }

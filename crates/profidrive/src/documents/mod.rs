@@ -8,8 +8,10 @@ mod portrait;
 use std::path::{Path, PathBuf};
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use client::ErrorKind;
+use client::{Advice, ErrorKind};
 use network::files::{StateFile, StateFileError};
+
+use crate::explained::Explained;
 
 pub use portrait::{DrivePortrait, Portrait, portrait};
 
@@ -18,7 +20,7 @@ pub use portrait::{DrivePortrait, Portrait, portrait};
 #[non_exhaustive]
 pub enum DocumentError {
     /// There is something of this name.
-    #[error("{} is there already", .0.display())]
+    #[error("{} exists already", .0.display())]
     Exists(PathBuf),
     /// The folder of the file does not exist.
     #[error("there is no folder {}", .0.display())]
@@ -50,15 +52,27 @@ pub enum DocumentError {
     Content(Box<dyn std::error::Error + Send + Sync>),
 }
 
-impl DocumentError {
-    /// The kind of the error.
-    #[must_use]
-    pub fn kind(&self) -> ErrorKind {
+impl Explained for DocumentError {
+    fn kind(&self) -> ErrorKind {
         match self {
-            Self::Exists(_) | Self::NoFolder(_) | Self::TooLarge { .. } => ErrorKind::Usage,
-            Self::NotRead { .. } | Self::File(_) => ErrorKind::Local,
+            Self::NoFolder(_) | Self::TooLarge { .. } => ErrorKind::Usage,
+            Self::Exists(_) | Self::NotRead { .. } | Self::File(_) => ErrorKind::Local,
             Self::Client(error) => error.kind(),
             Self::Content(_) => ErrorKind::Internal,
+        }
+    }
+
+    fn passed_on(&self) -> Option<&dyn Explained> {
+        match self {
+            Self::Client(error) => Some(error),
+            _ => None,
+        }
+    }
+
+    fn advice(&self) -> Advice {
+        match self {
+            Self::Exists(_) => "choose another name: nothing is replaced".into(),
+            other => other.passed_on().map_or_else(Advice::default, Explained::advice),
         }
     }
 }

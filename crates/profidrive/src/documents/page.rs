@@ -8,7 +8,7 @@ use profile::value::Reading;
 use super::{DocumentError, DrivePortrait, NewFile, Portrait, portrait, time_text};
 use crate::machine::Machine;
 use crate::open::{Network, Opening};
-use crate::report::{BundledDrive, FaultsReport, PageReport, Parameter, Station, Wording};
+use crate::report::{FaultsReport, PageReport, Parameter, Station, Wording};
 use crate::{Part, Selector, Step};
 
 /// Reads the drives that are meant and writes the page. `machine` has their groups and limits, where there is a machine file.
@@ -27,10 +27,7 @@ pub async fn page(
     progress(Step::of(Part::Writing));
     let text = html(&portrait, machine)?;
     file.write(text.as_bytes())?;
-    let drives = portrait.drives.iter().map(|drive| BundledDrive {
-        drive: drive.name.clone(),
-        missing: drive.problems.clone(),
-    });
+    let drives = portrait.drives.iter().map(DrivePortrait::entry);
     Ok(PageReport {
         file: file.path().display().to_string(),
         size: text.len() as u64,

@@ -7,9 +7,9 @@ use client::backup::Backup;
 use client::{Drive, Error, ErrorKind, Session};
 use futures::{StreamExt, stream};
 
-use crate::fleet::{AT_ONCE, Selected};
+use crate::fleet::{AT_ONCE, Selected, of_many};
 use crate::open::{Caller, Opening};
-use crate::report::{FaultsReport, InfoReport, ScanReport, StatusReport, Wording};
+use crate::report::{BundledDrive, FaultsReport, InfoReport, ScanReport, StatusReport, Wording};
 use crate::{DriveError, Part, Selector, Step, Sum, inspection, scan, settings};
 
 /// Time for all stations to answer.
@@ -45,6 +45,19 @@ pub struct DrivePortrait {
     pub backup: Option<Backup>,
     /// What could not be read, with the reason.
     pub problems: Vec<String>,
+}
+
+impl DrivePortrait {
+    /// Returns what is missing of it in a document.
+    pub(super) fn entry(&self) -> BundledDrive {
+        let read =
+            self.info.is_some() || self.status.is_some() || self.faults.is_some() || self.backup.is_some();
+        BundledDrive {
+            drive: self.name.clone(),
+            read,
+            missing: self.problems.clone(),
+        }
+    }
 }
 
 /// Finds the drives that are meant and reads all of them, side by side.
@@ -89,7 +102,7 @@ pub async fn portrait(
     let sum = &sum;
     let mut reading = stream::iter(found.members)
         .map(|member| {
-            let mut session = session.clone();
+            let mut session = of_many(session);
             async move {
                 let name = member.name.clone();
                 let counted = |done, all| sum.report(&name, done, all);

@@ -63,7 +63,7 @@ pub struct Machine {
 pub struct MachineDrive {
     /// Name of the station.
     pub name: String,
-    /// Line of the name, from 1.
+    /// Line of the name, from 1; 0 where the drive is of a backup and no machine file.
     pub line: usize,
     /// Its model.
     pub model: Model,

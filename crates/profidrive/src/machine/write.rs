@@ -53,7 +53,7 @@ impl Machine {
         let model = backup.header.known();
         let drive = MachineDrive {
             name: name.to_owned(),
-            line: 1,
+            line: 0,
             model,
             mac: Some(new.station.mac),
             ip: backup.header.ip,

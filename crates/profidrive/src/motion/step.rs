@@ -46,6 +46,10 @@ pub struct Stepped {
     pub samples: Vec<Sample>,
     /// Samples that were lost on the way.
     pub dropped: u64,
+    /// Cycles without a sample.
+    pub missed: u64,
+    /// The times of the figures are exact to this: the longest time between two samples of the step, one cycle at least.
+    pub resolution: Duration,
     /// The signals of the samples.
     pub signals: Vec<AxisSignal>,
     /// The update time.
@@ -140,6 +144,8 @@ pub async fn step(
         response: None,
         samples: Vec::new(),
         dropped: 0,
+        missed: 0,
+        resolution: Duration::ZERO,
         signals: Vec::new(),
         cycle: Duration::ZERO,
         drive: drive.label(),
@@ -147,8 +153,24 @@ pub async fn step(
     let result = turn(session, drive, wanted, observer, &mut stepped).await;
     let restored = mode::leave(change, observer).await;
     stepped.report = result?.report(restored, observer, (session, drive)).await?;
-    stepped.response = response(&stepped, wanted);
+    let points = stepped.points();
+    if let Some(at) = step_in(&points) {
+        // the step itself is between two samples
+        let seen = points.get(at.saturating_sub(1)..).unwrap_or_default();
+        stepped.resolution = longest_gap(seen).max(stepped.cycle);
+        let points = points.get(at..).unwrap_or_default();
+        stepped.response = Response::of(points, wanted.from, wanted.run.speed, wanted.band);
+    }
     Ok(stepped)
+}
+
+/// Returns the longest time between two points.
+fn longest_gap(points: &[StepPoint]) -> Duration {
+    let gaps = points.windows(2).map(|pair| match pair {
+        [before, after] => after.time - before.time,
+        _ => 0.0,
+    });
+    Duration::try_from_secs_f64(gaps.fold(0.0, f64::max)).unwrap_or_default()
 }
 
 async fn turn(
@@ -182,6 +204,9 @@ async fn turn(
         stepped.samples.push(sample);
     }
     stepped.dropped = samples.dropped();
+    let counted = stepped.samples.first().zip(stepped.samples.last());
+    let lost = counted.map_or(0, |(first, last)| last.missed.saturating_sub(first.missed));
+    stepped.missed = lost + stepped.dropped;
     Ok(taken.finish(result, found).await)
 }
 
@@ -226,10 +251,4 @@ impl Stepped {
         };
         self.samples.iter().filter_map(point).collect()
     }
-}
-
-fn response(stepped: &Stepped, wanted: &Step) -> Option<Response> {
-    let points = stepped.points();
-    let points = points.get(step_in(&points)?..)?;
-    Response::of(points, wanted.from, wanted.run.speed, wanted.band)
 }

@@ -164,7 +164,7 @@ impl fmt::Display for StopReport {
         let speed = |speed: &Option<Quantity>| match speed {
             Some(speed) if speed.unit == "%" => format!("{} % of its reference", fixed(speed.value, 1)),
             Some(speed) => format!("{} {}", fixed(speed.value, 1), speed.unit),
-            None => "an unknown speed".into(),
+            None => "unknown speed".into(),
         };
         let drive = &self.drive;
         let before = speed(&self.speed_before);
@@ -187,7 +187,7 @@ impl fmt::Display for StopReport {
             None => write!(f, "{drive} is at rest, {stage}: nothing was sent"),
             Some(command) => {
                 let end = if self.at_rest {
-                    "it stands"
+                    "it is at rest"
                 } else {
                     "it still turns or is still on"
                 };
@@ -219,7 +219,7 @@ mod tests {
         };
         assert_eq!(
             report.to_string(),
-            "DRV.STOP sent to akd-1 at 60.0 rpm: it stands (0.0 rpm), the power stage is still on"
+            "DRV.STOP sent to akd-1 at 60.0 rpm: it is at rest (0.0 rpm), the power stage is still on"
         );
         let nothing = StopReport {
             sent: None,
@@ -250,7 +250,7 @@ mod tests {
         };
         assert_eq!(
             slave.to_string(),
-            "OFF1 sent to akd-1 at 60.0 % of its reference: it stands (0.0 % of its reference), the power stage is off"
+            "OFF1 sent to akd-1 at 60.0 % of its reference: it is at rest (0.0 % of its reference), the power stage is off"
         );
     }
     #[test]

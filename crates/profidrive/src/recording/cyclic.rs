@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use client::axis::{AxisSignal, Sample, Seen};
-use client::{Axis, Error, Samples, Session};
+use client::{Axis, Drive, Error, Samples, Session};
 use profinet::Instant;
 
 use super::error::RecordingError;
@@ -123,12 +123,13 @@ async fn record(
     samples: &mut Samples,
     signals: &[AxisSignal],
 ) -> Result<End, Error> {
+    let drive = axis.drive().clone();
     let mut last = None;
     let mut noticed = false;
     loop {
         // read before the samples, so that all samples before the loss are recorded
         let lost = axis.status().is_none_or(|status| status.lost);
-        let seen = send(producer, samples, signals, axis.cycle(), &mut last).await;
+        let seen = send(producer, &drive, (samples, axis.cycle()), signals, &mut last).await;
         if lost {
             return Ok(End::Drive(Absence::Silent));
         }
@@ -144,7 +145,7 @@ async fn record(
         }
         let due = producer.session.now() + TAKEN;
         if !producer.wait_until(due).await? {
-            send(producer, samples, signals, axis.cycle(), &mut last).await;
+            send(producer, &drive, (samples, axis.cycle()), signals, &mut last).await;
             return Ok(End::Recording);
         }
     }
@@ -183,9 +184,9 @@ pub(super) type Last = Option<(Instant, u64, u64)>;
 /// Sends the buffered samples. Returns what the drive reported in the last one.
 async fn send(
     producer: &mut Producer,
-    samples: &mut Samples,
+    drive: &Drive,
+    (samples, cycle): (&mut Samples, Duration),
     signals: &[AxisSignal],
-    cycle: Duration,
     last: &mut Last,
 ) -> Option<Seen> {
     let mut seen = None;
@@ -198,6 +199,7 @@ async fn send(
         *last = Some((sample.at, sample.number, sample.missed));
         let value = |place: &Place, kind: Kind| value_of(signals.get(place.at)?, &sample, kind);
         let (fault, warning) = (sample.seen.fault(), sample.seen.warning());
+        producer.note_fault(fault, drive).await;
         producer.row(sample.at, fault, warning, value).await;
     }
     producer.flush().await;

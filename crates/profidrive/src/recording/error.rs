@@ -11,6 +11,7 @@ use super::trigger::{MOST_BEFORE, Trigger};
 use crate::clock::lasting;
 use crate::drive::DriveError;
 use crate::explained::Explained;
+use crate::listed;
 use crate::monitor::TooFast;
 
 /// End of the name of a file that grows until it is made into one of another form.
@@ -108,12 +109,14 @@ pub enum RecordingError {
         unit: String,
     },
     /// The event at which the recording was to begin did not happen.
-    #[error("`{trigger}` did not happen within {}: nothing was recorded", lasting(*.waited))]
+    #[error("`{trigger}` did not happen within {}{}: nothing was recorded", lasting(*.waited), held(.already))]
     NotTriggered {
         /// What was waited for.
-        trigger: Trigger,
+        trigger: Box<Trigger>,
         /// For how long.
         waited: Duration,
+        /// The drives on which the condition was true from the beginning.
+        already: Vec<String>,
     },
     /// The drive could not be found or worked with.
     #[error(transparent)]
@@ -121,6 +124,17 @@ pub enum RecordingError {
     /// The drive cannot be reached, or refuses.
     #[error(transparent)]
     Client(#[from] Error),
+}
+
+fn held(already: &[String]) -> String {
+    if already.is_empty() {
+        return String::new();
+    }
+    let names: Vec<&str> = already.iter().map(String::as_str).collect();
+    format!(
+        " (it was true from the beginning on {}, and did not become true again)",
+        listed(&names)
+    )
 }
 
 fn shown(unit: &str) -> &str {

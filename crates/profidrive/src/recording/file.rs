@@ -163,6 +163,12 @@ impl RecordingFile {
         }
     }
 
+    /// Returns the rows in the files, as far as they were written.
+    #[must_use]
+    pub const fn rows(&self) -> u64 {
+        self.rows
+    }
+
     /// Returns the files that are complete, in their order.
     #[must_use]
     pub fn files(&self) -> &[PathBuf] {

@@ -42,6 +42,7 @@ pub(super) async fn poll(
                     let reading = values.get(place.at)?.as_ref()?;
                     value_of(reading, kind)
                 };
+                producer.note_fault(fault, &drive).await;
                 producer.row(at, fault, warning, place).await;
                 if let Some(Away { since, .. }) = away.take() {
                     producer.back(&mut drive, since).await;

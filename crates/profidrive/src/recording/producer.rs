@@ -120,6 +120,11 @@ pub(super) struct Producer {
     unsent: Vec<Item>,
     /// Faults of the drive that are known to the caller.
     known: Vec<u16>,
+    /// Whether the faults are read when the drive begins to report one, and whether it reported one before.
+    names_faults: bool,
+    faulty: Option<bool>,
+    /// Faults to be sent with the next row.
+    came: Vec<FaultEntry>,
 }
 
 /// Ends a recording, from any thread.
@@ -177,12 +182,37 @@ impl Producer {
             columns: table.columns.iter().map(place).collect(),
             unsent: Vec::new(),
             known: Vec::new(),
+            names_faults: false,
+            faulty: None,
+            came: Vec::new(),
         }
     }
 
     /// Takes the faults that are present as known.
     pub(super) fn with_known_faults(self, known: Vec<u16>) -> Self {
         Self { known, ..self }
+    }
+
+    /// With `names_faults` the row with which a drive begins to report a fault has its number.
+    pub(super) fn naming_faults(self, names_faults: bool) -> Self {
+        Self { names_faults, ..self }
+    }
+
+    /// Takes what the drive reports in the next row.
+    pub(super) async fn note_fault(&mut self, fault: bool, drive: &Drive) {
+        let before = self.faulty.replace(fault);
+        if self.names_faults && fault && before == Some(false) {
+            self.came = self.new_faults(&mut drive.clone()).await;
+        }
+    }
+
+    /// Returns the faults that are present and were not known.
+    async fn new_faults(&mut self, drive: &mut Drive) -> Vec<FaultEntry> {
+        let present = present_faults(&mut self.session, drive).await;
+        let numbers = present.iter().map(|fault| fault.number).collect();
+        let known = std::mem::replace(&mut self.known, numbers);
+        let new = present.into_iter().filter(|fault| !known.contains(&fault.number));
+        new.collect()
     }
 
     /// Whether the recording has to end.
@@ -228,7 +258,14 @@ impl Producer {
             .map(|(place, kind)| value(place.as_ref()?, *kind))
             .collect();
         let row = self.stamped(at, false, values);
-        self.send(Item::Row(Reported { row, fault, warning })).await;
+        let faults = std::mem::take(&mut self.came);
+        self.send(Item::Row(Reported {
+            row,
+            fault,
+            warning,
+            faults,
+        }))
+        .await;
     }
 
     /// Sends a gap: so many readings or cycles from `at` on are missing.
@@ -239,6 +276,7 @@ impl Producer {
             row,
             fault: false,
             warning: false,
+            faults: Vec::new(),
         }))
         .await;
     }
@@ -292,14 +330,11 @@ impl Producer {
     /// Reports that values come again, with the faults that are new since.
     pub(super) async fn back(&mut self, drive: &mut Drive, since: Instant) {
         let outage = self.session.now().saturating_since(since);
-        let present = present_faults(&mut self.session, drive).await;
-        let numbers = present.iter().map(|fault| fault.number).collect();
-        let known = std::mem::replace(&mut self.known, numbers);
-        let new = present.into_iter().filter(|fault| !known.contains(&fault.number));
+        let faults = self.new_faults(drive).await;
         self.unsent.push(Item::Back {
             drive: self.drive,
             outage,
-            faults: new.collect(),
+            faults,
         });
     }
 

@@ -1,9 +1,9 @@
 //! What happens while something is recorded, in words.
 
 use super::producer::Absence;
-use super::run::News;
+use super::run::{News, Triggered};
 use super::table::Table;
-use crate::{Explained, Remark, lasting};
+use crate::{Explained, Remark, date_and_time, lasting};
 
 impl News {
     /// Returns what a person is to know, in sentences; none for a row. `table` is that of the recording.
@@ -39,18 +39,32 @@ impl News {
                 "{}: the recording has ended, and the connection is closed once the power stage is off, because then {reaction}",
                 named(drive)
             ))],
-            Self::Triggered(triggered) => vec![Remark::news(format!(
-                "{} of {} after {}",
-                triggered.trigger,
-                named(&triggered.drive),
-                lasting(triggered.time)
+            Self::HoldsAlready { trigger, drive } => vec![Remark::warning(format!(
+                "{}: `{trigger}` is true already; the recording begins when it becomes true again",
+                named(drive)
             ))],
+            Self::Triggered(triggered) => vec![Remark::news(triggered.sentence(named(&triggered.drive)))],
             Self::Ended { drive, error } => vec![Remark::warning(format!(
                 "{} is no longer recorded: {}",
                 named(drive),
                 error.message()
             ))],
         }
+    }
+}
+
+impl Triggered {
+    /// `fault of akd-2 after 3.2 s, at 2026-11-24 13:05:07.123 UTC: F439 Following error`
+    fn sentence(&self, drive: &str) -> String {
+        let mut text = format!("{} of {drive} after {}", self.trigger, lasting(self.time));
+        if let Some(wall) = self.wall {
+            text = format!("{text}, at {}", date_and_time(wall));
+        }
+        let faults: Vec<String> = self.faults.iter().map(ToString::to_string).collect();
+        if !faults.is_empty() {
+            text = format!("{text}: {}", faults.join(", "));
+        }
+        text
     }
 }
 

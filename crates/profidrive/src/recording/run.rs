@@ -43,8 +43,8 @@ pub struct Recording {
     ready: std::collections::VecDeque<Row>,
     armed: Option<(Armed, Trigger)>,
     triggered: Option<Triggered>,
-    /// The event that did not happen, and how long it was waited for.
-    missed_trigger: Option<(Trigger, Duration)>,
+    /// The event that did not happen, how long it was waited for, and the drives on which its condition held from the beginning.
+    missed_trigger: Option<(Trigger, Duration, Vec<usize>)>,
     clock: WallClock,
     /// How long to record from the start or the trigger, and when that is over.
     time: Option<Duration>,
@@ -103,6 +103,14 @@ pub enum News {
         /// What the drive does when the connection ends.
         reaction: Box<LossReaction>,
     },
+    /// The condition of the request holds from the beginning, which is no event: the recording begins when it becomes true again,
+    /// or becomes true on another drive.
+    HoldsAlready {
+        /// The condition.
+        trigger: Trigger,
+        /// Index of the drive.
+        drive: usize,
+    },
     /// The event of the request happened: the rows that follow begin before it.
     Triggered(Triggered),
     /// A drive is no longer recorded, the others are.
@@ -125,6 +133,8 @@ pub struct Triggered {
     pub time: Duration,
     /// The time of day; `None` in virtual time.
     pub wall: Option<SystemTime>,
+    /// The faults that came with it, where the trigger is a fault.
+    pub faults: Vec<FaultEntry>,
 }
 
 /// What was recorded of a drive.
@@ -178,7 +188,8 @@ impl Recording {
                 rows: sender.clone(),
             };
             let producer = Producer::new(session.clone(), drive, common, &table, &source.columns)
-                .with_known_faults(source.faults.clone());
+                .with_known_faults(source.faults.clone())
+                .naming_faults(request.trigger == Some(Trigger::Fault));
             producers.push(produce(drive, producer, source, request.every, words));
         }
         let counts = vec![DriveCounts::default(); table.drives.len()];
@@ -277,7 +288,7 @@ impl Recording {
     /// Turns to the end of a recording whose event did not happen: a gap of each drive says that nothing was recorded until then.
     /// Returns false when that was done, or there is nothing to wait for.
     fn gives_up_waiting(&mut self) -> bool {
-        let Some((_, trigger)) = self.armed.take() else {
+        let Some((armed, trigger)) = self.armed.take() else {
             return false;
         };
         let waited = self.elapsed();
@@ -289,7 +300,7 @@ impl Recording {
             values: vec![None; self.table.columns.len()],
         };
         self.ready = (0..self.table.drives.len()).map(gap).collect();
-        self.missed_trigger = Some((trigger, waited));
+        self.missed_trigger = Some((trigger, waited, armed.already().to_vec()));
         true
     }
 
@@ -300,9 +311,13 @@ impl Recording {
     pub fn check_triggered(&self) -> Result<(), RecordingError> {
         match &self.missed_trigger {
             None => Ok(()),
-            Some((trigger, waited)) => Err(RecordingError::NotTriggered {
-                trigger: trigger.clone(),
+            Some((trigger, waited, already)) => Err(RecordingError::NotTriggered {
+                trigger: Box::new(trigger.clone()),
                 waited: *waited,
+                already: already
+                    .iter()
+                    .filter_map(|drive| self.table.drives.get(*drive).cloned())
+                    .collect(),
             }),
         }
     }
@@ -387,12 +402,20 @@ impl Recording {
             return self.counted(reported.row);
         };
         let (drive, time, wall) = (reported.row.drive, reported.row.time, reported.row.wall);
-        let rows = armed.look(reported)?;
+        let (faults, known) = (reported.faults.clone(), armed.already().len());
+        let Some(rows) = armed.look(reported) else {
+            let held = armed.already().len() > known;
+            return held.then(|| News::HoldsAlready {
+                trigger: trigger.clone(),
+                drive,
+            });
+        };
         let triggered = Triggered {
             trigger: trigger.clone(),
             drive,
             time,
             wall,
+            faults,
         };
         self.armed = None;
         self.ready = rows.into();

@@ -5,6 +5,7 @@ use std::fmt;
 use std::str::FromStr;
 use std::time::Duration;
 
+use client::FaultEntry;
 use profile::notation::Quantity;
 
 use super::error::RecordingError;
@@ -13,7 +14,8 @@ use super::table::{Row, Table};
 /// Rows that are kept before the trigger: more are not held in memory.
 pub const MOST_BEFORE: usize = 200_000;
 
-/// The event at which a recording begins. A condition has to become true: one that is true from the beginning is no event.
+/// The event at which a recording begins. A condition has to become true: one that is true from the beginning is no event
+/// ([`News::HoldsAlready`](super::News::HoldsAlready)).
 ///
 /// ```
 /// use profidrive::recording::Trigger;
@@ -153,6 +155,8 @@ pub(super) struct Reported {
     pub row: Row,
     pub fault: bool,
     pub warning: bool,
+    /// The faults that came with this row.
+    pub faults: Vec<FaultEntry>,
 }
 
 /// A trigger on the columns of a recording.
@@ -161,6 +165,8 @@ pub(super) struct Armed {
     condition: Condition,
     /// Whether the condition held in the last row of each drive that has a value for it.
     held: Vec<Option<bool>>,
+    /// Drives on which it held in the first row.
+    already: Vec<usize>,
     before: VecDeque<Row>,
     pre: Duration,
 }
@@ -205,6 +211,7 @@ impl Armed {
         Ok(Self {
             condition,
             held: vec![None; table.drives.len()],
+            already: Vec::new(),
             before: VecDeque::new(),
             pre,
         })
@@ -212,7 +219,9 @@ impl Armed {
 
     /// Looks at a row. Returns the rows to record once the trigger came: those before it, then the row itself.
     pub(super) fn look(&mut self, reported: Reported) -> Option<Vec<Row>> {
-        let Reported { row, fault, warning } = reported;
+        let Reported {
+            row, fault, warning, ..
+        } = reported;
         let holds = match self.condition {
             Condition::Gap => Some(row.gap),
             _ if row.gap => None,
@@ -224,7 +233,13 @@ impl Armed {
             }
         };
         let began = match (self.held.get_mut(row.drive), holds) {
-            (Some(held), Some(holds)) => held.replace(holds) == Some(false) && holds,
+            (Some(held), Some(holds)) => {
+                let before = held.replace(holds);
+                if before.is_none() && holds {
+                    self.already.push(row.drive);
+                }
+                before == Some(false) && holds
+            }
             _ => false,
         };
         let oldest = row.time.saturating_sub(self.pre);
@@ -234,6 +249,11 @@ impl Armed {
             self.before.pop_front();
         }
         began.then(|| std::mem::take(&mut self.before).into())
+    }
+
+    /// Returns the drives on which the condition held from the beginning.
+    pub(super) fn already(&self) -> &[usize] {
+        &self.already
     }
 }
 
@@ -267,6 +287,7 @@ mod tests {
             },
             fault: false,
             warning: false,
+            faults: Vec::new(),
         }
     }
 
@@ -282,6 +303,7 @@ mod tests {
         assert_eq!(armed.look(row(10, 0, None)), None, "a gap is no value");
         assert_eq!(armed.look(row(20, 0, Some(50.0))), None);
         assert_eq!(times(armed.look(row(30, 0, Some(61.0)))), Some(vec![10, 20, 30]));
+        assert_eq!(armed.already(), [0]);
     }
 
     #[test]

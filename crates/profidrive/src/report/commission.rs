@@ -25,7 +25,7 @@ pub struct CommissionReport {
 pub struct CommissionedDrive {
     /// Name of the drive.
     pub drive: String,
-    /// Line of the machine file.
+    /// Line of the machine file; 0 where there is none, only a backup.
     pub line: usize,
     /// Name of its model.
     pub model: &'static str,

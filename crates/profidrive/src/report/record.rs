@@ -19,6 +19,9 @@ pub struct RecordReport {
     pub rows: u64,
     /// Rows that are gaps, of all drives.
     pub gaps: u64,
+    /// Rows in the files, gaps among them: fewer than were recorded where a file could not be written. Null where the rows went
+    /// elsewhere.
+    pub written: Option<u64>,
     /// The signals.
     pub signals: Vec<RecordedSignal>,
     /// The drives.
@@ -37,8 +40,12 @@ pub struct StepReport {
     pub from: Quantity,
     /// Speed that was commanded by the step.
     pub to: Quantity,
-    /// Update time of the connection, s: the figures are no finer.
+    /// Update time of the connection, s.
     pub cycle: f64,
+    /// The times of the figures are exact to this, s: the longest time between two samples of the step, one cycle at least.
+    pub resolution: f64,
+    /// Cycles without a sample.
+    pub missed: u64,
     /// Samples of the step.
     pub samples: usize,
     /// Samples that were lost on the way.
@@ -69,6 +76,8 @@ impl StepReport {
             from: Quantity::speed(wanted.from, unit),
             to: Quantity::speed(wanted.run.speed, unit),
             cycle: stepped.cycle.as_secs_f64(),
+            resolution: stepped.resolution.as_secs_f64(),
+            missed: stepped.missed,
             samples: stepped.samples.len(),
             dropped: stepped.dropped,
             response: stepped.response,
@@ -127,6 +136,8 @@ pub struct RecordTrigger {
     pub time: f64,
     /// The time of day of its row, in seconds since 1970-01-01 UTC; null in virtual time.
     pub wall: Option<f64>,
+    /// Numbers of the faults that came with it, where the condition is a fault.
+    pub faults: Vec<u16>,
 }
 
 #[cfg(feature = "recording")]
@@ -171,6 +182,7 @@ mod of {
                 time: recording.elapsed().as_secs_f64(),
                 rows: counts.iter().map(|counts| counts.rows).sum(),
                 gaps: counts.iter().map(|counts| counts.gaps).sum(),
+                written: None,
                 signals: signals.collect(),
                 drives: drives.collect(),
                 trigger: recording.triggered().map(|triggered| RecordTrigger {
@@ -178,6 +190,7 @@ mod of {
                     drive: name(triggered.drive),
                     time: triggered.time.as_secs_f64(),
                     wall: triggered.wall.and_then(since_1970),
+                    faults: triggered.faults.iter().map(|fault| fault.number).collect(),
                 }),
             }
         }

@@ -84,12 +84,13 @@ enum Monitored {
     Silence(MonitorSilence),
 }
 
-/// What two sets of settings differ in, or the drives of a machine from its file.
+/// What two sets of settings differ in, many drives from their backups, or the drives of a machine from its file.
 #[derive(Serialize, JsonSchema)]
 #[serde(untagged)]
 #[expect(dead_code, reason = "only its schema is used")]
 enum Diff {
     Settings(DiffReport),
+    Drives(Drives<DiffReport>),
     Machine(CommissionReport),
 }
 

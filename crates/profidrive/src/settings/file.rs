@@ -98,6 +98,23 @@ pub fn file_in(folder: &Path, drive: &Drive) -> PathBuf {
     folder.join(format!("{}.backup", drive.label().replace(':', "-")))
 }
 
+/// Returns the backups in a folder that are of none of these drives, sorted by name.
+#[must_use]
+pub fn without_drive(folder: &Path, drives: &[&str]) -> Vec<PathBuf> {
+    let files = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    let paths = files.map(|file| file.path()).filter(|path| {
+        let is_backup = path.extension().is_some_and(|extension| extension == "backup");
+        let stem = path.file_stem().unwrap_or_default();
+        is_backup
+            && !drives
+                .iter()
+                .any(|drive| stem == drive.replace(':', "-").as_str())
+    });
+    let mut paths: Vec<PathBuf> = paths.collect();
+    paths.sort();
+    paths
+}
+
 /// A file that a backup may be written to.
 ///
 /// ```
@@ -158,6 +175,12 @@ impl BackupFile {
         Ok(true)
     }
 
+    /// Whether there is content that a new one replaces.
+    #[must_use]
+    pub fn has_content(&self) -> bool {
+        self.old.as_ref().is_some_and(|old| !old.is_empty())
+    }
+
     /// Where it is.
     #[must_use]
     pub fn path(&self) -> &Path {
@@ -186,5 +209,22 @@ mod tests {
             }
         }
         assert!(BackupFile::at(Path::new("no-such.backup"), false).is_ok());
+    }
+
+    #[test]
+    fn a_backup_without_its_drive_is_found() {
+        let folder = std::env::temp_dir().join(format!("profidrive-without-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        for name in [
+            "akd-1.backup",
+            "02-00-00-00-00-01.backup",
+            "gone.backup",
+            "note.txt",
+        ] {
+            std::fs::write(folder.join(name), "").unwrap();
+        }
+        let found = without_drive(&folder, &["akd-1", "02:00:00:00:00:01"]);
+        assert_eq!(found, [folder.join("gone.backup")]);
+        std::fs::remove_dir_all(folder).unwrap();
     }
 }

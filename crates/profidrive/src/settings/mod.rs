@@ -39,7 +39,7 @@ use network::files::StateFile;
 
 pub use backup::{Missing, MissingSettings, backup, missing, outcome};
 pub use comparison::{CompareError, Comparison, as_in};
-pub use file::{BackupFile, FileError, file_in, make_folder, read};
+pub use file::{BackupFile, FileError, file_in, make_folder, read, without_drive};
 pub use lasting::lasting;
 pub use shortfall::{Shortfall, shortfall};
 
@@ -97,9 +97,6 @@ impl RestoreError {
         match self {
             Self::Misfit(_) | Self::Controlled { .. } => ErrorKind::Safety,
             Self::Nothing => ErrorKind::Usage,
-            Self::WayBack { source, .. } if source.kind() == std::io::ErrorKind::AlreadyExists => {
-                ErrorKind::Usage
-            }
             Self::WayBack { .. } => ErrorKind::Local,
             Self::Client(error) => error.kind(),
         }
@@ -136,13 +133,29 @@ pub async fn plan(
     settings: &Backup,
     wanted: &Restore,
 ) -> Result<Plan, RestoreError> {
+    plan_with(session, drive, settings, wanted, |_, _| {}).await
+}
+
+/// The same; `progress` receives how many settings and motion tasks are read, and how many there are.
+///
+/// # Errors
+/// As [`plan`].
+pub async fn plan_with(
+    session: &mut Session,
+    drive: &mut Drive,
+    settings: &Backup,
+    wanted: &Restore,
+    mut progress: impl FnMut(usize, usize) + Send,
+) -> Result<Plan, RestoreError> {
     if !wanted.force {
         check_fit(settings, drive)?;
         if !wanted.dry_run {
             check_no_controller(session, drive).await?;
         }
     }
-    let mut plan = session.plan(drive, settings, &wanted.choice).await?;
+    let mut plan = session
+        .plan_reporting(drive, settings, &wanted.choice, &mut progress)
+        .await?;
     if wanted.save {
         plan.set.save(drive)?;
     }

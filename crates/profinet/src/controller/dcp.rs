@@ -115,7 +115,8 @@ impl IdentifyOptions {
 /// What came out of a frame or a deadline.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum DcpEvent {
-    Identified(DcpId, Station),
+    /// With the requests sent so far, where it answers them at once: what was sent before the last one is lost, or its answer.
+    Identified(DcpId, Station, Option<u8>),
     IdentifyDone(DcpId, usize),
     Hello(Station),
     Done(DcpId, Result<DcpReply, DcpError>),
@@ -286,11 +287,17 @@ impl DcpClient {
             if request.xid != pdu.xid {
                 continue;
             }
-            if let Kind::Identify { seen, .. } = &mut request.kind {
+            if let Kind::Identify {
+                seen, factor, every, ..
+            } = &mut request.kind
+            {
                 // a malformed answer does not count as one
                 let Ok(station) = station(source, pdu) else { return };
                 if seen.len() < MAX_STATIONS && seen.insert(source) {
-                    self.events.push_back(DcpEvent::Identified(request.id, station));
+                    let at_once = Duration::from_millis(10) * u32::from(*factor) < *every;
+                    let sends = at_once.then_some(request.sends);
+                    self.events
+                        .push_back(DcpEvent::Identified(request.id, station, sends));
                 }
             }
             return;
@@ -517,7 +524,7 @@ mod tests {
             client.handle_frame(&Frame::parse(&buffer[..length]).unwrap());
         }
         let events: Vec<DcpEvent> = core::iter::from_fn(|| client.poll_event()).collect();
-        let identified = |event: &&DcpEvent| matches!(event, DcpEvent::Identified(of, _) if Some(*of) == id);
+        let identified = |event: &&DcpEvent| matches!(event, DcpEvent::Identified(of, ..) if Some(*of) == id);
         assert_eq!(events.iter().filter(identified).count(), MAX_STATIONS);
     }
 }

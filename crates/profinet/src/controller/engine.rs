@@ -112,10 +112,15 @@ impl Controller {
     fn drain_dcp(&mut self, now: Instant) {
         while let Some(event) = self.dcp.poll_event() {
             let (id, last) = match &event {
-                DcpEvent::Identified(id, _) => (Some(*id), false),
+                DcpEvent::Identified(id, ..) => (Some(*id), false),
                 DcpEvent::IdentifyDone(id, _) | DcpEvent::Done(id, _) => (Some(*id), true),
                 DcpEvent::Hello(_) => (None, false),
             };
+            if let DcpEvent::Identified(_, station, Some(sends)) = &event
+                && station.ip.is_set()
+            {
+                self.rpc.note_answered(station.ip.address, *sends);
+            }
             let owner = id.and_then(|id| {
                 if last {
                     self.dcp_owners.remove(&id)
@@ -132,7 +137,7 @@ impl Controller {
                 continue;
             }
             self.events.push_back(match event {
-                DcpEvent::Identified(id, station) => Event::Identified { id, station },
+                DcpEvent::Identified(id, station, _) => Event::Identified { id, station },
                 DcpEvent::IdentifyDone(id, count) => Event::IdentifyDone { id, count },
                 DcpEvent::Hello(station) => Event::Hello { station },
                 DcpEvent::Done(id, result) => Event::DcpDone { id, result },

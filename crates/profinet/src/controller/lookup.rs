@@ -59,7 +59,7 @@ impl Ar {
     /// Takes an event of the open DCP request.
     pub(super) fn handle_dcp(&mut self, shared: &mut Shared<'_>, event: DcpEvent) {
         match event {
-            DcpEvent::Identified(_, station) => self.answered(shared, station),
+            DcpEvent::Identified(_, station, _) => self.answered(shared, station),
             DcpEvent::IdentifyDone(..) => {
                 self.lookup.dcp = None;
                 if self.phase == Phase::Resolve {

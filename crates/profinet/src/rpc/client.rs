@@ -2,7 +2,7 @@
 
 use alloc::collections::VecDeque;
 use alloc::vec::Vec;
-use core::net::SocketAddrV4;
+use core::net::{Ipv4Addr, SocketAddrV4};
 use core::time::Duration;
 
 use super::fragment::{Incoming, Outgoing, Progress};
@@ -190,6 +190,11 @@ impl Client {
     pub fn cancel(&mut self, id: CallId) {
         self.calls.retain(|call| call.id != id);
         self.events.retain(|event| event.0 != id);
+    }
+
+    /// Counts requests of another protocol to a server: so many were sent, the last one was answered.
+    pub fn note_answered(&mut self, server: Ipv4Addr, sends: u8) {
+        self.paths.ended(server, sends, true);
     }
 
     /// Returns true while the call has no result.

@@ -10,7 +10,11 @@ const WINDOW: u32 = u64::BITS;
 /// Servers whose requests are counted; the one that came first is forgotten.
 const SERVERS: usize = 256;
 
-/// How many of the last requests to a server were answered. A repetition counts as a request.
+/// Requests from which on the part that was lost is a figure and not chance.
+const ENOUGH: u8 = 5;
+
+/// How many of the last requests to a server were answered. A repetition counts as a request, and so does a DCP request that it
+/// answers at once.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct PathCount {
     /// Requests sent before the call that was given up, 64 at most.
@@ -28,17 +32,18 @@ impl PathCount {
 }
 
 impl fmt::Display for PathCount {
-    /// `: packet loss of 25 % (12 of the 16 requests before it were answered)`, or nothing where no loss is seen.
+    /// `: packet loss of 25 % (12 of the 16 requests before it were answered)`, without the percentage where there were few, or
+    /// nothing where no loss is seen.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if !self.is_lossy() {
             return Ok(());
         }
         let (sent, answered) = (u32::from(self.sent), u32::from(self.answered));
-        let loss = 100 * (sent - answered) / sent;
-        write!(
-            f,
-            ": packet loss of {loss} % ({answered} of the {sent} requests before it were answered)"
-        )
+        f.write_str(": packet loss")?;
+        if self.sent >= ENOUGH {
+            write!(f, " of {} %", 100 * (sent - answered) / sent)?;
+        }
+        write!(f, " ({answered} of the {sent} requests before it were answered)")
     }
 }
 
@@ -113,6 +118,12 @@ mod tests {
         assert_eq!(paths.count(SERVER), PathCount { sent: 3, answered: 3 });
         paths.ended(SERVER, 3, false);
         assert!(!paths.count(SERVER).is_lossy(), "it may be gone");
+        let mut paths = Paths::new();
+        paths.ended(SERVER, 2, true);
+        assert_eq!(
+            paths.count(SERVER).to_string(),
+            ": packet loss (1 of the 2 requests before it were answered)"
+        );
         let mut paths = Paths::new();
         (0..3).for_each(|_| paths.ended(SERVER, 1, true));
         paths.ended(SERVER, 2, true);

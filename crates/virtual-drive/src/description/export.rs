@@ -51,11 +51,21 @@ pub struct Exported {
 /// ```
 #[must_use]
 pub fn export(model: &'static Model) -> Exported {
+    export_with(model, None)
+}
+
+/// The same with the shortest update time of the drive in steps of 31.25 us (`StationConfig::min_device_interval`); `None` is that of
+/// the model. The file has the same name and identity: an engineering tool takes one of them.
+#[must_use]
+pub fn export_with(model: &'static Model, min_device_interval: Option<u16>) -> Exported {
     let device = &model.catalogue.device;
     let facts = &device.description;
     let description = Description::of(model);
     // the answers of the device on the wire have to match the file
-    let config = describe::device_config(&StationConfig::new(model, MacAddress([2, 0, 0, 0, 0, 0])));
+    let config = describe::device_config(&StationConfig {
+        min_device_interval,
+        ..StationConfig::new(model, MacAddress([2, 0, 0, 0, 0, 0]))
+    });
     let picture = FileName::picture(device.vendor_id, device.device_id, facts.family);
     let mut texts = Texts::default();
     let info = add(&mut texts, "T_DEVICE_INFO", &facts.words);

@@ -1,7 +1,7 @@
 use gsdml::{Bitmap, FileName, Severity, ValueList, check, parse};
 use profile::telegram::Telegram;
 
-use super::export::export;
+use super::export::{export, export_with};
 use super::*;
 use crate::model::{AKD, ALL};
 
@@ -109,6 +109,8 @@ fn features_are_those_of_the_device() {
         MacAddress([2, 0, 0, 0, 0, 1]),
     ));
     assert_eq!(point.min_device_interval, config.min_device_interval);
+    let fast = export_with(&AKD, Some(32)).description;
+    assert_eq!(fast.access_points[0].min_device_interval, 32, "1 ms");
     let modes: ValueList = config
         .reset_modes
         .iter()

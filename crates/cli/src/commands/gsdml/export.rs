@@ -2,15 +2,16 @@
 
 use client::ErrorKind;
 use network::files::StateFile;
+use plant::host::interval;
 use profidrive::report::GsdmlExportReport;
-use virtual_drive::description::export::export;
+use virtual_drive::description::export::export_with;
 
 use crate::args::GsdmlExport;
 use crate::failure::Failure;
 use crate::output::Output;
 
 pub fn run(args: &GsdmlExport, output: &Output) -> Result<(), Failure> {
-    let exported = export(args.model);
+    let exported = export_with(args.model, args.min_cycle.map(interval).transpose()?);
     let mut files = vec![(
         exported.file_name.to_string(),
         exported.description.to_xml().into_bytes(),

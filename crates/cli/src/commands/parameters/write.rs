@@ -136,8 +136,12 @@ fn many(
     }
     if !args.yes {
         let planned = plan.members().iter().map(|member| {
-            let planned = member.result.as_ref().ok().zip(member.drive.as_ref());
-            (member.name.as_str(), planned)
+            let done = member.result.as_ref().ok().zip(member.drive.as_ref());
+            each::TableRow {
+                name: &member.name,
+                done,
+                answered: true,
+            }
         });
         each::table(&show(true), planned, output);
         let question = Question {
