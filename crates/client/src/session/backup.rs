@@ -142,6 +142,7 @@ impl Session {
             progress(settings + done, all)
         })
         .await?;
+        progress(all, all);
         Ok(backup)
     }
 
