@@ -98,6 +98,7 @@ mod selector;
 pub mod settings;
 #[cfg(feature = "simulate")]
 mod simulate;
+mod state_folder;
 
 pub use carrier::{CarrierError, serial_settings};
 /// The services of a drive, and the types of this library that come from there.
@@ -126,3 +127,4 @@ pub use remark::Remark;
 pub use selector::{Selector, SelectorError};
 #[cfg(feature = "simulate")]
 pub use simulate::{Joined, open_plan, open_plant};
+pub use state_folder::state_folder;

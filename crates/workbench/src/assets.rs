@@ -26,7 +26,7 @@ const INDEX: &str = "/index.html";
 static ASSETS: &[Asset] = assets! {
     "/index.html": HTML,
     "/app.js": SCRIPT,
-    "/overview.js": SCRIPT,
+    "/screens.js": SCRIPT,
     "/app.css": "text/css; charset=utf-8",
     "/icon.svg": "image/svg+xml",
     "/licences.txt": "text/plain; charset=utf-8",
@@ -38,7 +38,7 @@ pub(crate) async fn serve(method: Method, uri: Uri, headers: HeaderMap) -> Respo
         return StatusCode::METHOD_NOT_ALLOWED.into_response();
     }
     let path = uri.path();
-    let is_screen = path == "/" || path == "/network" || path.starts_with("/drives/");
+    let is_screen = path == "/" || path == "/network" || path == "/virtual" || path.starts_with("/drives/");
     let wanted = if is_screen { INDEX } else { path };
     let Some(asset) = ASSETS.iter().find(|asset| asset.path == wanted) else {
         return (StatusCode::NOT_FOUND, "there is no such page\n").into_response();

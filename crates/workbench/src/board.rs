@@ -127,6 +127,8 @@ pub(crate) struct Board {
     found: Notify,
     /// Somebody wants a search now.
     wanted: Notify,
+    /// Counts what has changed.
+    changed: watch::Sender<u64>,
     /// How many searches have begun, and ended.
     searches: watch::Sender<(u64, u64)>,
     opening: Opening,
@@ -146,6 +148,7 @@ impl Board {
             wake: Notify::new(),
             found: Notify::new(),
             wanted: Notify::new(),
+            changed: watch::Sender::new(0),
             searches: watch::Sender::new((0, 0)),
             opening,
             addresses,
@@ -166,6 +169,21 @@ impl Board {
             self.wake.notify_waiters();
         }
         see(&stations)
+    }
+
+    fn changed(&self) {
+        self.changed.send_modify(|count| *count += 1);
+    }
+
+    /// Returns what wakes whoever waits for changes.
+    pub fn changes(&self) -> watch::Receiver<u64> {
+        self.changed.subscribe()
+    }
+
+    /// Lets the stations be read for some time, and shows them once more to a new page.
+    pub fn look_again(&self) {
+        self.look(|_| ());
+        self.changed();
     }
 
     /// Returns whether stations are searched for.
@@ -205,6 +223,7 @@ impl Board {
                 }
                 Err(error) => self.stations().failure = Some(error),
             }
+            self.changed();
             self.searches.send_modify(|(begun, ended)| *ended = *begun);
         }
     }
@@ -293,6 +312,12 @@ impl Board {
             known.status = Some(status);
             known.read = Some(Instant::now());
         }
+        self.changed();
+    }
+
+    /// Returns what a station is called.
+    pub fn name(&self, id: &str) -> Option<String> {
+        self.stations().known.get(id)?.scanned.station.name.clone()
     }
 
     /// Finds the drive of a station.

@@ -1,7 +1,7 @@
 //! The workbench: PROFIdrive drives in the browser. A local HTTP server with its page.
 //!
-//! It composes `profidrive` and owns no protocol, no rule of the drive profile and no safety rule. Nothing of this version writes
-//! to a drive or takes control of an axis.
+//! It composes `profidrive` and owns no protocol, no rule of the drive profile and no safety rule. This version acknowledges
+//! faults, writes no parameter and moves no axis.
 //!
 //! ```
 //! use profidrive_workbench::{Server, Settings, Source};
@@ -17,9 +17,12 @@
 #![forbid(unsafe_code)]
 
 mod access;
+mod act;
 mod api;
 mod assets;
+mod audit;
 mod board;
+mod live;
 mod problem;
 mod serve;
 mod settings;

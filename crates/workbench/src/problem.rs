@@ -1,6 +1,7 @@
 //! Why a request failed.
 
 use axum::Json;
+use axum::extract::rejection::JsonRejection;
 use axum::http::StatusCode;
 use axum::http::header::CONTENT_TYPE;
 use axum::response::{IntoResponse, Response};
@@ -51,6 +52,16 @@ impl Problem {
     pub fn no_session() -> Self {
         let detail = "there is no session: open the address that the server printed at its start";
         Self::new(StatusCode::UNAUTHORIZED, "session", detail)
+    }
+
+    /// Returns the problem of a body that is not what a request needs.
+    pub fn of_body(error: &JsonRejection) -> Self {
+        Self::new(error.status(), "body", &error.body_text())
+    }
+
+    /// Returns what was tried and what came back.
+    pub fn message(&self) -> &str {
+        &self.error.message
     }
 
     /// Returns the problem of a drive.

@@ -25,12 +25,16 @@ use tower_http::timeout::TimeoutLayer;
 use crate::access::{Attempts, Once, Places, Sessions, Tokens, guard, secure};
 use crate::api::{nothing, router};
 use crate::assets;
+use crate::audit::Audit;
 use crate::board::Board;
+use crate::live::{Hub, produce};
 use crate::settings::{Settings, Source};
 use crate::shared::Shared;
 
 /// Connections served at once; further ones wait in the queue of the system.
 const CONNECTIONS: usize = 256;
+/// Sockets of pages at once.
+const SOCKETS: usize = 64;
 /// The longest head of a request, in octets.
 const HEAD: usize = 64 << 10;
 /// The longest body of a request, in octets.
@@ -112,6 +116,7 @@ impl Server {
             listen,
             name,
             read_only,
+            log,
         } = settings;
         if !listen.ip().is_loopback() {
             return Err(ServeError::NotLocal(listen));
@@ -130,6 +135,7 @@ impl Server {
             _ => Vec::new(),
         };
         let now = Instant::now();
+        let boot = Tokens::random()?.view();
         let shared = Shared {
             tokens: Tokens::random()?,
             once: Mutex::new(Once::default()),
@@ -138,10 +144,13 @@ impl Server {
             cookie: format!("profidrive_{}", address.port()),
             source,
             name,
-            boot: Tokens::random()?.view(),
+            audit: Arc::new(Audit::new(log, boot.clone())),
+            boot,
             stops: AtomicU64::new(0),
             network: network.clone(),
             board: Arc::new(Board::new(opening, addresses, now)),
+            hub: Hub::new(now),
+            sockets: Arc::new(Semaphore::new(SOCKETS)),
             sessions: Mutex::new(Sessions::default()),
             attempts: Mutex::new(Attempts::new(now)),
         };
@@ -212,6 +221,7 @@ impl Server {
             let listener = TcpListener::from_std(listener)?;
             tokio::spawn(Arc::clone(&shared.board).survey(network.clone()));
             tokio::spawn(Arc::clone(&shared.board).read(network.clone()));
+            tokio::spawn(produce(Arc::clone(&shared)));
             tokio::select! {
                 () = accept(listener, shared) => {}
                 () = raised(stop) => {}
@@ -259,7 +269,8 @@ async fn accept(listener: TcpListener, shared: Arc<Shared>) {
                 .timer(TokioTimer::new())
                 .header_read_timeout(HEAD_TIME)
                 .max_buf_size(HEAD)
-                .serve_connection(TokioIo::new(stream), app);
+                .serve_connection(TokioIo::new(stream), app)
+                .with_upgrades();
             // a client that is too slow or uses another protocol is disconnected
             let _ = connection.await;
             drop(place);

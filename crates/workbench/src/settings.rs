@@ -1,9 +1,10 @@
 //! What a server serves, and where.
 
 use std::net::{IpAddr, Ipv4Addr, SocketAddr};
+use std::path::PathBuf;
 
 use profidrive::plant::{PlantError, PlantPlan};
-use profidrive::{Access, Opening};
+use profidrive::{Access, Opening, state_folder};
 
 /// The plant of [`Source::Demo`].
 const DEMO: &str = include_str!("../assets/demo.toml");
@@ -65,17 +66,20 @@ pub struct Settings {
     pub name: Option<String>,
     /// Whether no address of this server allows more than to look and to stop.
     pub read_only: bool,
+    /// The folder with the log of what people did; `None` where there is none, and then nothing is changed.
+    pub log: Option<PathBuf>,
 }
 
 impl Settings {
     /// Returns the settings of a server on its usual port of this computer.
     #[must_use]
-    pub const fn new(source: Source) -> Self {
+    pub fn new(source: Source) -> Self {
         Self {
             source,
             listen: SocketAddr::new(IpAddr::V4(Ipv4Addr::LOCALHOST), PORT),
             name: None,
             read_only: false,
+            log: state_folder().map(|folder| folder.join("workbench")),
         }
     }
 }

@@ -6,9 +6,12 @@ use std::time::Instant;
 
 use axum::http::StatusCode;
 use profidrive::Caller as Network;
+use tokio::sync::Semaphore;
 
 use crate::access::{Attempts, Once, Places, Role, Sessions, Tokens};
+use crate::audit::Audit;
 use crate::board::Board;
+use crate::live::Hub;
 use crate::problem::Problem;
 use crate::settings::Source;
 
@@ -31,6 +34,10 @@ pub(crate) struct Shared {
     pub stops: AtomicU64,
     pub network: Network,
     pub board: Arc<Board>,
+    pub hub: Hub,
+    pub audit: Arc<Audit>,
+    /// Room for sockets.
+    pub sockets: Arc<Semaphore>,
     pub sessions: Mutex<Sessions>,
     pub attempts: Mutex<Attempts>,
 }

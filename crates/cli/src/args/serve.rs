@@ -25,6 +25,9 @@ pub struct Serve {
     /// Let nobody change anything: each page looks and stops
     #[arg(long)]
     pub read_only: bool,
+    /// Folder for the log of what people change, in place of that in the state folder of the user
+    #[arg(long, value_name = "DIR")]
+    pub state_dir: Option<PathBuf>,
     /// What people call this server: "line 3"
     #[arg(long, value_name = "TEXT")]
     pub name: Option<String>,

@@ -22,12 +22,15 @@ const FORMS: [&str; 4] = [
 pub fn run(args: &Serve, interface: &Interface, output: &Output) -> Result<(), Failure> {
     let source = source(args, interface)?;
     let simulation = source.is_simulation();
-    let settings = Settings {
-        source,
+    let mut settings = Settings {
         listen: args.listen,
         name: args.name.clone(),
         read_only: args.read_only,
+        ..Settings::new(source)
     };
+    if let Some(folder) = &args.state_dir {
+        settings.log = Some(folder.clone());
+    }
     let stop = Stop::on_signals_with(ForcedExit::Second)
         .map_err(|error| Failure::new(ErrorKind::Internal, format!("cannot watch for Ctrl-C: {error}")))?;
     let server = Server::open(settings).map_err(failed)?;

@@ -132,7 +132,7 @@ impl NoteFile {
         };
         let name: String = name.chars().map(plain).take(200).collect();
         let needed = !session.engine().is_simulated();
-        let folder = folder().filter(|_| needed);
+        let folder = crate::state_folder().filter(|_| needed);
         Self {
             pnu,
             file: folder.map(|folder| StateFile::new(folder.join(name))),
@@ -212,16 +212,6 @@ pub async fn leftovers(
         }
     }
     Ok(found)
-}
-
-fn folder() -> Option<PathBuf> {
-    let variable = |name| {
-        std::env::var_os(name)
-            .map(PathBuf::from)
-            .filter(|path| path.is_absolute())
-    };
-    let state = variable("XDG_STATE_HOME").or_else(|| Some(variable("HOME")?.join(".local/state")));
-    Some(state?.join("profidrive"))
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use axum::extract::{Request, State};
-use axum::http::header::{AUTHORIZATION, COOKIE, HOST, ORIGIN};
+use axum::http::header::{AUTHORIZATION, COOKIE, HOST, ORIGIN, UPGRADE};
 use axum::http::{HeaderMap, HeaderName, Method, StatusCode};
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
@@ -19,6 +19,8 @@ pub(crate) struct Caller {
     pub role: Role,
     /// The identity of its session; `None` for a program that gave a token.
     pub session: Option<String>,
+    /// What it is called in the log: the number of its session, or `token`.
+    pub who: String,
 }
 
 /// Refuses requests for other hosts, from other origins and without a session. What passes carries its [`Caller`].
@@ -65,13 +67,16 @@ fn check(shared: &Shared, request: &Request) -> Result<Option<Caller>, Problem> 
         Some(token) => Caller {
             role: shared.try_token(token)?,
             session: None,
+            who: "token".to_owned(),
         },
         None => {
             let id = session_of(headers, &shared.cookie);
             let role = id.and_then(|id| shared.sessions().role(id, Instant::now()));
+            let number = id.and_then(|id| shared.sessions().number(id));
             Caller {
                 role: role.ok_or_else(Problem::no_session)?,
                 session: id.map(str::to_owned),
+                who: number.unwrap_or_default().to_string(),
             }
         }
     };
@@ -96,8 +101,10 @@ fn from_here(shared: &Shared, headers: &HeaderMap, method: &Method) -> Result<()
             .to_str()
             .is_ok_and(|origin| shared.places.is_origin(origin))
     };
+    // a browser names the origin of each socket, and no rule of it keeps one page from the sockets of another
+    let is_socket = headers.contains_key(UPGRADE);
     let is_own = match origins.as_slice() {
-        [] => is_safe(method),
+        [] => is_safe(method) && !is_socket,
         [origin] => own(origin),
         _ => false,
     };

@@ -16,6 +16,8 @@ pub(crate) const SESSIONS: usize = 16;
 #[derive(Debug)]
 struct Session {
     id: Secret,
+    /// What it is called in the log.
+    number: u64,
     role: Role,
     begin: Instant,
     used: Instant,
@@ -30,7 +32,7 @@ impl Session {
 
 /// The sessions of a server, [`SESSIONS`] at most.
 #[derive(Debug, Default)]
-pub(crate) struct Sessions(Vec<Session>);
+pub(crate) struct Sessions(Vec<Session>, u64);
 
 impl Sessions {
     /// Begins a session and returns its identity; `None` while there are too many. A browser has one session: that with the
@@ -50,8 +52,10 @@ impl Sessions {
         }
         let id = Secret::random()?;
         let text = id.text();
+        self.1 += 1;
         self.0.push(Session {
             id,
+            number: self.1,
             role,
             begin: now,
             used: now,
@@ -67,6 +71,23 @@ impl Sessions {
         }
         found.used = now;
         Some(found.role)
+    }
+
+    /// Returns whether a session lasts, and notes that it is used where somebody looks at its page.
+    pub fn lasts(&mut self, id: &str, used: bool, now: Instant) -> bool {
+        if used {
+            return self.role(id, now).is_some();
+        }
+        let mut sessions = self.0.iter();
+        sessions.any(|session| session.id.is(id).into() && !session.is_over(now))
+    }
+
+    /// Returns what a session is called in the log.
+    pub fn number(&self, id: &str) -> Option<u64> {
+        let mut sessions = self.0.iter();
+        sessions
+            .find(|session| session.id.is(id).into())
+            .map(|session| session.number)
     }
 
     /// Ends a session.
@@ -88,6 +109,10 @@ mod tests {
         assert_eq!(sessions.role(&id, minutes(29)), Some(Role::View));
         assert_eq!(sessions.role(&id, minutes(58)), Some(Role::View));
         assert_eq!(sessions.role(&id, minutes(88)), None, "30 min without a request");
+        let id = sessions.begin(Role::Control, None, start).unwrap().unwrap();
+        assert!(sessions.lasts(&id, false, minutes(29)), "as a hidden page");
+        assert!(!sessions.lasts(&id, false, minutes(30)));
+        assert!(!sessions.lasts(&id, true, minutes(30)), "too late");
         let id = sessions.begin(Role::Control, None, start).unwrap().unwrap();
         for minute in (0..719).step_by(20) {
             assert_eq!(sessions.role(&id, minutes(minute)), Some(Role::Control));

@@ -1,10 +1,15 @@
 //! The interface for the page and for programs: `/api/v1`, described by `openapi.json`.
 
+mod acknowledge;
 mod drives;
+mod inject;
 mod server;
 mod session;
 mod stations;
 mod virtual_drives;
+
+pub(crate) use stations::StationsReport;
+pub(crate) use virtual_drives::VirtualDrives;
 
 use std::sync::Arc;
 
@@ -17,6 +22,7 @@ use utoipa::OpenApi;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
+use crate::live;
 use crate::problem::{self, Problem};
 use crate::shared::Shared;
 
@@ -39,7 +45,11 @@ fn routes() -> OpenApiRouter<Arc<Shared>> {
         .routes(routes!(drives::status))
         .routes(routes!(drives::info))
         .routes(routes!(drives::faults))
+        .routes(routes!(acknowledge::acknowledge))
+        .routes(routes!(inject::events))
+        .routes(routes!(inject::inject))
         .routes(routes!(virtual_drives::drives))
+        .routes(routes!(live::live))
 }
 
 /// Returns the routes of the interface.
@@ -59,11 +69,17 @@ pub fn openapi() -> String {
     generator.subschema_for::<server::StoppedReport>();
     generator.subschema_for::<session::Login>();
     generator.subschema_for::<session::SessionReport>();
-    generator.subschema_for::<stations::StationsReport>();
+    generator.subschema_for::<StationsReport>();
     generator.subschema_for::<StatusReport>();
     generator.subschema_for::<InfoReport>();
     generator.subschema_for::<FaultsReport>();
-    generator.subschema_for::<virtual_drives::VirtualDrives>();
+    generator.subschema_for::<acknowledge::Acknowledge>();
+    generator.subschema_for::<profidrive::motion::Report>();
+    generator.subschema_for::<VirtualDrives>();
+    generator.subschema_for::<inject::Possible>();
+    generator.subschema_for::<inject::Inject>();
+    generator.subschema_for::<inject::Injected>();
+    generator.subschema_for::<live::FaultsTopic>();
     generator.subschema_for::<problem::Body>();
     description["components"]["schemas"] = Value::Object(generator.take_definitions(true));
     let text = serde_json::to_string_pretty(&description).unwrap_or_default();

@@ -9,6 +9,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::access::{Caller, Role};
+use crate::act::{Intent, note};
 use crate::settings::Source;
 use crate::shared::Shared;
 
@@ -83,9 +84,26 @@ pub(super) struct StoppedReport {
     (status = 401, description = "No session", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
     (status = 403, description = "Another origin", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
 ))]
-pub(super) async fn stop(State(shared): State<Arc<Shared>>) -> Json<StoppedReport> {
+pub(super) async fn stop(
+    State(shared): State<Arc<Shared>>,
+    Extension(caller): Extension<Caller>,
+) -> Json<StoppedReport> {
+    let stops = shared.stops.fetch_add(1, Ordering::SeqCst) + 1;
+    let intent = Intent {
+        action: "stop",
+        drive: None,
+        value: None,
+    };
+    // a stop is logged after it was done, whether that succeeds or not
+    note(
+        &shared,
+        &caller,
+        &intent,
+        format!("STOP {stops}: no axis is under control"),
+    )
+    .await;
     Json(StoppedReport {
-        stops: shared.stops.fetch_add(1, Ordering::SeqCst) + 1,
+        stops,
         axes: Vec::new(),
     })
 }

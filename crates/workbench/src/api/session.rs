@@ -57,7 +57,7 @@ pub(super) async fn begin(
     headers: HeaderMap,
     login: Result<Json<Login>, JsonRejection>,
 ) -> Result<Response, Problem> {
-    let Json(login) = login.map_err(|error| Problem::new(error.status(), "body", &error.body_text()))?;
+    let Json(login) = login.map_err(|error| Problem::of_body(&error))?;
     let role = shared.try_login(&login.token)?;
     let before = session_of(&headers, &shared.cookie);
     let begun = shared.sessions().begin(role, before, Instant::now());

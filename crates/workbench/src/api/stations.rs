@@ -14,7 +14,7 @@ use crate::shared::Shared;
 
 /// The stations of the network. Times are in seconds.
 #[derive(Debug, Serialize, JsonSchema)]
-pub(super) struct StationsReport {
+pub(crate) struct StationsReport {
     /// All that answered, and those that answered some minutes ago.
     stations: Vec<KnownStation>,
     /// Time since the last search; null before the first.
@@ -24,7 +24,7 @@ pub(super) struct StationsReport {
 }
 
 impl StationsReport {
-    fn now(shared: &Shared) -> Self {
+    pub fn now(shared: &Shared) -> Self {
         let now = Instant::now();
         let since =
             |then: Option<Instant>| then.map(|then| now.saturating_duration_since(then).as_secs_f64());

@@ -13,11 +13,34 @@ use serde::Serialize;
 
 /// The drives of a plant in memory.
 #[derive(Debug, Serialize, JsonSchema)]
-pub(super) struct VirtualDrives {
+pub(crate) struct VirtualDrives {
     /// Time of the plant in seconds.
     time: f64,
     /// Its drives, in the order of the plant file.
     drives: Vec<VirtualDrive>,
+}
+
+impl VirtualDrives {
+    /// Returns how they are now; `None` where no drive is virtual.
+    pub fn now(shared: &Shared) -> Option<Self> {
+        let Transport::Plant(plant) = shared.network.transport() else {
+            return None;
+        };
+        Some(plant.with_world(|world| {
+            Self {
+                time: world.now().as_nanos() as f64 / 1e9,
+                drives: (0..)
+                    .map_while(|number| world.shaft(number))
+                    .map(|shaft| VirtualDrive {
+                        id: shaft.mac.to_string(),
+                        name: shaft.name.to_owned(),
+                        position: shaft.position,
+                        speed: shaft.speed,
+                    })
+                    .collect(),
+            }
+        }))
+    }
 }
 
 /// A virtual drive: where its shaft really is, whatever the drive reports.
@@ -40,22 +63,10 @@ pub(super) struct VirtualDrive {
     (status = 404, description = "The drives are no simulation", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
 ))]
 pub(super) async fn drives(State(shared): State<Arc<Shared>>) -> Result<Json<VirtualDrives>, Problem> {
-    let Transport::Plant(plant) = shared.network.transport() else {
-        let detail = "the drives of this server are no simulation";
-        return Err(Problem::new(StatusCode::NOT_FOUND, "simulation", detail));
-    };
-    Ok(Json(plant.with_world(|world| {
-        VirtualDrives {
-            time: world.now().as_nanos() as f64 / 1e9,
-            drives: (0..)
-                .map_while(|number| world.shaft(number))
-                .map(|shaft| VirtualDrive {
-                    id: shaft.mac.to_string(),
-                    name: shaft.name.to_owned(),
-                    position: shaft.position,
-                    speed: shaft.speed,
-                })
-                .collect(),
-        }
-    })))
+    VirtualDrives::now(&shared).map(Json).ok_or_else(no_simulation)
+}
+
+pub(super) fn no_simulation() -> Problem {
+    let detail = "the drives of this server are no simulation";
+    Problem::new(StatusCode::NOT_FOUND, "simulation", detail)
 }

@@ -24,6 +24,13 @@ test("drives given by their addresses are read, and the page says what a search 
     await expect(page.locator(".sentence")).toContainText("no controller is connected");
     const answer = await page.request.get(`${server.origin}/api/v1/plant/drives`);
     expect(answer.status()).toBe(404);
+    await expect(page.getByRole("link", { name: "Virtual drives" })).toHaveCount(0);
+    const refused = await page.evaluate(async () => {
+      const headers = { "Content-Type": "application/json" };
+      const body = JSON.stringify({ drive: "x", event: "sto=on", seconds: null });
+      return (await fetch("/api/v1/plant/inject", { method: "POST", headers, body })).status;
+    });
+    expect(refused).toBe(404);
   } finally {
     await end(server);
     drive.kill("SIGKILL");

@@ -26,7 +26,8 @@ export async function serve(...args: string[]): Promise<Running> {
 
 /** The same with other variables of its environment. */
 export async function serveIn(variables: Record<string, string>, ...args: string[]): Promise<Running> {
-  const env = { ...process.env, ...variables };
+  // the log of what tests do is no log of this user
+  const env = { ...process.env, XDG_STATE_HOME: join(pictures, "state"), ...variables };
   const child = spawn(program, ["serve", "--json", ...args], { stdio: ["ignore", "pipe", "inherit"], env });
   const lines = createInterface({ input: child.stdout });
   for await (const line of lines) {
@@ -91,3 +92,10 @@ export async function rows(page: Page): Promise<void> {
 }
 
 export { expect };
+
+/** Returns what the drive of this name is called in paths. */
+export async function idOf(page: Page, name: string): Promise<string> {
+  const answer = await page.request.get("/api/v1/plant/drives");
+  const { drives } = (await answer.json()) as { drives: { id: string; name: string }[] };
+  return drives.find((drive) => drive.name === name)?.id ?? "";
+}

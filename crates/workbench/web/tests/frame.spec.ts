@@ -17,6 +17,9 @@ async function screens(page: Page): Promise<[string, string][]> {
     ["overview-fault", `/drives/${named("axis-2")}/overview`],
     ["overview-watch", `/drives/${named("press-1")}/overview`],
     ["overview-none", "/drives/none/overview"],
+    ["faults", `/drives/${named("axis-2")}/faults`],
+    ["faults-none", "/drives/none/faults"],
+    ["virtual", "/virtual"],
   ];
 }
 

@@ -8,6 +8,9 @@ export type Server = Schemas["ServerReport"];
 export type Stopped = Schemas["StoppedReport"];
 export type Shaft = Schemas["VirtualDrive"];
 export type Quantity = Schemas["Quantity"];
+export type Fault = Schemas["Fault"];
+export type FaultsTopic = Schemas["FaultsTopic"];
+export type Possible = Schemas["Possible"];
 type Problem = Schemas["Problem"];
 
 /** Time for an answer, in ms. */
@@ -31,4 +34,14 @@ export async function request<T>(path: string, options: RequestInit = {}): Promi
     throw new Refused(answer.status, problem?.detail ?? answer.statusText);
   }
   return (await answer.json()) as T;
+}
+
+/** Time for something that changes a drive, in ms: the drive may take its time, and the workbench has a limit of its own. */
+const CHANGE = 25_000;
+
+/** Posts what somebody wants. */
+export function post<T>(path: string, body: unknown): Promise<T> {
+  const headers = { "Content-Type": "application/json" };
+  const signal = AbortSignal.timeout(CHANGE);
+  return request<T>(path, { method: "POST", headers, body: JSON.stringify(body), signal });
 }

@@ -4,6 +4,23 @@
  */
 
 export interface paths {
+    "/api/v1/drives/{id}/acknowledge": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /** Acknowledges the faults of a drive. It is not enabled, and nothing moves. */
+        post: operations["acknowledge"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/drives/{id}/faults": {
         parameters: {
             query?: never;
@@ -55,6 +72,23 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/live": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** Opens the socket with what changes: a page subscribes to topics and gets their newest values, and each event. */
+        get: operations["live"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/plant/drives": {
         parameters: {
             query?: never;
@@ -66,6 +100,40 @@ export interface paths {
         get: operations["drives"];
         put?: never;
         post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/plant/drives/{id}/events": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** Returns what can happen to a virtual drive. */
+        get: operations["events"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/plant/inject": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /** Lets something happen to a virtual drive. */
+        post: operations["inject"];
         delete?: never;
         options?: never;
         head?: never;
@@ -169,6 +237,10 @@ export interface paths {
 export type webhooks = Record<string, never>;
 export interface components {
     schemas: {
+        /** @description How faults are acknowledged. */
+        Acknowledge: {
+            by: components["schemas"]["By"];
+        };
         /** @description Something to do next. */
         Action: {
             /** @description What it is: `stop`, `write`, `acknowledge`, .. */
@@ -178,6 +250,8 @@ export interface components {
             /** @description The call that does it; null where it is a choice of the call that was made. */
             command: string | null;
         };
+        /** @description By what faults are acknowledged. */
+        By: "control_word" | "parameter";
         /** @description Who has the cyclic connection of a drive. */
         Controller: {
             /** @description Whether a controller is connected. */
@@ -202,6 +276,15 @@ export interface components {
             kind: string;
             /** @description What was tried, on which drive and parameter, and what came back. */
             message: string;
+        };
+        /** @description A kind of event. */
+        EventKey: {
+            /** @description A whole example. */
+            example: string;
+            /** @description Left of the `=`. */
+            key: string;
+            /** @description What it does. */
+            meaning: string;
         };
         /** @description A fault of a drive. */
         Fault: {
@@ -243,6 +326,13 @@ export interface components {
              */
             value: number | null;
         };
+        /** @description A fault or a warning that a drive has. */
+        FaultNumber: {
+            meaning: string;
+            /** Format: uint16 */
+            number: number;
+            warning: boolean;
+        };
         /** @description What is wrong with a drive, and what was. */
         FaultsReport: {
             /**
@@ -281,6 +371,24 @@ export interface components {
             warning_bit: boolean | null;
             /** @description The warnings that are present. */
             warnings: components["schemas"]["Warning"][];
+        };
+        /** @description The faults of a drive, or why they were not read. */
+        FaultsTopic: {
+            error: components["schemas"]["Error"] | null;
+            report: components["schemas"]["FaultsReport"] | null;
+        };
+        /** @description Cyclic frames of a motion. */
+        Frames: {
+            /**
+             * Format: uint64
+             * @description Lost between them, by their counter.
+             */
+            missed: number | null;
+            /**
+             * Format: uint64
+             * @description Received.
+             */
+            received: number | null;
         };
         /** @description Identification and maintenance records. */
         Identity: {
@@ -359,6 +467,27 @@ export interface components {
             warning_bit: boolean | null;
             /** @description Status word of the drive. */
             zsw1: components["schemas"]["Word"] | null;
+        };
+        /** @description Something that happens to a virtual drive. */
+        Inject: {
+            /** @description The drive, as it is called in paths. */
+            drive: string;
+            /** @description What happens, as in plant files: `fault=439`, `sto=on`, `cable=pulled`. */
+            event: string;
+            /**
+             * Format: double
+             * @description After how many seconds it ends; null for what lasts until it is undone.
+             */
+            seconds: number | null;
+        };
+        /** @description What has happened. */
+        Injected: {
+            /** @description What the plant calls the drive. */
+            drive: string;
+            /** @description What happens, in the notation of plant files. */
+            event: string;
+            /** @description What ends it; null for what has no end of its own. */
+            undo: string | null;
         };
         /** @description A station. */
         KnownStation: {
@@ -484,6 +613,58 @@ export interface components {
             /** @description Its submodules. */
             submodules: components["schemas"]["Submodule"][];
         };
+        /** @description A move as it travels, with everything that speaks against it. */
+        MoveReport: {
+            /** @description Acceleration as the drive takes it. */
+            acceleration: components["schemas"]["Quantity"];
+            /** @description Deceleration as the drive takes it. */
+            deceleration: components["schemas"]["Quantity"];
+            /** @description The drive. */
+            drive: string;
+            /**
+             * Format: double
+             * @description Computed time, s.
+             */
+            duration: number | null;
+            /** @description Where the axis is. */
+            from: components["schemas"]["Quantity"] | null;
+            /**
+             * Format: uint16
+             * @description MDI_ACC.
+             */
+            mdi_acc: number;
+            /**
+             * Format: uint16
+             * @description MDI_DEC.
+             */
+            mdi_dec: number;
+            /**
+             * Format: uint16
+             * @description MDI_MOD.
+             */
+            mdi_mod: number;
+            /**
+             * Format: int32
+             * @description MDI_TARPOS.
+             */
+            mdi_tarpos: number;
+            /**
+             * Format: uint32
+             * @description MDI_VELOCITY.
+             */
+            mdi_velocity: number;
+            /** @description What speaks against it. */
+            objections: string[];
+            /**
+             * Format: uint16
+             * @description SATZANW.
+             */
+            satzanw: number;
+            /** @description Speed as the drive takes it. */
+            speed: components["schemas"]["Quantity"];
+            /** @description Where it goes. */
+            target: components["schemas"]["Quantity"] | null;
+        };
         /** @description A station at the other end of a cable. */
         Neighbour: {
             /** @description Its Ethernet address. */
@@ -560,6 +741,13 @@ export interface components {
             /** @description False where the channel cannot carry the parameter and nothing was sent. */
             sent: boolean;
         };
+        /** @description What can happen to a virtual drive. */
+        Possible: {
+            /** @description The faults and warnings that the drive has. */
+            faults: components["schemas"]["FaultNumber"][];
+            /** @description The kinds of events. */
+            keys: components["schemas"]["EventKey"][];
+        };
         /** @description Why a request failed (RFC 9457). */
         Problem: {
             /** @description The actions in it. */
@@ -585,6 +773,17 @@ export interface components {
             /** @description The status of the answer in words. */
             title: string;
         };
+        /** @description A setting that was changed for a motion, after it. */
+        PutBack: {
+            /** @description Why it does not have that value again; null where it has. */
+            failed: string | null;
+            /** @description Its number as its vendor writes it: `930`, `p1004`. */
+            number: string | null;
+            /** @description The parameter; null where mode and telegram of the drive cannot be read. */
+            parameter: string | null;
+            /** @description Its value from before the motion. */
+            value: string | null;
+        };
         /** @description A number with its unit. */
         Quantity: {
             /** @description `>` or `<` where a measured value may be higher or lower: its signal has no number beyond. */
@@ -599,6 +798,62 @@ export interface components {
         };
         /** @description What is to be known about the name or the address of a station. */
         Remark: "no_name" | "no_address" | "other_subnet" | "routed" | "name_twice" | "address_twice" | "conflict";
+        /** @description A motion that ended, or faults that were acknowledged. */
+        Report: {
+            /** @description Whether there were faults to acknowledge, where that was requested. */
+            acknowledged: boolean | null;
+            /**
+             * Format: uint16
+             * @description The motion task that the drive reported last (AKTSATZ).
+             */
+            active_task: number | null;
+            /** @description The axis turned with its power stage off when control of it was given back. */
+            coasts: boolean;
+            /** @description How far the axis went until its release: by its position, else by its speed in rpm over time. */
+            distance: components["schemas"]["Quantity"] | null;
+            /** @description The faults that are left, where they were to be acknowledged. */
+            faults: components["schemas"]["Fault"][];
+            /** @description Counters of the cyclic connection; a serial line has none. */
+            frames: components["schemas"]["Frames"];
+            /** @description Highest speed of the motor by its amount. */
+            highest_speed: components["schemas"]["Quantity"] | null;
+            /** @description Whether the axis has its home position, after homing. */
+            homed: boolean | null;
+            /** @description The caller stopped it before its end. */
+            interrupted: boolean;
+            /** @description Where it is since the power stage is off, if that is another place. */
+            left_to: components["schemas"]["Quantity"] | null;
+            /** @description The move. */
+            plan: components["schemas"]["MoveReport"] | null;
+            /** @description Where the axis was at its target or home position. */
+            position: components["schemas"]["Quantity"] | null;
+            /** @description The settings that were changed for it, after their values from before were written. */
+            put_back: components["schemas"]["PutBack"][];
+            /** @description The speed, the target or the home position was reached, or no fault is left. */
+            reached: boolean;
+            /**
+             * @description Control of the axis was taken and given back. False where the connection was lost, and where control was not needed:
+             *     there is no fault to acknowledge, or a parameter acknowledges it.
+             */
+            released: boolean;
+            /**
+             * @description How the axis was when control of it was given back: `stands`, `coasts`, `runs`, or `unknown` where the drive
+             *     reported nothing any more or was not under control.
+             */
+            rest: string;
+            /** @description Speed of the motor before the stop, where the telegram carries it. */
+            speed: components["schemas"]["Quantity"] | null;
+            /**
+             * Format: uint16
+             * @description Number of the motion task.
+             */
+            task: number | null;
+            /**
+             * Format: double
+             * @description Time at the speed of a run or a jog, s.
+             */
+            time_at_speed: number | null;
+        };
         /** @description What somebody may do. */
         Role: "control" | "view";
         /** @description What a server is. */
@@ -873,6 +1128,87 @@ export interface components {
 }
 export type $defs = Record<string, never>;
 export interface operations {
+    acknowledge: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description MAC address, or `ip-` with the IP address */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: {
+            content: {
+                "application/json": components["schemas"]["Acknowledge"];
+            };
+        };
+        responses: {
+            /** @description No fault is present */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Report"];
+                };
+            };
+            /** @description No session */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Another origin, or a session that only looks */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description No such drive has answered */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A fault stays, or another controller has the drive */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It cannot be logged */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The drive does not answer */
+            504: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
     faults: {
         parameters: {
             query?: never;
@@ -1023,6 +1359,60 @@ export interface operations {
             };
         };
     };
+    live: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description A WebSocket with the protocol `profidrive.live.1` */
+            101: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description No session */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Another origin */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description No WebSocket, or another protocol */
+            426: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many sockets */
+            429: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
     drives: {
         parameters: {
             query?: never;
@@ -1052,6 +1442,116 @@ export interface operations {
             };
             /** @description The drives are no simulation */
             404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    events: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description MAC address */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description What can happen */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Possible"];
+                };
+            };
+            /** @description No session */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description No such virtual drive */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    inject: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: {
+            content: {
+                "application/json": components["schemas"]["Inject"];
+            };
+        };
+        responses: {
+            /** @description It happens */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Injected"];
+                };
+            };
+            /** @description It cannot happen to this drive */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description No session */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Another origin, or a session that only looks */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description No such virtual drive */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It cannot be logged */
+            503: {
                 headers: {
                     [name: string]: unknown;
                 };

@@ -2,21 +2,23 @@ import { useEffect } from "preact/hooks";
 import { ErrorBoundary, LocationProvider, lazy, Route, Router, useLocation } from "preact-iso";
 import { Icon, type IconName } from "../parts/Icon";
 import { Network } from "../screens/network/Network";
-import { access, silent } from "../store/store";
+import { access, server, silent } from "../store/store";
 import { t } from "../text";
 import { Frame } from "./Frame";
 import { useKeys } from "./keys";
-import { selectedId } from "./selected";
+import { screenOf, selectedId } from "./selected";
 import { type Theme, theme } from "./theme";
 
-const Overview = lazy(() => import("../screens/overview/overview").then((screen) => screen.Overview));
+const Overview = lazy(() => import("../screens/screens").then((screens) => screens.Overview));
+const Faults = lazy(() => import("../screens/screens").then((screens) => screens.Faults));
+const Virtual = lazy(() => import("../screens/screens").then((screens) => screens.Virtual));
 
 /** Keeps what follows the address: `?lang=`. */
 const query = location.search;
 
 function Link({ href, icon, text }: { href: string; icon: IconName; text: string }) {
   const { path } = useLocation();
-  const here = path.startsWith("/drives/") === href.startsWith("/drives/");
+  const here = screenOf(path) === screenOf(href);
   return (
     <a href={href + query} aria-current={here ? "page" : undefined}>
       <Icon name={icon} />
@@ -30,7 +32,9 @@ function Navigation() {
   return (
     <nav aria-label={t("nav.label")}>
       <Link href="/network" icon="network" text={t("nav.network")} />
-      <Link href={`/drives/${id ?? "none"}/overview`} icon="overview" text={t("nav.overview")} />
+      <Link href={`/drives/${encodeURIComponent(id ?? "none")}/overview`} icon="overview" text={t("nav.overview")} />
+      <Link href={`/drives/${encodeURIComponent(id ?? "none")}/faults`} icon="triangle" text={t("nav.faults")} />
+      {server.value?.simulation && <Link href="/virtual" icon="virtual" text={t("nav.virtual")} />}
       <label class="theme">
         <span>{t("theme.label")}</span>
         <select
@@ -52,7 +56,7 @@ function Shell() {
   const { path } = useLocation();
   useKeys();
   useEffect(() => {
-    document.title = `${t(path.startsWith("/drives/") ? "nav.overview" : "nav.network")} - ${t("app.title")}`;
+    document.title = `${t(`nav.${screenOf(path)}`)} - ${t("app.title")}`;
   }, [path]);
   return (
     <div class={silent.value === null ? "shell" : "shell lost"}>
@@ -68,6 +72,8 @@ function Shell() {
               <Route path="/" component={Network} />
               <Route path="/network" component={Network} />
               <Route path="/drives/:id/overview" component={Overview} />
+              <Route path="/drives/:id/faults" component={Faults} />
+              <Route path="/virtual" component={Virtual} />
               <Route default component={Network} />
             </Router>
           </ErrorBoundary>

@@ -4,12 +4,23 @@ import type { Station } from "../api";
 import { digits, foreign, label, product, sorted } from "../parts/format";
 import { owner, ownerName, State } from "../parts/Reason";
 import { stop } from "../store/live";
-import { aged, server, silent, stations } from "../store/store";
+import { aged, type Happening, happened, server, silent, stations } from "../store/store";
 import { age, t } from "../text";
-import { selected, selectedId } from "./selected";
+import { screenOf, selected, selectedId } from "./selected";
 
 /** What became of the last STOP. */
 const stopped = signal("");
+
+/** The event that somebody has read. */
+const shown = signal(-1);
+
+/** Returns what happened last, in words. */
+function event({ kind, drive, who, text }: Happening): string {
+  const station = stations.value?.find((one) => one.id === drive);
+  const by = who === "token" ? t("frame.event.program") : t("frame.event.session", { who });
+  const named = station ? `${label(station)}: ` : "";
+  return foreign(`${t(`frame.event.${kind}`)} ${named}${text}${who === "" ? "" : ` (${by})`}`, 300);
+}
 
 export async function pressStop(): Promise<void> {
   stopped.value = "";
@@ -30,7 +41,9 @@ function Selector() {
       <select
         value={id}
         onChange={(event) =>
-          route(`/drives/${encodeURIComponent(event.currentTarget.value)}/overview${location.search}`)
+          route(
+            `/drives/${encodeURIComponent(event.currentTarget.value)}/${screenOf(path) === "faults" ? "faults" : "overview"}${location.search}`,
+          )
         }
       >
         <option value="" disabled hidden>
@@ -129,6 +142,19 @@ export function Frame() {
       <p class="band stopped" role="alert" hidden={stopped.value === ""}>
         {stopped.value}
       </p>
+      {happened.value !== null && happened.value.n !== shown.value && (
+        <p class="band happened">
+          <bdi role="status">{event(happened.value)}</bdi>
+          <button
+            type="button"
+            onClick={() => {
+              shown.value = happened.value?.n ?? -1;
+            }}
+          >
+            {t("frame.event.hide")}
+          </button>
+        </p>
+      )}
       {silent.value !== null && (
         <p class="band lost" role="alert">
           {t("frame.lost", { age: age(silent.value) })}

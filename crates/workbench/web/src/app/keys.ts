@@ -1,12 +1,13 @@
 import { useEffect } from "preact/hooks";
 import { useLocation } from "preact-iso";
+import { server } from "../store/store";
 import { pressStop } from "./Frame";
 import { selectedId } from "./selected";
 
 /** Two keys of a sequence come within this time, in ms. */
 const SEQUENCE = 1000;
 
-/** `g n` and `g o` open screens; Ctrl+Space and twice Escape are STOP everywhere. */
+/** `g` and a letter open screens; Ctrl+Space and twice Escape are STOP everywhere. */
 export function useKeys(): void {
   const { path, route } = useLocation();
   useEffect(() => {
@@ -27,10 +28,12 @@ export function useKeys(): void {
       if (typing || event.ctrlKey || event.altKey || event.metaKey || last !== "g") {
         return;
       }
-      if (event.key === "n") {
-        route(`/network${location.search}`);
-      } else if (event.key === "o") {
-        route(`/drives/${selectedId(path) ?? "none"}/overview${location.search}`);
+      const id = encodeURIComponent(selectedId(path) ?? "none");
+      const screen = { n: "/network", o: `/drives/${id}/overview`, f: `/drives/${id}/faults`, v: "/virtual" }[
+        event.key
+      ];
+      if (screen !== undefined && (event.key !== "v" || server.value?.simulation)) {
+        route(screen + location.search);
       }
     };
     addEventListener("keydown", press);

@@ -12,3 +12,13 @@ export function selected(path: string): Station | undefined {
   const id = selectedId(path);
   return stations.value?.find((station) => station.id === id);
 }
+
+/** The screens. */
+export type Screen = "network" | "overview" | "faults" | "virtual";
+
+/** Returns the screen in an address of the page. */
+export function screenOf(path: string): Screen {
+  if (path.startsWith("/virtual")) return "virtual";
+  if (!path.startsWith("/drives/")) return "network";
+  return path.endsWith("/faults") ? "faults" : "overview";
+}

@@ -7,6 +7,7 @@ const PATHS = {
   dash: "M3 8h10",
   network: "M8 2v4M4 10V8h8v2M4 10v4M12 10v4M6 2h4v4H6zM2 10h4v4H2zM10 10h4v4h-4z",
   overview: "M2 2h5v12H2zM10 2h4v5h-4zM10 10h4v4h-4z",
+  virtual: "M8 3a5 5 0 1 0 0 10A5 5 0 1 0 8 3zM8 8V3",
   live: "M3 3l5 5-5 5M8 3l5 5-5 5",
 } as const;
 

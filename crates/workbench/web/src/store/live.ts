@@ -2,11 +2,13 @@
 import { batch } from "@preact/signals";
 import { Refused, request, type Server, type Shaft, type Station, type Stations, type Stopped } from "../api";
 import { t } from "../text";
+import { type Incoming, Live } from "./socket";
 import {
   access,
   answered,
   events,
   failure,
+  happened,
   now,
   received,
   searched,
@@ -15,12 +17,13 @@ import {
   shafts,
   stations,
   type Track,
+  topics,
   tracks,
 } from "./store";
 
-/** Time between two requests, in ms. */
-const PERIOD = 1000;
-const SHAFT_PERIOD = 100;
+/** Values of a topic in a second, at most. */
+const RATE = 10;
+const SHAFT_RATE = 10;
 const CLOCK_PERIOD = 250;
 /** Time for a search, in ms. */
 const SEARCH = 20_000;
@@ -53,40 +56,49 @@ export async function enter(): Promise<void> {
   }
 }
 
+/** What stays open: the socket, after the page was let in. */
+let live: Live | null = null;
+
+/** Subscribes to a topic while a screen is shown; for `useEffect`. */
+export function want(topic: string, rate: number): () => void {
+  return live?.want(topic, rate) ?? (() => {});
+}
+
 function run(): void {
   setInterval(() => {
     now.value = performance.now();
   }, CLOCK_PERIOD);
-  every(PERIOD, async () => take(await request<Stations>("stations")));
+  live = new Live({
+    message: receive,
+    refused: () => {
+      access.value = { kind: "out", reason: t("login.ended") };
+    },
+  });
+  live.want("network", RATE);
   if (server.value?.simulation) {
-    every(SHAFT_PERIOD, async () => {
-      const { drives } = await request<{ drives: Shaft[] }>("plant/drives");
-      shafts.value = new Map(drives.map((shaft) => [shaft.id, shaft]));
-    });
+    live.want("plant", SHAFT_RATE);
   }
 }
 
-/** Calls `work` again and again, not while the page is hidden. An answer that says that there is no session ends it. */
-function every(period: number, work: () => Promise<void>): void {
-  const turn = async () => {
-    if (access.value.kind === "out") {
-      return;
-    }
-    const begin = performance.now();
-    if (!document.hidden) {
-      try {
-        await work();
-        answered.value = performance.now();
-      } catch (error) {
-        if (error instanceof Refused && error.status === 401) {
-          access.value = { kind: "out", reason: t("login.ended") };
-          return;
-        }
-      }
-    }
-    setTimeout(turn, Math.max(20, period - (performance.now() - begin)));
-  };
-  void turn();
+function receive(message: Incoming): void {
+  answered.value = performance.now();
+  if (message.type === "event") {
+    happened.value = message;
+    return;
+  }
+  if (message.type !== "snapshot") {
+    return;
+  }
+  if (message.topic === "network") {
+    take(message.data as Stations);
+  } else if (message.topic === "plant") {
+    const { drives } = message.data as { drives: Shaft[] };
+    shafts.value = new Map(drives.map((shaft) => [shaft.id, shaft]));
+  } else {
+    const next = new Map(topics.value);
+    next.set(message.topic, { received: performance.now(), data: message.data });
+    topics.value = next;
+  }
 }
 
 /** Lets the workbench search for stations now. */

@@ -55,3 +55,22 @@ export interface Happened {
 }
 /** The newest first. */
 export const events = signal<Happened[]>([]);
+
+/** A value of another topic, and when it came by the clock of this page, in ms. */
+export interface Held {
+  received: number;
+  data: unknown;
+}
+/** What came last of the topics that screens subscribe to. */
+export const topics = signal<ReadonlyMap<string, Held>>(new Map());
+
+/** What happened last, of what each page shows. */
+export interface Happening {
+  n: number;
+  kind: "stop" | "acknowledge" | "inject" | "log";
+  drive: string | null;
+  /** Who did it, as in the log. */
+  who: string;
+  text: string;
+}
+export const happened = signal<Happening | null>(null);

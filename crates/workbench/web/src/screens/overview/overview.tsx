@@ -1,8 +1,10 @@
 import { useLocation } from "preact-iso";
 import type { Quantity, Station, Status } from "../../api";
 import { selected, selectedId } from "../../app/selected";
+import { Acknowledge } from "../../parts/Acknowledge";
 import { digits, foreign, label, sentence } from "../../parts/format";
 import { Icon } from "../../parts/Icon";
+import { Nothing } from "../../parts/Nothing";
 import { findings, ownerName, sign } from "../../parts/Reason";
 import { Shaft } from "../../parts/Shaft";
 import { Spark } from "../../parts/Spark";
@@ -43,6 +45,7 @@ function Why({ station }: { station: Station }) {
         </p>
       )}
       {name !== null && <p>{t("overview.watch", { name })}</p>}
+      {status && <Acknowledge station={station} present={status.faults} />}
       {station.remarks.includes("no_name") && <p>{t("overview.noname")}</p>}
       {status?.notes.map((note) => (
         <p key={note.cause} class="note">
@@ -207,15 +210,7 @@ export function Overview() {
   if (!station) {
     const waiting = selectedId(path) !== null && stations.value === null;
     const text = selectedId(path) === null ? "overview.none" : waiting ? "overview.loading" : "overview.unknown";
-    return (
-      <section class="nothing">
-        <h1>{t("overview.title")}</h1>
-        <p>{t(text)}</p>
-        <p>
-          <a href={`/network${location.search}`}>{t("overview.none.action")}</a>
-        </p>
-      </section>
-    );
+    return <Nothing title={t("overview.title")} text={t(text)} />;
   }
   return (
     <article class="overview">

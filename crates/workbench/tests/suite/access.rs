@@ -1,148 +1,12 @@
 //! Who is let in: hosts, origins, sessions, tokens and limits, by requests as an attacker would make them.
-#![allow(clippy::unwrap_used, clippy::panic)] // a test reports by panicking
 
-use std::io::{Read, Write};
-use std::net::{SocketAddr, TcpStream};
-use std::thread::JoinHandle;
-use std::time::{Duration, Instant};
+use std::net::TcpStream;
+use std::time::Instant;
 
-use profidrive::Stop;
 use profidrive_workbench::{ServeError, Server, Settings, Source, openapi};
 use serde_json::Value;
 
-/// A server that runs until it is dropped.
-struct Running {
-    address: SocketAddr,
-    control: String,
-    view: String,
-    once: String,
-    stop: Stop,
-    thread: Option<JoinHandle<()>>,
-}
-
-impl Running {
-    fn start(settings: Settings) -> Self {
-        let listen = "127.0.0.1:0".parse().unwrap();
-        let server = Server::open(Settings { listen, ..settings }).unwrap();
-        let token = |url: String| url.split_once("#token=").unwrap().1.to_owned();
-        let (address, control, view) = (server.address(), token(server.url()), token(server.view_url()));
-        let once = token(server.url_once().unwrap());
-        let stop = Stop::new().unwrap();
-        let flag = stop.clone();
-        let thread = std::thread::spawn(move || server.run(&flag).unwrap());
-        Self {
-            address,
-            control,
-            view,
-            once,
-            stop,
-            thread: Some(thread),
-        }
-    }
-
-    fn demo() -> Self {
-        Self::start(Settings::new(Source::Demo))
-    }
-
-    /// Sends octets as they are and returns the answer.
-    fn raw(&self, request: &[u8]) -> Answer {
-        let mut stream = TcpStream::connect(self.address).unwrap();
-        stream.set_read_timeout(Some(Duration::from_secs(30))).unwrap();
-        // the server may answer and close before it has read all
-        let _ = stream.write_all(request);
-        let mut octets = Vec::new();
-        let _ = stream.read_to_end(&mut octets);
-        Answer::of(&octets)
-    }
-
-    /// Makes a request with these headers in place of none; `Host` and the origin of the page are in `PAGE`.
-    fn ask(&self, method: &str, path: &str, headers: &str, body: &str) -> Answer {
-        let headers = headers.replace("{address}", &self.address.to_string());
-        let length = body.len();
-        let request = format!(
-            "{method} {path} HTTP/1.1\r\n{headers}Connection: close\r\nContent-Length: {length}\r\n\r\n{body}"
-        );
-        self.raw(request.as_bytes())
-    }
-
-    fn login(&self, token: &str) -> Answer {
-        self.ask(
-            "POST",
-            "/api/v1/session",
-            &format!("{PAGE}{JSON}"),
-            &format!("{{\"token\":\"{token}\"}}"),
-        )
-    }
-
-    /// Begins a session and returns the headers of its page.
-    fn session(&self, token: &str) -> String {
-        let answer = self.login(token);
-        assert_eq!(answer.status, 200, "{answer:?}");
-        let cookie = answer.header("set-cookie").unwrap();
-        for part in ["HttpOnly", "SameSite=Strict", "Path=/"] {
-            assert!(cookie.contains(part), "{cookie}");
-        }
-        format!("{PAGE}Cookie: a=b; {}\r\n", cookie.split(';').next().unwrap())
-    }
-
-    fn bearer(token: &str) -> String {
-        format!("Host: {{address}}\r\nAuthorization: Bearer {token}\r\n")
-    }
-
-    fn stops(&self) -> u64 {
-        let answer = self.ask("GET", "/api/v1/server", &Self::bearer(&self.view), "");
-        answer.json()["stops"].as_u64().unwrap()
-    }
-}
-
-impl Drop for Running {
-    fn drop(&mut self) {
-        self.stop.stop();
-        self.thread.take().unwrap().join().unwrap();
-    }
-}
-
-/// The headers of a request of the page.
-const PAGE: &str = "Host: {address}\r\nOrigin: http://{address}\r\nSec-Fetch-Site: same-origin\r\n";
-const JSON: &str = "Content-Type: application/json\r\n";
-
-#[derive(Debug)]
-struct Answer {
-    status: u16,
-    head: String,
-    body: String,
-}
-
-impl Answer {
-    fn of(octets: &[u8]) -> Self {
-        let text = String::from_utf8_lossy(octets);
-        let (head, body) = text.split_once("\r\n\r\n").unwrap_or((&text, ""));
-        let status = head
-            .split(' ')
-            .nth(1)
-            .and_then(|status| status.parse().ok())
-            .unwrap_or(0);
-        Self {
-            status,
-            head: head.to_owned(),
-            body: body.to_owned(),
-        }
-    }
-
-    fn header(&self, name: &str) -> Option<&str> {
-        let found = self
-            .head
-            .lines()
-            .find(|line| line.to_lowercase().starts_with(&format!("{name}: ")));
-        found
-            .and_then(|line| line.split_once(": "))
-            .map(|(_, value)| value)
-    }
-
-    fn json(&self) -> Value {
-        serde_json::from_str(&self.body).unwrap_or_else(|error| panic!("{error}: {self:?}"))
-    }
-}
+use crate::server::{JSON, PAGE, Running, eventually};
 
 /// Every method and path of the interface.
 fn routes() -> Vec<(String, String)> {
@@ -474,7 +338,7 @@ fn nothing_but_the_page_is_served_and_each_answer_has_the_headers() {
         "/network",
         "/drives/02:00/overview",
         "/app.js",
-        "/overview.js",
+        "/screens.js",
         "/app.css",
         "/icon.svg",
         "/licences.txt",
@@ -550,19 +414,6 @@ fn a_server_is_for_this_computer_alone() {
         ..Settings::new(Source::Demo)
     });
     assert!(matches!(open, Err(ServeError::Listen { .. })), "{open:?}");
-}
-
-/// Returns the answer that satisfies a condition; asks again until then.
-fn eventually(server: &Running, path: &str, fits: impl Fn(&Value) -> bool) -> Value {
-    let start = Instant::now();
-    loop {
-        let answer = server.ask("GET", path, &Running::bearer(&server.view), "").json();
-        if fits(&answer) {
-            return answer;
-        }
-        assert!(start.elapsed() < Duration::from_secs(60), "{answer:#}");
-        std::thread::sleep(Duration::from_millis(50));
-    }
 }
 
 #[test]

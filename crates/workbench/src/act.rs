@@ -1,0 +1,112 @@
+//! What changes something: logged before and after, reported to all pages.
+
+use std::future::Future;
+use std::sync::Arc;
+
+use axum::http::StatusCode;
+
+use crate::access::Caller;
+use crate::audit::{AuditError, Record};
+use crate::live::Event;
+use crate::problem::Problem;
+use crate::shared::Shared;
+
+/// Something that somebody wants.
+#[derive(Debug, Clone)]
+pub(crate) struct Intent {
+    /// What is done.
+    pub action: &'static str,
+    /// The drive, as it is called in paths.
+    pub drive: Option<String>,
+    /// With which values.
+    pub value: Option<String>,
+}
+
+impl Intent {
+    fn record(&self, shared: &Shared, caller: &Caller) -> Record {
+        let drive = self.drive.as_ref();
+        Record {
+            who: caller.who.clone(),
+            drive: self.drive.clone(),
+            name: drive.and_then(|id| shared.board.name(id)),
+            action: self.action,
+            value: self.value.clone(),
+            result: None,
+        }
+    }
+}
+
+/// Writes the intent, works, and writes what became of it. The work goes on when the page that wants it goes away.
+///
+/// # Errors
+/// When the intent cannot be written, and what the work returns.
+pub(crate) async fn carry_out<T: Send + 'static>(
+    shared: Arc<Shared>,
+    caller: &Caller,
+    intent: Intent,
+    work: impl Future<Output = Result<T, Problem>> + Send + 'static,
+) -> Result<T, Problem> {
+    let record = intent.record(&shared, caller);
+    let done = tokio::spawn(async move {
+        write(&shared, record.clone())
+            .await
+            .map_err(|error| unlogged(&error))?;
+        let result = work.await;
+        let text = match &result {
+            Ok(_) => "done".to_owned(),
+            Err(problem) => problem.message().to_owned(),
+        };
+        noted(&shared, record, text).await;
+        result
+    });
+    done.await.unwrap_or_else(|_| {
+        let detail = "the work ended by a defect of the server";
+        Err(Problem::new(
+            StatusCode::INTERNAL_SERVER_ERROR,
+            "internal",
+            detail,
+        ))
+    })
+}
+
+/// Writes what was done without an intent, and reports it to all pages.
+pub(crate) async fn note(shared: &Shared, caller: &Caller, intent: &Intent, result: String) {
+    noted(shared, intent.record(shared, caller), result).await;
+}
+
+async fn noted(shared: &Shared, record: Record, result: String) {
+    shared.hub.report(&Event {
+        kind: record.action,
+        drive: record.drive.clone(),
+        who: record.who.clone(),
+        text: match &record.value {
+            Some(value) => format!("{value}: {result}"),
+            None => result.clone(),
+        },
+    });
+    let record = Record {
+        result: Some(result),
+        ..record
+    };
+    // it was done: that it is not in the log is to be seen
+    if let Err(error) = write(shared, record).await {
+        shared.hub.report(&Event {
+            kind: "log",
+            drive: None,
+            who: String::new(),
+            text: error.to_string(),
+        });
+    }
+}
+
+async fn write(shared: &Shared, record: Record) -> Result<(), AuditError> {
+    let audit = Arc::clone(&shared.audit);
+    // a disk may take its time
+    let written = tokio::task::spawn_blocking(move || audit.write(&record)).await;
+    written.unwrap_or(Err(AuditError::NoFolder))
+}
+
+fn unlogged(error: &AuditError) -> Problem {
+    let detail = format!("nothing was changed, because it cannot be logged: {error}");
+    Problem::new(StatusCode::SERVICE_UNAVAILABLE, "log", &detail)
+}

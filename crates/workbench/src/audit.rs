@@ -1,0 +1,285 @@
+//! The log of what people did by a server: one line of JSON for each intent and each result, in files of one day.
+//!
+//! An intent is on the disk before anything is sent to a drive. Where it cannot be written nothing is changed; a stop is carried out
+//! anyway.
+
+use std::fs::{DirBuilder, File, OpenOptions};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+use std::time::SystemTime;
+
+use chrono::{DateTime, SecondsFormat, Utc};
+use schemars::JsonSchema;
+use serde::Serialize;
+
+/// A file is not written to once it has this many octets.
+const FILE: u64 = 64 << 20;
+/// Files that are kept.
+const FILES: usize = 30;
+/// The longest text of a record, in characters.
+const TEXT: usize = 2000;
+
+/// What somebody wanted, or what became of it.
+#[derive(Debug, Clone, Default, Serialize, JsonSchema)]
+pub(crate) struct Record {
+    /// Who: the number of a session, or `token` for a program.
+    pub who: String,
+    /// The drive, as it is called in paths.
+    pub drive: Option<String>,
+    /// What the drive is called.
+    pub name: Option<String>,
+    /// What is done: `acknowledge`, `inject`, `stop`.
+    pub action: &'static str,
+    /// With which values.
+    pub value: Option<String>,
+    /// What became of it; null for an intent.
+    pub result: Option<String>,
+}
+
+/// A record in the log.
+#[derive(Debug, Serialize)]
+struct Line<'r> {
+    /// Time of day (ISO 8601, UTC).
+    time: String,
+    /// Distinguishes this start of the server from others.
+    boot: &'r str,
+    #[serde(flatten)]
+    record: &'r Record,
+}
+
+/// The log of a server.
+#[derive(Debug)]
+pub(crate) struct Audit {
+    folder: Option<PathBuf>,
+    boot: String,
+    open: Mutex<Option<(PathBuf, File)>>,
+}
+
+/// Why a record could not be written.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum AuditError {
+    #[error("there is no folder for the log: HOME and XDG_STATE_HOME are not set")]
+    NoFolder,
+    #[error("cannot write the log in {}: {error}", folder.display())]
+    Write { folder: PathBuf, error: io::Error },
+}
+
+impl Audit {
+    /// Returns the log in a folder, which is made with the first record.
+    pub const fn new(folder: Option<PathBuf>, boot: String) -> Self {
+        Self {
+            folder,
+            boot,
+            open: Mutex::new(None),
+        }
+    }
+
+    /// Writes a record, so that it is on the disk when this returns.
+    pub fn write(&self, record: &Record) -> Result<(), AuditError> {
+        self.write_at(record, SystemTime::now())
+    }
+
+    fn write_at(&self, record: &Record, now: SystemTime) -> Result<(), AuditError> {
+        let folder = self.folder.as_ref().ok_or(AuditError::NoFolder)?;
+        let failed = |error| AuditError::Write {
+            folder: folder.clone(),
+            error,
+        };
+        let record = Record {
+            value: record.value.as_deref().map(cut),
+            result: record.result.as_deref().map(cut),
+            ..record.clone()
+        };
+        let time = DateTime::<Utc>::from(now);
+        let line = Line {
+            time: time.to_rfc3339_opts(SecondsFormat::Millis, true),
+            boot: &self.boot,
+            record: &record,
+        };
+        let mut text = serde_json::to_string(&line).map_err(|error| failed(error.into()))?;
+        text.push('\n');
+        let mut open = self.open.lock().unwrap_or_else(PoisonError::into_inner);
+        let result = append(folder, &mut open, &day(now), text.as_bytes());
+        if result.is_err() {
+            // a folder that was removed or was full may be there again
+            *open = None;
+        }
+        result.map_err(failed)
+    }
+}
+
+fn cut(text: &str) -> String {
+    text.chars().take(TEXT).collect()
+}
+
+fn day(now: SystemTime) -> String {
+    DateTime::<Utc>::from(now).format("%Y-%m-%d").to_string()
+}
+
+fn append(folder: &Path, open: &mut Option<(PathBuf, File)>, day: &str, text: &[u8]) -> io::Result<()> {
+    let is_usable = |path: &Path, file: &File| -> io::Result<bool> {
+        let of_day = path
+            .file_name()
+            .is_some_and(|name| name.to_string_lossy().contains(day));
+        Ok(of_day && file.metadata()?.len() < FILE && path.exists())
+    };
+    let usable = match open.as_ref() {
+        Some((path, file)) => is_usable(path, file)?,
+        None => false,
+    };
+    if !usable {
+        *open = Some(next(folder, day)?);
+    }
+    let Some((_, file)) = open.as_mut() else {
+        return Ok(());
+    };
+    file.write_all(text)?;
+    file.sync_data()
+}
+
+/// Opens the file of a day that has room, a new one where there is none, and removes the oldest files.
+fn next(folder: &Path, day: &str) -> io::Result<(PathBuf, File)> {
+    let mut builder = DirBuilder::new();
+    let mut options = OpenOptions::new();
+    options.create(true).append(true);
+    private(&mut builder, &mut options);
+    builder.recursive(true).create(folder)?;
+    for number in 0_u32.. {
+        let path = folder.join(format!("audit-{day}-{number:03}.jsonl"));
+        if path.metadata().is_ok_and(|file| file.len() >= FILE) {
+            continue;
+        }
+        let file = options.open(&path)?;
+        remove_old(folder)?;
+        return Ok((path, file));
+    }
+    Err(io::ErrorKind::QuotaExceeded.into())
+}
+
+fn remove_old(folder: &Path) -> io::Result<()> {
+    let mut files: Vec<PathBuf> = folder
+        .read_dir()?
+        .filter_map(|entry| Some(entry.ok()?.path()))
+        .filter(|path| {
+            let name = path.file_name().unwrap_or_default().to_string_lossy();
+            name.starts_with("audit-") && name.ends_with(".jsonl")
+        })
+        .collect();
+    // their names are in the order of time
+    files.sort();
+    let old = files.len().saturating_sub(FILES);
+    for path in files.iter().take(old) {
+        std::fs::remove_file(path)?;
+    }
+    Ok(())
+}
+
+/// Lets nobody but this user read the log.
+#[cfg(unix)]
+fn private(builder: &mut DirBuilder, options: &mut OpenOptions) {
+    use std::os::unix::fs::{DirBuilderExt, OpenOptionsExt};
+    builder.mode(0o700);
+    options.mode(0o600);
+}
+
+/// The folder of a user is its own.
+#[cfg(not(unix))]
+fn private(_: &mut DirBuilder, _: &mut OpenOptions) {}
+
+#[cfg(test)]
+mod tests {
+    use std::time::{Duration, UNIX_EPOCH};
+
+    use serde_json::Value;
+
+    use super::*;
+
+    /// A folder that is removed at the end of a test.
+    struct Folder(PathBuf);
+
+    impl Folder {
+        fn new(name: &str) -> Self {
+            let path = std::env::temp_dir().join(format!("profidrive-audit-{name}-{}", std::process::id()));
+            std::fs::create_dir(&path).unwrap();
+            Self(path)
+        }
+    }
+
+    impl Drop for Folder {
+        fn drop(&mut self) {
+            let _ = std::fs::remove_dir_all(&self.0);
+        }
+    }
+
+    fn at(day: u64) -> SystemTime {
+        UNIX_EPOCH + Duration::from_secs(day * 86_400 + 3)
+    }
+
+    fn record(value: &str) -> Record {
+        Record {
+            who: "1".to_owned(),
+            action: "inject",
+            value: Some(value.to_owned()),
+            ..Record::default()
+        }
+    }
+
+    #[test]
+    fn each_day_has_a_file_and_the_oldest_are_removed() {
+        let folder = Folder::new("days");
+        let place = folder.0.join("log");
+        let audit = Audit::new(Some(place.clone()), "boot".to_owned());
+        for day in 0..40 {
+            audit.write_at(&record("one\n\"two\""), at(day)).unwrap();
+            audit.write_at(&record("three"), at(day)).unwrap();
+        }
+        let mut names: Vec<String> = place
+            .read_dir()
+            .unwrap()
+            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+            .collect();
+        names.sort();
+        assert_eq!(names.len(), FILES);
+        assert_eq!(names[0], "audit-1970-01-11-000.jsonl");
+        let text = std::fs::read_to_string(place.join(&names[0])).unwrap();
+        let lines: Vec<Value> = text
+            .lines()
+            .map(|line| serde_json::from_str(line).unwrap())
+            .collect();
+        assert_eq!(lines.len(), 2);
+        assert_eq!(lines[0]["value"], "one\n\"two\"");
+        assert_eq!(lines[0]["time"], "1970-01-11T00:00:03.000Z");
+        assert_eq!(lines[0]["boot"], "boot");
+    }
+
+    #[test]
+    fn a_file_that_is_full_or_gone_is_followed_by_another() {
+        let folder = Folder::new("full");
+        let audit = Audit::new(Some(folder.0.clone()), "boot".to_owned());
+        audit.write_at(&record("a"), at(1)).unwrap();
+        let first = folder.0.join("audit-1970-01-02-000.jsonl");
+        let file = OpenOptions::new().write(true).open(&first).unwrap();
+        file.set_len(FILE).unwrap();
+        audit.write_at(&record("b"), at(1)).unwrap();
+        let second = folder.0.join("audit-1970-01-02-001.jsonl");
+        assert_eq!(std::fs::read_to_string(&second).unwrap().lines().count(), 1);
+        std::fs::remove_file(&second).unwrap();
+        audit.write_at(&record("c"), at(1)).unwrap();
+        assert!(std::fs::read_to_string(&second).unwrap().contains("\"c\""));
+    }
+
+    #[test]
+    fn without_a_place_nothing_is_written() {
+        let none = Audit::new(None, "boot".to_owned());
+        assert!(matches!(none.write(&record("a")), Err(AuditError::NoFolder)));
+        let folder = Folder::new("none");
+        let file = folder.0.join("file");
+        std::fs::write(&file, "").unwrap();
+        let blocked = Audit::new(Some(file.join("log")), "boot".to_owned());
+        assert!(matches!(
+            blocked.write(&record("a")),
+            Err(AuditError::Write { .. })
+        ));
+    }
+}

@@ -1,0 +1,377 @@
+//! The socket of one page.
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use axum::Extension;
+use axum::extract::State;
+use axum::extract::ws::rejection::WebSocketUpgradeRejection;
+use axum::extract::ws::{CloseFrame, Message, WebSocket, WebSocketUpgrade, close_code};
+use axum::http::StatusCode;
+use axum::response::Response;
+use serde::{Deserialize, Serialize};
+use tokio::sync::{OwnedSemaphorePermit, watch};
+use tokio::time::{sleep_until, timeout};
+
+use super::hub::Topic;
+use crate::access::Caller;
+use crate::problem::Problem;
+use crate::shared::Shared;
+
+/// The protocol of this socket; another layout of the messages has another number.
+const PROTOCOL: &str = "profidrive.live.1";
+/// The longest message of a page, in octets.
+const MESSAGE: usize = 4096;
+/// Messages of a page in a second.
+const RATE: u32 = 100;
+/// Topics of a page.
+const TOPICS: usize = 16;
+/// The time between two values of a hidden page.
+const HIDDEN: Duration = Duration::from_secs(1);
+/// The time between two signs of life, and between two looks at the session.
+const BEAT: Duration = Duration::from_secs(1);
+/// A page that takes nothing, or says nothing, for this time is gone.
+const GONE: Duration = Duration::from_secs(40);
+
+/// What a page sends.
+#[derive(Debug, Deserialize)]
+#[serde(tag = "type", rename_all = "snake_case")]
+enum Request {
+    /// Wants the values of a topic, at most `rate` in a second.
+    Subscribe {
+        topic: String,
+        rate: f64,
+    },
+    Unsubscribe {
+        topic: String,
+    },
+    /// Whether somebody can see the page.
+    Visible {
+        visible: bool,
+    },
+    /// Continues after event `last_event` of the server with this `boot`.
+    Resume {
+        boot: String,
+        last_event: u64,
+    },
+    /// A message of a newer page.
+    #[serde(other)]
+    Other,
+}
+
+/// The first message to a page.
+#[derive(Debug, Serialize)]
+struct Hello<'s> {
+    r#type: &'static str,
+    build: &'static str,
+    boot: &'s str,
+    simulation: bool,
+    /// Time of this server in microseconds.
+    t: u64,
+    /// The number of the next event.
+    next_event: u64,
+}
+
+/// A sign of life.
+#[derive(Debug, Serialize)]
+struct Clock {
+    r#type: &'static str,
+    t: u64,
+}
+
+/// Opens the socket with what changes: a page subscribes to topics and gets their newest values, and each event.
+#[utoipa::path(get, path = "/api/v1/live", responses(
+    (status = 101, description = "A WebSocket with the protocol `profidrive.live.1`"),
+    (status = 401, description = "No session", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
+    (status = 403, description = "Another origin", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
+    (status = 426, description = "No WebSocket, or another protocol", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
+    (status = 429, description = "Too many sockets", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
+))]
+pub(crate) async fn live(
+    State(shared): State<Arc<Shared>>,
+    Extension(caller): Extension<Caller>,
+    upgrade: Result<WebSocketUpgrade, WebSocketUpgradeRejection>,
+) -> Result<Response, Problem> {
+    let other = |detail: &str| Problem::new(StatusCode::UPGRADE_REQUIRED, "protocol", detail);
+    let upgrade = upgrade.map_err(|error| other(&error.to_string()))?;
+    let upgrade = upgrade
+        .max_message_size(MESSAGE)
+        .max_frame_size(MESSAGE)
+        .protocols([PROTOCOL]);
+    if upgrade.selected_protocol().is_none() {
+        return Err(other(
+            "this server has the protocol profidrive.live.1: load the page again",
+        ));
+    }
+    let place = Arc::clone(&shared.sockets).try_acquire_owned().map_err(|_| {
+        let detail = "too many pages are open: close one of them";
+        Problem::new(StatusCode::TOO_MANY_REQUESTS, "sockets", detail)
+    })?;
+    Ok(upgrade.on_upgrade(move |socket| Client::new(shared, caller, place).serve(socket)))
+}
+
+/// What a page subscribes to.
+#[derive(Debug)]
+struct Subscription {
+    topic: Topic,
+    period: Duration,
+    /// The revision that was sent last.
+    sent: u64,
+    /// When a value may be sent again.
+    due: Instant,
+}
+
+/// One page.
+struct Client {
+    shared: Arc<Shared>,
+    caller: Caller,
+    news: watch::Receiver<u64>,
+    topics: Vec<Subscription>,
+    visible: bool,
+    /// The next event for it.
+    next_event: u64,
+    /// The second in which messages are counted.
+    second: Instant,
+    messages: u32,
+    heard: Instant,
+    _place: OwnedSemaphorePermit,
+}
+
+/// Why a socket is closed by this side.
+type Closing = (u16, &'static str);
+
+impl Client {
+    fn new(shared: Arc<Shared>, caller: Caller, place: OwnedSemaphorePermit) -> Self {
+        let now = Instant::now();
+        Self {
+            news: shared.hub.news(),
+            next_event: shared.hub.next_event(),
+            shared,
+            caller,
+            topics: Vec::new(),
+            visible: true,
+            second: now,
+            messages: 0,
+            heard: now,
+            _place: place,
+        }
+    }
+
+    async fn serve(mut self, mut socket: WebSocket) {
+        if let Some((code, reason)) = self.talk(&mut socket).await {
+            let frame = CloseFrame {
+                code,
+                reason: reason.into(),
+            };
+            // a page that is gone does not hear it
+            let _ = timeout(BEAT, socket.send(Message::Close(Some(frame)))).await;
+        }
+    }
+
+    /// Serves the page until it ends, or this side has a reason to end it.
+    async fn talk(&mut self, socket: &mut WebSocket) -> Option<Closing> {
+        let hello = Hello {
+            r#type: "hello",
+            build: env!("CARGO_PKG_VERSION"),
+            boot: &self.shared.boot,
+            simulation: self.shared.source.is_simulation(),
+            t: self.shared.hub.time(),
+            next_event: self.next_event,
+        };
+        send(socket, serde_json::to_string(&hello).unwrap_or_default().into()).await?;
+        let mut beat = tokio::time::interval(BEAT);
+        loop {
+            if let Err(closing) = self.flush(socket).await {
+                return closing;
+            }
+            let due = self.next_due();
+            tokio::select! {
+                message = socket.recv() => match self.take(message?) {
+                    Ok(()) => {}
+                    Err(closing) => return closing,
+                },
+                // the sender is a part of what is shared
+                _ = self.news.changed() => {}
+                () = sleep_until(due.unwrap_or_else(Instant::now).into()), if due.is_some() => {}
+                _ = beat.tick() => {
+                    if let Err(closing) = self.beat(socket).await {
+                        return closing;
+                    }
+                }
+            }
+        }
+    }
+
+    /// Sends a sign of life, and ends a socket whose session or page is gone.
+    async fn beat(&mut self, socket: &mut WebSocket) -> Result<(), Option<Closing>> {
+        if self.heard.elapsed() > GONE {
+            return Err(None);
+        }
+        if let Some(session) = &self.caller.session
+            && !self
+                .shared
+                .sessions()
+                .lasts(session, self.visible, Instant::now())
+        {
+            return Err(Some((close_code::POLICY, "the session has ended")));
+        }
+        if self.visible && !self.topics.is_empty() {
+            self.shared.board.look(|_| ());
+        }
+        let clock = Clock {
+            r#type: "clock",
+            t: self.shared.hub.time(),
+        };
+        let text = serde_json::to_string(&clock).unwrap_or_default();
+        let ping = send_message(socket, Message::Ping(Vec::new().into())).await;
+        match ping.is_some() && send(socket, text.into()).await.is_some() {
+            true => Ok(()),
+            false => Err(None),
+        }
+    }
+
+    /// Takes a message of the page.
+    fn take(&mut self, message: Result<Message, axum::Error>) -> Result<(), Option<Closing>> {
+        let now = Instant::now();
+        self.heard = now;
+        if now.saturating_duration_since(self.second) >= Duration::from_secs(1) {
+            (self.second, self.messages) = (now, 0);
+        }
+        self.messages += 1;
+        if self.messages > RATE {
+            return Err(Some((close_code::POLICY, "too many messages")));
+        }
+        let text = match message {
+            Ok(Message::Text(text)) => text,
+            Ok(Message::Binary(_)) => return Err(Some((close_code::POLICY, "not a text"))),
+            Ok(Message::Close(_)) => return Err(None),
+            Ok(_) => return Ok(()),
+            // a lost connection gets no answer either way
+            Err(_) => return Err(Some((close_code::SIZE, "the message is too long, or no message"))),
+        };
+        let request = serde_json::from_str(&text)
+            .map_err(|_| Some((close_code::POLICY, "not a message of the protocol")))?;
+        self.carry_out(request)
+    }
+
+    fn carry_out(&mut self, request: Request) -> Result<(), Option<Closing>> {
+        match request {
+            Request::Subscribe { topic, rate } => {
+                let Some(topic) = Topic::named(&topic) else {
+                    return Ok(());
+                };
+                self.unsubscribe(&topic);
+                if self.topics.len() >= TOPICS {
+                    return Err(Some((close_code::POLICY, "too many topics")));
+                }
+                if self.visible {
+                    self.want(&topic);
+                }
+                let rate = if rate.is_finite() {
+                    rate.clamp(0.1, 50.0)
+                } else {
+                    1.0
+                };
+                self.topics.push(Subscription {
+                    topic,
+                    period: Duration::from_secs_f64(1.0 / rate),
+                    sent: 0,
+                    due: Instant::now(),
+                });
+            }
+            Request::Unsubscribe { topic } => {
+                if let Some(topic) = Topic::named(&topic) {
+                    self.unsubscribe(&topic);
+                }
+            }
+            Request::Visible { visible } => self.set_visible(visible),
+            Request::Resume { boot, last_event } => {
+                let next = last_event.saturating_add(1);
+                // of another start, or too long ago: what is subscribed to is sent anyway
+                if boot == self.shared.boot && self.shared.hub.event(next).is_ok() {
+                    self.next_event = next.min(self.next_event);
+                }
+            }
+            Request::Other => {}
+        }
+        Ok(())
+    }
+
+    fn want(&self, topic: &Topic) {
+        self.shared.hub.want(topic);
+        self.shared.board.look_again();
+    }
+
+    fn unsubscribe(&mut self, topic: &Topic) {
+        let before = self.topics.len();
+        self.topics.retain(|known| known.topic != *topic);
+        if self.visible && self.topics.len() < before {
+            self.shared.hub.leave(topic);
+        }
+    }
+
+    /// A hidden page wants nothing for itself; it gets what is sent to others, once a second.
+    fn set_visible(&mut self, visible: bool) {
+        if visible == self.visible {
+            return;
+        }
+        self.visible = visible;
+        for subscription in &self.topics {
+            match visible {
+                true => self.want(&subscription.topic),
+                false => self.shared.hub.leave(&subscription.topic),
+            }
+        }
+    }
+
+    /// Returns when a value may be sent that may not yet.
+    fn next_due(&self) -> Option<Instant> {
+        let waits = |subscription: &&Subscription| {
+            let newest = self.shared.hub.newest(&subscription.topic);
+            newest.is_some_and(|newest| newest.revision != subscription.sent)
+        };
+        self.topics.iter().filter(waits).map(|one| one.due).min()
+    }
+
+    /// Sends the events that have happened, and the newest values that are due.
+    async fn flush(&mut self, socket: &mut WebSocket) -> Result<(), Option<Closing>> {
+        self.news.mark_unchanged();
+        loop {
+            match self.shared.hub.event(self.next_event) {
+                Ok(Some(text)) => send(socket, text).await.ok_or(None)?,
+                Ok(None) => break,
+                Err(_) => return Err(Some((close_code::AGAIN, "events were missed"))),
+            }
+            self.next_event += 1;
+        }
+        let now = Instant::now();
+        let slowest = if self.visible { Duration::ZERO } else { HIDDEN };
+        for subscription in &mut self.topics {
+            if subscription.due > now {
+                continue;
+            }
+            let newest = self.shared.hub.newest(&subscription.topic);
+            if let Some(newest) = newest.filter(|newest| newest.revision != subscription.sent) {
+                send(socket, newest.text).await.ok_or(None)?;
+                subscription.sent = newest.revision;
+                subscription.due = now + subscription.period.max(slowest);
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Drop for Client {
+    fn drop(&mut self) {
+        self.set_visible(false);
+    }
+}
+
+/// Sends a text; `None` when the page is gone, or takes nothing.
+async fn send(socket: &mut WebSocket, text: axum::extract::ws::Utf8Bytes) -> Option<()> {
+    send_message(socket, Message::Text(text)).await
+}
+
+async fn send_message(socket: &mut WebSocket, message: Message) -> Option<()> {
+    timeout(GONE, socket.send(message)).await.ok()?.ok()
+}

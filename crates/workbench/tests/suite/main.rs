@@ -1,0 +1,7 @@
+//! The server, by requests and sockets as pages, programs and attackers make them.
+#![allow(clippy::unwrap_used, clippy::panic)] // a test reports by panicking
+
+mod access;
+mod change;
+mod live;
+mod server;

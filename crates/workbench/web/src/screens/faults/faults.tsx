@@ -1,0 +1,150 @@
+import { useEffect } from "preact/hooks";
+import { useLocation } from "preact-iso";
+import type { Fault, FaultsTopic, Station } from "../../api";
+import { selected, selectedId } from "../../app/selected";
+import { Acknowledge } from "../../parts/Acknowledge";
+import { foreign, label, sentence } from "../../parts/format";
+import { Icon } from "../../parts/Icon";
+import { Nothing } from "../../parts/Nothing";
+import { want } from "../../store/live";
+import { now, silent, topics } from "../../store/store";
+import { age, t } from "../../text";
+import { history } from "./history";
+
+/** Values older than this are grey, in s. */
+const STALE = 3;
+
+/** When this page saw a fault first, by drive and number; forgotten when it goes. */
+const seen = new Map<string, Date>();
+
+function firstSeen(id: string, present: readonly Fault[]): Map<number, Date> {
+  const found = new Map<number, Date>();
+  const numbers = new Set(present.map(({ number }) => number));
+  for (const key of [...seen.keys()]) {
+    const [of, number] = key.split(" ");
+    if (of === id && !numbers.has(Number(number))) seen.delete(key);
+  }
+  for (const number of numbers) {
+    const key = `${id} ${number}`;
+    const time = seen.get(key) ?? new Date();
+    seen.set(key, time);
+    found.set(number, time);
+  }
+  return found;
+}
+
+function Present({ id, report, station }: { id: string; report: FaultsTopic["report"]; station: Station }) {
+  const present = report?.faults.filter((fault) => !fault.acknowledged) ?? [];
+  const times = firstSeen(id, present);
+  const warnings = report?.warnings ?? [];
+  return (
+    <section>
+      <h2>{t("faults.present")}</h2>
+      <p class="unseen" role="alert">
+        {present
+          .map((fault) => t("faults.announce", { number: fault.number, text: foreign(fault.meaning ?? "") }))
+          .join(" ")}
+      </p>
+      {present.length === 0 && warnings.length === 0 && <p class="muted">{t("faults.none")}</p>}
+      <ul class="faults">
+        {present.map((fault) => (
+          <li key={`${fault.number} ${fault.position}`}>
+            <p class="fault">
+              <Icon name="cross" />
+              <b>F{fault.number}</b> <bdi>{foreign(fault.meaning ?? t("faults.unknown"))}</bdi>
+            </p>
+            <p class="muted small number">
+              {t("faults.seen", { time: times.get(fault.number)?.toTimeString().slice(0, 8) ?? "" })}
+              {fault.value !== null && ` · ${t("faults.value", { value: fault.value })}`}
+              {fault.time !== null && ` · ${t("faults.time", { time: fault.time })}`}
+            </p>
+            {fault.reaction && <p class="muted">{t("faults.reaction", { text: sentence(fault.reaction) })}</p>}
+            {fault.remedy && <p>{t("overview.remedy", { text: sentence(fault.remedy) })}</p>}
+            {fault.cleared && <p class="muted">{t("faults.cleared", { text: sentence(fault.cleared) })}</p>}
+          </li>
+        ))}
+        {warnings.map((warning) => (
+          <li key={`w${warning.number}`}>
+            <p class="warn">
+              <Icon name="triangle" />
+              <b>W{warning.number}</b> <bdi>{foreign(warning.meaning ?? "")}</bdi>
+            </p>
+            {warning.remedy && <p>{t("overview.remedy", { text: sentence(warning.remedy) })}</p>}
+          </li>
+        ))}
+      </ul>
+      <Acknowledge station={station} present={present} />
+    </section>
+  );
+}
+
+function Before({ report }: { report: NonNullable<FaultsTopic["report"]> }) {
+  const lines = history(report.faults);
+  return (
+    <section>
+      <h2>{t("faults.history")}</h2>
+      <p class="muted">{t("faults.counter", { count: report.counter })}</p>
+      {lines.length === 0 ? (
+        <p class="muted">{t("faults.history.none")}</p>
+      ) : (
+        <table>
+          <caption class="unseen">{t("faults.history")}</caption>
+          <thead>
+            <tr>
+              <th scope="col">{t("faults.situation")}</th>
+              <th scope="col">{t("faults.fault")}</th>
+              <th scope="col">{t("faults.meaning")}</th>
+              <th scope="col">{t("faults.count")}</th>
+            </tr>
+          </thead>
+          <tbody>
+            {lines.map(({ key, situation, fault, count }) => (
+              <tr key={key}>
+                <td class="number">{situation}</td>
+                <th scope="row" class="number">
+                  F{fault.number}
+                </th>
+                <td>
+                  <bdi>{foreign(fault.meaning ?? "")}</bdi>
+                </td>
+                <td class="number">{count}</td>
+              </tr>
+            ))}
+          </tbody>
+        </table>
+      )}
+    </section>
+  );
+}
+
+/** The faults of the selected drive, with their remedies. */
+export function Faults() {
+  const { path } = useLocation();
+  const id = selectedId(path);
+  const station = selected(path);
+  const topic = `drive/${id}/faults`;
+  useEffect(() => (id === null ? undefined : want(topic, 2)), [id, topic]);
+  if (id === null || !station) {
+    return <Nothing title={t("faults.title")} text={t(id === null ? "faults.select" : "overview.unknown")} />;
+  }
+  const held = topics.value.get(topic);
+  const { report, error } = (held?.data as FaultsTopic | undefined) ?? { report: null, error: null };
+  const seconds = held === undefined ? 0 : Math.max(0, (now.value - held.received) / 1000);
+  const stale = silent.value !== null || seconds > STALE;
+  return (
+    <article class={stale ? "faults-screen stale" : "faults-screen"}>
+      <h1>
+        {t("faults.title")} <bdi>{label(station)}</bdi>
+        <span class="muted small"> {held && t(stale ? "overview.stale" : "overview.age", { age: age(seconds) })}</span>
+      </h1>
+      {error && (
+        <p class="fault">
+          <bdi>{sentence(error.message)}</bdi>
+        </p>
+      )}
+      {!report && !error && <p class="muted">{t("overview.loading")}</p>}
+      {report && <Present id={id} report={report} station={station} />}
+      {report && <Before report={report} />}
+    </article>
+  );
+}

@@ -1,0 +1,192 @@
+import { signal } from "@preact/signals";
+import { useEffect, useState } from "preact/hooks";
+import { type Possible, post, request, type Shaft as ShaftState, type Station } from "../../api";
+import { foreign, sentence } from "../../parts/format";
+import { State } from "../../parts/Reason";
+import { Shaft } from "../../parts/Shaft";
+import { server, shafts, silent, stations } from "../../store/store";
+import { t } from "../../text";
+
+/** The drive that something is to happen to, and what became of the last wish. */
+const chosen = signal("");
+const answer = signal<{ text: string; failed: boolean } | null>(null);
+
+/** What can be done by one button: the event, and how it is called. */
+const BUTTONS = [
+  ["sto=on", "virtual.sto.on"],
+  ["sto=off", "virtual.sto.off"],
+  ["mains=off", "virtual.mains.off"],
+  ["mains=on", "virtual.mains.on"],
+  ["cable=pulled", "virtual.cable.pulled"],
+  ["cable=plugged", "virtual.cable.plugged"],
+] as const;
+
+async function inject(drive: string, event: string, seconds: number | null): Promise<void> {
+  answer.value = await post<{ drive: string; event: string }>("plant/inject", { drive, event, seconds }).then(
+    (done) => ({ text: t("virtual.done", { drive: foreign(done.drive), event: done.event }), failed: false }),
+    (error: unknown) => ({ text: error instanceof Error ? error.message : String(error), failed: true }),
+  );
+}
+
+function Row({ shaft, station }: { shaft: ShaftState; station: Station | undefined }) {
+  const dash = "\u2013";
+  const live = silent.value === null;
+  const present = station?.status?.faults ?? [];
+  return (
+    <tr data-id={shaft.id} class={live ? "" : "stale"}>
+      <th scope="row">
+        <bdi>{foreign(shaft.name)}</bdi>
+      </th>
+      <td>
+        <Shaft id={shaft.id} />
+      </td>
+      <td class="number">{live ? shaft.position.toFixed(3) : dash}</td>
+      <td class="number">{live ? shaft.speed.toFixed(1) : dash}</td>
+      <td>{live && station ? <State station={station} /> : dash}</td>
+      <td>{present.length > 0 ? present.map(({ number }) => `F${number}`).join(", ") : dash}</td>
+      <td>
+        <button
+          type="button"
+          aria-pressed={chosen.value === shaft.id}
+          onClick={() => {
+            chosen.value = shaft.id;
+          }}
+        >
+          {t("virtual.choose", { name: foreign(shaft.name) })}
+        </button>
+      </td>
+    </tr>
+  );
+}
+
+/** Lets something happen to one drive. */
+function Happen({ shaft }: { shaft: ShaftState }) {
+  const [possible, setPossible] = useState<Possible | null>(null);
+  const [event, setEvent] = useState("");
+  const [fault, setFault] = useState("");
+  const [seconds, setSeconds] = useState("");
+  useEffect(() => {
+    setPossible(null);
+    setFault("");
+    request<Possible>(`plant/drives/${encodeURIComponent(shaft.id)}/events`).then(setPossible, () => setPossible(null));
+  }, [shaft.id]);
+  const time = seconds.trim() === "" ? null : Number(seconds);
+  const wrong = time !== null && !(time > 0 && time <= 86_400);
+  const may = server.value?.role === "control" && silent.value === null && !wrong;
+  const go = (what: string) => void inject(shaft.id, what, time);
+  return (
+    <section class="happen">
+      <h2>{t("virtual.happen", { name: foreign(shaft.name) })}</h2>
+      {server.value?.role !== "control" && <p class="muted">{t("virtual.view")}</p>}
+      <p class="buttons">
+        {BUTTONS.map(([what, key]) => (
+          <button key={what} type="button" disabled={!may} onClick={() => go(what)}>
+            {t(key)}
+          </button>
+        ))}
+      </p>
+      <label>
+        <span>{t("virtual.fault")}</span>
+        <select value={fault} onChange={(change) => setFault(change.currentTarget.value)}>
+          <option value="">{t("virtual.fault.none")}</option>
+          {possible?.faults
+            .filter(({ warning }) => !warning)
+            .map(({ number, meaning }) => (
+              <option key={number} value={number}>
+                F{number} {foreign(meaning)}
+              </option>
+            ))}
+        </select>
+      </label>
+      <p class="buttons">
+        <button type="button" disabled={!may || fault === ""} onClick={() => go(`fault=${fault}`)}>
+          {t("virtual.fault.once")}
+        </button>
+        <button type="button" disabled={!may || fault === ""} onClick={() => go(`fault=${fault}!`)}>
+          {t("virtual.fault.stay")}
+        </button>
+        <button type="button" disabled={!may || fault === ""} onClick={() => go(`clear=${fault}`)}>
+          {t("virtual.fault.clear")}
+        </button>
+      </p>
+      <form
+        onSubmit={(submit) => {
+          submit.preventDefault();
+          go(event);
+        }}
+      >
+        <label>
+          <span>{t("virtual.event")}</span>
+          <input
+            value={event}
+            list="events"
+            maxLength={100}
+            spellcheck={false}
+            autocomplete="off"
+            placeholder="load=0.5Nm"
+            onInput={(change) => setEvent(change.currentTarget.value)}
+          />
+          <datalist id="events">
+            {possible?.keys.map(({ key, example, meaning }) => (
+              <option key={key} value={example}>
+                {meaning}
+              </option>
+            ))}
+          </datalist>
+        </label>
+        <button type="submit" disabled={!may || event === ""}>
+          {t("virtual.event.go")}
+        </button>
+      </form>
+      <label>
+        <span>{t("virtual.seconds")}</span>
+        <input
+          value={seconds}
+          inputMode="decimal"
+          autocomplete="off"
+          aria-invalid={wrong}
+          onInput={(change) => setSeconds(change.currentTarget.value)}
+        />
+        {wrong && <span class="fault">{t("virtual.seconds.wrong")}</span>}
+      </label>
+      <p role="status" class={answer.value?.failed ? "fault" : ""}>
+        {answer.value && <bdi>{sentence(answer.value.text)}</bdi>}
+      </p>
+    </section>
+  );
+}
+
+/** The virtual drives of a simulation: their shafts, and what can happen to them. */
+export function Virtual() {
+  const all = [...shafts.value.values()];
+  const known = new Map((stations.value ?? []).map((station) => [station.id, station]));
+  const one = shafts.value.get(chosen.value) ?? all[0];
+  return (
+    <article class="virtual">
+      <h1>{t("virtual.title")}</h1>
+      {/* biome-ignore lint/a11y/noNoninteractiveTabindex: a region that scrolls is reached by keys */}
+      <section class="scroll" tabIndex={0} aria-label={t("virtual.title")}>
+        <table>
+          <caption class="unseen">{t("virtual.title")}</caption>
+          <thead>
+            <tr>
+              <th scope="col">{t("network.name")}</th>
+              <th scope="col">{t("network.shaft")}</th>
+              <th scope="col">{t("virtual.position")}</th>
+              <th scope="col">{t("virtual.speed")}</th>
+              <th scope="col">{t("network.state")}</th>
+              <th scope="col">{t("faults.title")}</th>
+              <th scope="col">{t("virtual.choose.title")}</th>
+            </tr>
+          </thead>
+          <tbody>
+            {all.map((shaft) => (
+              <Row key={shaft.id} shaft={shaft} station={known.get(shaft.id)} />
+            ))}
+          </tbody>
+        </table>
+      </section>
+      {one && <Happen shaft={one} />}
+    </article>
+  );
+}

@@ -1,0 +1,81 @@
+import type { Page } from "@playwright/test";
+import { end, expect, idOf, rows, serve, test, watch } from "./bench";
+
+/** Lets something happen to a drive as a click does. */
+async function inject(page: Page, drive: string, event: string): Promise<void> {
+  const done = await page.evaluate(
+    async (body) => {
+      const headers = { "Content-Type": "application/json" };
+      return (await fetch("/api/v1/plant/inject", { method: "POST", headers, body })).status;
+    },
+    JSON.stringify({ drive: await idOf(page, drive), event, seconds: null }),
+  );
+  expect(done).toBe(200);
+}
+
+// each test has a server of its own: what happens to its drives is no matter of another test
+test("a fault is announced once, with its remedy, and goes to the history when it is acknowledged", async ({
+  page,
+}) => {
+  const server = await serve("--demo", "--listen", "127.0.0.1:0");
+  const wrong = watch(page);
+  try {
+    await page.goto(server.url);
+    await rows(page);
+    await page.goto(`${server.origin}/drives/${encodeURIComponent(await idOf(page, "axis-1"))}/faults`);
+    await expect(page.getByText("No fault and no warning is present.")).toBeVisible();
+    await inject(page, "axis-1", "fault=439!");
+    await expect(page.getByRole("alert").filter({ hasText: "Fault F439" })).toHaveCount(1);
+    const row = page.getByRole("listitem").filter({ hasText: "F439" });
+    await expect(row).toContainText("Remedy:");
+    await expect(row).toContainText("Seen by this page since");
+    const acknowledge = page.getByRole("button", { name: "Acknowledge" });
+    await acknowledge.click();
+    await expect(page.getByText(/^Not acknowledged: .*439/)).toBeVisible();
+    await inject(page, "axis-1", "clear=439");
+    await acknowledge.click();
+    await expect(page.getByText("No fault and no warning is present.")).toBeVisible();
+    await expect(page.getByRole("row", { name: /F439/ })).toBeVisible();
+    expect(wrong.filter((text) => !text.includes("409"))).toEqual([]);
+  } finally {
+    await end(server);
+  }
+});
+
+test("a fault that only a restart clears offers no acknowledgement", async ({ page }) => {
+  const server = await serve("--demo", "--listen", "127.0.0.1:0");
+  try {
+    await page.goto(server.url);
+    await rows(page);
+    // earth fault: a trip lock of the VLT
+    await inject(page, "pump-1", "fault=14");
+    await page.goto(`${server.origin}/drives/${encodeURIComponent(await idOf(page, "pump-1"))}/faults`);
+    await expect(page.getByText("No command clears this.")).toBeVisible();
+    await expect(page.getByRole("button", { name: "Acknowledge" })).toHaveCount(0);
+  } finally {
+    await end(server);
+  }
+});
+
+test("the overview acknowledges beside its sentence, and other pages show who did", async ({ page, browser }) => {
+  const server = await serve("--demo", "--listen", "127.0.0.1:0");
+  try {
+    await page.goto(server.url);
+    await rows(page);
+    const other = await (await browser.newContext()).newPage();
+    await other.goto(server.viewUrl);
+    await rows(other);
+    await page.getByRole("link", { name: "axis-2" }).click();
+    await expect(page.locator(".why-not")).toHaveAttribute("data-cause", "fault");
+    await page.getByRole("button", { name: "Acknowledge" }).click();
+    await expect(page.locator(".why-not")).toHaveAttribute("data-cause", "no-controller");
+    await expect(other.getByText(/Faults were acknowledged\. axis-2: done \(session 1\)/)).toBeVisible();
+    await other.getByRole("button", { name: "STOP" }).click();
+    await expect(page.getByText(/STOP was pressed\..*\(session 2\)/)).toBeVisible();
+    await page.getByRole("button", { name: "Hide" }).click();
+    await expect(page.getByText("STOP was pressed.")).toHaveCount(0);
+    await other.context().close();
+  } finally {
+    await end(server);
+  }
+});

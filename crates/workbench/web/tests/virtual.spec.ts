@@ -1,0 +1,36 @@
+import { end, expect, idOf, rows, serve, test, watch } from "./bench";
+
+test("what happens to a virtual drive shows on its other screens at once", async ({ page }) => {
+  const server = await serve("--demo", "--listen", "127.0.0.1:0");
+  const wrong = watch(page);
+  try {
+    await page.goto(server.url);
+    await rows(page);
+    await page.getByRole("link", { name: "Virtual drives" }).click();
+    await expect(page.getByRole("row", { name: "press-1" })).toContainText(/\d+\.\d/);
+    await page.getByRole("button", { name: "Select axis-1" }).click();
+    await page.getByRole("button", { name: "STO on" }).click();
+    await expect(page.getByRole("status").filter({ hasText: "axis-1: sto=on" }).first()).toBeVisible();
+    const overview = `${server.origin}/drives/${encodeURIComponent(await idOf(page, "axis-1"))}/overview`;
+    await page.goto(overview);
+    await expect(page.locator(".why-not")).toHaveAttribute("data-cause", "sto");
+    await page.goto(`${server.origin}/virtual`);
+    await page.getByRole("button", { name: "Select axis-1" }).click();
+    await page.getByRole("button", { name: "STO off" }).click();
+    await page.getByLabel("Fault", { exact: true }).selectOption("439");
+    await page.getByRole("button", { name: "Until its cause is cleared" }).click();
+    await expect(page.getByRole("row", { name: "axis-1" })).toContainText("F439");
+    await page.getByLabel("Any event").fill("load=0.2Nm");
+    await page.getByRole("button", { name: "Inject" }).click();
+    await expect(page.getByText("axis-1: load=0.2Nm").first()).toBeVisible();
+    await page.getByLabel("Any event").fill("load=much");
+    await page.getByRole("button", { name: "Inject" }).click();
+    await expect(page.getByRole("status").filter({ hasText: "load" }).last()).toHaveClass("fault");
+    await page.getByLabel("For seconds").fill("-3");
+    await expect(page.getByText("A time is more than 0 s and at most a day.")).toBeVisible();
+    await expect(page.getByRole("button", { name: "STO on" })).toBeDisabled();
+    expect(wrong.filter((text) => !text.includes("400"))).toEqual([]);
+  } finally {
+    await end(server);
+  }
+});
