@@ -1,8 +1,9 @@
 //! `pages`: what stands in `docs/` and comes from the program itself, the picture of its demo, the reference of its
-//! commands and the JSON schemas.
+//! commands and the JSON schemas; and the data classes of the Python package, which come from the schemas.
 
 mod commands;
 mod picture;
+mod python;
 mod schema;
 
 use std::path::Path;
@@ -13,6 +14,7 @@ use crate::r#gen::Mode;
 
 /// Writes what the program at `program` gives, or compares with it.
 pub fn run(root: &Path, program: &str, mode: Mode) -> Outcome<()> {
+    let schemas = output(program, &["schema"])?;
     let pages = [
         (
             "docs/src/demo.svg",
@@ -22,6 +24,7 @@ pub fn run(root: &Path, program: &str, mode: Mode) -> Outcome<()> {
             "docs/src/commands.md",
             commands::page(&mut |command| output(program, &[command, &["--help"]].concat()))?,
         ),
+        (python::FILE, python::file(&schema::definitions(&schemas)?)?),
     ];
     for (path, text) in pages {
         let file = root.join(path);
@@ -35,7 +38,7 @@ pub fn run(root: &Path, program: &str, mode: Mode) -> Outcome<()> {
             }
         }
     }
-    schema::run(root, &output(program, &["schema"])?, mode)
+    schema::run(root, &schemas, mode)
 }
 
 /// Returns the standard output of the program.
