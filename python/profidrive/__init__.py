@@ -14,11 +14,14 @@ from profidrive.errors import ErrorKind, ProfidriveError
 from profidrive.types import State
 
 if TYPE_CHECKING:
+    from profidrive.network import Drive, Network
     from profidrive.plant import Plant, PlantDrive, VirtualDrive, World
     from profidrive.table import Table
     from profidrive.trace import Trace
 
 _LAZY = {
+    "Drive": "network",
+    "Network": "network",
     "Plant": "plant",
     "PlantDrive": "plant",
     "Table": "table",
@@ -60,7 +63,9 @@ def build_info() -> BuildInfo:
 
 __all__ = [
     "BuildInfo",
+    "Drive",
     "ErrorKind",
+    "Network",
     "Plant",
     "PlantDrive",
     "ProfidriveError",

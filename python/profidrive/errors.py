@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 if TYPE_CHECKING:
     from profidrive.events import ExpectationResult
+    from profidrive.reports import WriteReport
 
 
 class ErrorKind(str, Enum):
@@ -87,6 +88,9 @@ class RefusedError(ProfidriveError):
 
     kind = ErrorKind.REFUSED
     parameter: str | None = None
+    """The parameter as its vendor writes it."""
+    pnu: int | None = None
+    index: int | None = None
     number: int | None = None
     """The error number of the profile."""
     text: str = ""
@@ -126,12 +130,16 @@ class PartialWrite(ProfidriveError):
     """A part was written, a part was not."""
 
     kind = ErrorKind.PARTIAL
+    report: WriteReport | None = None
+    """What was written, and what was not."""
 
 
 class DifferenceError(ProfidriveError, AssertionError):
     """Something differs from what it should be."""
 
     kind = ErrorKind.DIFFERENCE
+    report: WriteReport | None = None
+    """What was written, where the drive has another value since."""
 
 
 class ExpectationFailed(DifferenceError):
@@ -199,6 +207,10 @@ def _made(kind: str, name: str, message: str, hint: str | None, fields: str) -> 
         from profidrive.events import ExpectationResult
 
         attributes["results"] = tuple(ExpectationResult._of(result) for result in attributes["results"])
+    if "report" in attributes:
+        from profidrive.reports import WriteReport
+
+        attributes["report"] = WriteReport._of(attributes["report"])
     if "nearest" in attributes:
         attributes["nearest"] = tuple(attributes["nearest"])
     return _NAMED.get(name, _KINDS[kind])(message, hint=hint, **attributes)

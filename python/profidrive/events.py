@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Any, TypeAlias
 
-from profidrive.types import State
+from profidrive.types import State as State
 
 
 def _number(value: float | None) -> float:

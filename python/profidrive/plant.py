@@ -16,6 +16,7 @@ from profidrive.events import (
     ParameterReading,
     event_of,
 )
+from profidrive.network import Network
 from profidrive.trace import Trace, judged, read_results
 from profidrive.types import Duration, Path, State, Value
 
@@ -131,6 +132,11 @@ class World:
     def trace(self) -> Trace:
         """What has happened until now."""
         return Trace(self._world.trace())
+
+    @property
+    def network(self) -> Network:
+        """The network of the plant, for the code of a client: its waiting calls pass virtual time. It joins at its first use."""
+        return Network(self._world.network())
 
     def run(self, until: Duration | None = None, *, for_: Duration | None = None) -> Trace:
         """Runs until a time since the start, or for a time; until the `duration` of the plant where neither is given.

@@ -17,7 +17,7 @@ import pytest
 from profidrive.errors import ExpectationFailed, ProfidriveError, UsageError
 
 if TYPE_CHECKING:
-    from profidrive import Plant, Trace, World
+    from profidrive import Network, Plant, Trace, World
     from profidrive.events import ExpectationResult
 
 _SHOWN = 20
@@ -111,6 +111,12 @@ def plant(request: pytest.FixtureRequest, profidrive_seed: int | None) -> Plant:
 def world(plant: Plant) -> World:
     """The plant at its start, in virtual time."""
     return plant.start()
+
+
+@pytest.fixture
+def virtual_network(world: World) -> Network:
+    """The network of the plant, for code under test: in virtual time, without root and without a sleep."""
+    return world.network
 
 
 def _beside(test: Path, root: Path, name: str) -> Path:

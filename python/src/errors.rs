@@ -1,7 +1,7 @@
 //! Errors of the library as exceptions of `profidrive.errors`.
 
 use ::plant::WorldError;
-use client::ErrorKind;
+use client::{Error, ErrorKind};
 use profidrive::Explained;
 use profile::value::ParameterProblem;
 use pyo3::prelude::*;
@@ -46,6 +46,12 @@ impl Failure {
         self
     }
 
+    /// Returns the error with another kind, where there is one.
+    pub fn of_kind(mut self, kind: Option<ErrorKind>) -> Self {
+        self.kind = kind.unwrap_or(self.kind);
+        self
+    }
+
     /// Returns the error with attributes.
     pub fn with(mut self, fields: Value) -> Self {
         self.fields = fields;
@@ -86,6 +92,25 @@ pub fn of_world(error: &WorldError) -> Failure {
         | WorldError::NoDrive { drive }
         | WorldError::Unreadable { drive, .. } => failure.with(json!({ "drive": drive })),
         _ => failure,
+    }
+}
+
+/// An error of a client about a parameter, with the numbers of a refusal.
+pub fn of_parameter(error: &Error, drive: &str) -> Failure {
+    let failure = explained(error);
+    match error {
+        Error::Refused { refusal, .. } => failure.with(json!({
+            "drive": drive,
+            "parameter": refusal.shown.to_string(),
+            "pnu": refusal.shown.pnu,
+            "index": refusal.shown.index,
+            "number": refusal.received(),
+            "text": refusal.words(),
+        })),
+        Error::Parameter(ParameterProblem::Unknown { nearest, .. }) => failure
+            .of_class("UnknownParameter")
+            .with(json!({ "drive": drive, "nearest": nearest })),
+        _ => failure.with(json!({ "drive": drive })),
     }
 }
 

@@ -4,6 +4,7 @@
 //! times as seconds or as people write them (`400ms`). Errors become the classes of `profidrive.errors`.
 
 mod errors;
+mod network;
 mod plant;
 mod table;
 mod time;
@@ -43,6 +44,7 @@ fn _profidrive(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(states, module)?)?;
     module.add_class::<plant::Plant>()?;
     module.add_class::<world::World>()?;
+    module.add_class::<network::Network>()?;
     module.add_class::<trace::Trace>()?;
     module.add_class::<table::Table>()?;
     module.add_class::<table::Column>()

@@ -54,7 +54,8 @@ impl Trace {
     }
 }
 
-fn document(value: &impl serde::Serialize) -> Result<String, Failure> {
+/// Returns a document as JSON.
+pub fn document(value: &impl serde::Serialize) -> Result<String, Failure> {
     serde_json::to_string(value).map_err(|error| Failure::internal(&error))
 }
 

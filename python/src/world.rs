@@ -1,7 +1,7 @@
 //! A plant in virtual time.
 
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, PoisonError, Weak};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
 use std::time::{Duration, Instant as Clock};
 
 use ::plant::{Observed as _, ObservedQuantity, PlantEvent, PlantPlan, Trace as Kept, WorldError};
@@ -12,6 +12,7 @@ use pyo3::prelude::*;
 use serde_json::json;
 
 use crate::errors::{Failure, explained, of_world};
+use crate::network::{Joined, Network};
 use crate::table::unwritten;
 use crate::time::{Span, seconds};
 use crate::trace::{Cell, Trace, event, fill, inline, lost, results};
@@ -21,12 +22,67 @@ const STRIDE: Duration = Duration::from_millis(100);
 /// Time of this computer between two looks.
 const LOOK: Duration = Duration::from_millis(50);
 
-/// A plant that runs when it is told to.
-#[pyclass(frozen, module = "profidrive._profidrive")]
-pub struct World {
-    running: Running,
+/// A plant that runs, with those who look at it.
+pub struct Held {
+    pub running: Running,
     /// The trace that was handed out last, as long as somebody has it.
     newest: Mutex<Weak<Cell>>,
+    /// The network that has joined it, from the first use on.
+    joined: Mutex<Option<Joined>>,
+}
+
+impl Held {
+    /// Gives a trace that is still held its content before the plant goes on.
+    pub fn goes_on(&self) {
+        let newest = locked(&self.newest);
+        if let Some(cell) = newest.upgrade() {
+            fill(&cell, &self.running);
+        }
+    }
+
+    /// Calls `work` with the network of the plant, which joins it first where it has not.
+    pub fn joined<T>(&self, work: impl FnOnce(&mut Joined) -> PyResult<T>) -> PyResult<T> {
+        let mut joined = locked(&self.joined);
+        if joined.is_none() {
+            *joined = Some(Joined::new(self)?);
+        }
+        let joined = joined.as_mut();
+        work(joined.ok_or_else(|| Failure::internal(&"the network is not there"))?)
+    }
+
+    fn passed(&self) -> Duration {
+        self.running.with_world(|world| world.now() - Instant::ZERO)
+    }
+
+    /// Lets the plant go on, not longer than Python waits for its signals; returns whether it is at the end.
+    fn advance(&self, end: Instant) -> PyResult<bool> {
+        if let Some(joined) = &mut *locked(&self.joined) {
+            // what has joined is carried along; it looks at the signals itself
+            joined.pass(end - self.running.with_world(|world| world.now()))?;
+            return Ok(true);
+        }
+        let begin = Clock::now();
+        Ok(self.running.with_world(|world| {
+            while begin.elapsed() < LOOK {
+                let until = (world.now() + STRIDE).min(end);
+                world.run_until(until, &mut drop);
+                if world.now() >= end {
+                    return true;
+                }
+            }
+            false
+        }))
+    }
+}
+
+fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// A plant that runs when a program waits.
+#[pyclass(frozen, module = "profidrive._profidrive")]
+pub struct World {
+    held: Arc<Held>,
     capture: Option<PathBuf>,
 }
 
@@ -45,23 +101,15 @@ impl World {
                 world.expect(&plan.expectations, plan.seed);
             }
         });
-        Ok(Self {
+        let held = Held {
             running,
             newest: Mutex::default(),
+            joined: Mutex::new(None),
+        };
+        Ok(Self {
+            held: Arc::new(held),
             capture,
         })
-    }
-
-    /// Gives a trace that is still held its content before the plant goes on.
-    fn goes_on(&self) {
-        let newest = self.newest.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(cell) = newest.upgrade() {
-            fill(&cell, &self.running);
-        }
-    }
-
-    fn passed(&self) -> Duration {
-        self.running.with_world(|world| world.now() - Instant::ZERO)
     }
 }
 
@@ -74,29 +122,29 @@ fn recorder(path: &Path) -> Result<Writer<std::fs::File>, Failure> {
 impl World {
     #[getter]
     fn now(&self, py: Python<'_>) -> f64 {
-        py.detach(|| seconds(self.passed()))
+        py.detach(|| seconds(self.held.passed()))
     }
 
     #[getter]
     fn seed(&self) -> u64 {
-        self.running.plan().seed
+        self.held.running.plan().seed
     }
 
     #[getter]
     fn drives(&self) -> Vec<String> {
-        let drives = self.running.plan().drives.iter();
+        let drives = self.held.running.plan().drives.iter();
         drives.map(|drive| drive.name.clone()).collect()
     }
 
     /// Runs until a time since the start, or for a time.
     #[pyo3(signature = (until=None, lasts=None))]
     fn run(&self, py: Python<'_>, until: Option<Span>, lasts: Option<Span>) -> PyResult<()> {
-        py.detach(|| self.goes_on());
-        let now = py.detach(|| self.passed());
+        py.detach(|| self.held.goes_on());
+        let now = py.detach(|| self.held.passed());
         let end = match (until, lasts) {
             (Some(until), None) => until.read()?,
             (None, Some(lasts)) => now + lasts.read()?,
-            (None, None) => self.running.plan().duration.ok_or_else(|| {
+            (None, None) => self.held.running.plan().duration.ok_or_else(|| {
                 Failure::usage("how long? The plant has no `duration`: give a time to run until, or for")
             })?,
             (Some(_), Some(_)) => {
@@ -111,7 +159,7 @@ impl World {
             );
             return Err(Failure::usage(text).into());
         }
-        while !py.detach(|| advance(&self.running, Instant::ZERO + end)) {
+        while !py.detach(|| self.held.advance(Instant::ZERO + end))? {
             py.check_signals()?;
         }
         Ok(())
@@ -121,14 +169,16 @@ impl World {
     fn run_until(&self, py: Python<'_>, goal: &str, timeout: Span) -> PyResult<String> {
         let text = inline(goal).unwrap_or_else(|| Ok(goal.to_owned()))?;
         let goal = self
+            .held
             .running
             .plan()
             .goal(&text)
             .map_err(|error| explained(&error))?;
         let timeout = timeout.read()?;
         let met = py.detach(|| {
-            self.goes_on();
-            self.running
+            self.held.goes_on();
+            self.held
+                .running
                 .with_world(|world| world.run_until_met(&goal, timeout, &mut drop))
         });
         let met = met.map_err(|error| lost(&error, &error.0))?;
@@ -140,7 +190,8 @@ impl World {
         let action: PlantEvent = action.parse().map_err(|error| explained(&error))?;
         let lasts = lasts.map(|lasts| lasts.read()).transpose()?;
         let done = py.detach(|| {
-            self.running
+            self.held
+                .running
                 .with_world(|world| world.inject(drive, action, lasts))
         });
         Ok(done.map_err(|error| of_world(&error))?)
@@ -149,7 +200,7 @@ impl World {
     /// What a drive is like now, as JSON.
     fn look(&self, py: Python<'_>, drive: &str) -> PyResult<String> {
         let seen = py.detach(|| {
-            self.running.with_world(|world| {
+            self.held.running.with_world(|world| {
                 let snapshot = world.snapshot(drive)?;
                 let number = |quantity| snapshot.quantity(quantity);
                 Ok::<_, WorldError>(json!({
@@ -171,14 +222,19 @@ impl World {
     }
 
     fn read(&self, py: Python<'_>, drive: &str, parameter: &str) -> PyResult<String> {
-        let reading = py.detach(|| self.running.with_world(|world| world.parameter(drive, parameter)));
+        let reading = py.detach(|| {
+            self.held
+                .running
+                .with_world(|world| world.parameter(drive, parameter))
+        });
         let reading = reading.map_err(|error| of_world(&error))?;
         Ok(serde_json::to_string(&reading).map_err(|error| Failure::internal(&error))?)
     }
 
     fn write(&self, py: Python<'_>, drive: &str, parameter: &str, value: &str) -> PyResult<String> {
         let written = py.detach(|| {
-            self.running
+            self.held
+                .running
                 .with_world(|world| world.set_parameter(drive, parameter, value))
         });
         let written = written.map_err(|error| of_world(&error))?;
@@ -187,38 +243,28 @@ impl World {
 
     /// What has happened until now.
     fn trace(&self) -> Trace {
-        let mut newest = self.newest.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut newest = locked(&self.held.newest);
         let cell = newest.upgrade().filter(|cell| cell.get().is_none());
         let cell = cell.unwrap_or_default();
         *newest = Arc::downgrade(&cell);
-        Trace::of(&self.running, cell)
+        Trace::of(&self.held.running, cell)
+    }
+
+    /// The network of the plant.
+    fn network(&self) -> Network {
+        Network::new(Arc::clone(&self.held))
     }
 
     /// Ends the checks of the expectations of the plant file; returns each result as JSON with its text.
     fn finish_expectations(&self, py: Python<'_>) -> PyResult<Vec<(String, String)>> {
-        let found = py.detach(|| self.running.with_world(|world| world.finish_expectations()));
+        let found = py.detach(|| self.held.running.with_world(|world| world.finish_expectations()));
         Ok(results(&found)?)
     }
 
     /// Completes the file with the frames.
     fn finish_capture(&self, py: Python<'_>) -> PyResult<()> {
-        let done = py.detach(|| self.running.with_world(|world| world.finish_taps()));
+        let done = py.detach(|| self.held.running.with_world(|world| world.finish_taps()));
         let path = self.capture.clone().unwrap_or_default();
         Ok(done.map_err(|error| unwritten(&path, &error))?)
     }
-}
-
-/// Lets a plant go on, not longer than Python waits for its signals; returns whether it is at the end.
-fn advance(running: &Running, end: Instant) -> bool {
-    let begin = Clock::now();
-    running.with_world(|world| {
-        while begin.elapsed() < LOOK {
-            let until = (world.now() + STRIDE).min(end);
-            world.run_until(until, &mut drop);
-            if world.now() >= end {
-                return true;
-            }
-        }
-        false
-    })
 }

@@ -15,7 +15,7 @@ use crate::r#gen::Mode;
 /// Writes what the program at `program` gives, or compares with it.
 pub fn run(root: &Path, program: &str, mode: Mode) -> Outcome<()> {
     let schemas = output(program, &["schema"])?;
-    let pages = [
+    let mut pages = vec![
         (
             "docs/src/demo.svg",
             picture::draw(&output(program, &["demo", "--fast"])?)?,
@@ -24,8 +24,11 @@ pub fn run(root: &Path, program: &str, mode: Mode) -> Outcome<()> {
             "docs/src/commands.md",
             commands::page(&mut |command| output(program, &[command, &["--help"]].concat()))?,
         ),
-        (python::FILE, python::file(&schema::definitions(&schemas)?)?),
     ];
+    let definitions = schema::definitions(&schemas)?;
+    for (path, roots) in python::FILES {
+        pages.push((path, python::file(&definitions, roots)?));
+    }
     for (path, text) in pages {
         let file = root.join(path);
         match mode {

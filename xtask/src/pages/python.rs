@@ -1,17 +1,20 @@
 //! The data classes of the Python package, from the JSON schemas: events of plants and results of expectations.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 
 use serde_json::Value;
 
 use crate::Outcome;
 
-/// The file below the workspace folder.
-pub const FILE: &str = "python/profidrive/events.py";
-
-/// The documents that the package has, with what they consist of.
-const ROOTS: [&str; 2] = ["Event", "ExpectationResult"];
+/// The files below the workspace folder, each with the documents that it has.
+pub const FILES: [(&str, &[&str]); 2] = [
+    ("python/profidrive/events.py", &["Event", "ExpectationResult"]),
+    (
+        "python/profidrive/reports.py",
+        &["ParametersReport", "StatusReport", "FaultsReport", "WriteReport"],
+    ),
+];
 
 /// Numbers that are states of the general state machine: class and fields.
 const STATES: (&str, [&str; 2]) = ("StateChanged", ["old", "new"]);
@@ -26,7 +29,7 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Any, TypeAlias
 
-from profidrive.types import State
+from profidrive.types import State as State
 
 
 def _number(value: float | None) -> float:
@@ -35,19 +38,19 @@ def _number(value: float | None) -> float:
 
 "#;
 
-/// Returns the file, from the shared definitions of all schemas.
-pub fn file(definitions: &Value) -> Outcome<String> {
+/// Returns the file with these documents, from the shared definitions of all schemas.
+pub fn file(definitions: &Value, roots: &[&str]) -> Outcome<String> {
     let mut writer = Writer {
         definitions,
         text: HEAD.to_owned(),
         written: BTreeMap::new(),
     };
-    for root in ROOTS {
+    for root in roots {
         writer.define(root)?;
     }
-    let mut names: Vec<_> = writer.written.into_keys().collect();
-    names.push("event_of".to_owned());
-    names.sort();
+    let functions = writer.written.values().filter(|how| **how == "event_of");
+    let functions: Vec<String> = functions.map(|name| (*name).to_owned()).collect();
+    let names: BTreeSet<String> = writer.written.into_keys().chain(functions).collect();
     let mut text = writer.text;
     text.push_str("\n__all__ = [\n");
     for name in names {
@@ -324,7 +327,7 @@ mod tests {
                 },
             },
         });
-        let file = file(&definitions).unwrap();
+        let file = file(&definitions, &["Event", "ExpectationResult"]).unwrap();
         for expected in [
             "class LinkLost:\n    \"\"\"Gone.\"\"\"\n\n    time: float\n    \"\"\"Seconds.\"\"\"\n    why: str | None\n",
             "time=_number(data[\"time\"]),\n            why=data[\"why\"],",
@@ -336,6 +339,11 @@ mod tests {
         ] {
             assert!(file.contains(expected), "{expected}\n{file}");
         }
-        assert!(super::file(&json!({})).unwrap_err().to_string().contains("Event"));
+        assert!(
+            super::file(&json!({}), &["Event"])
+                .unwrap_err()
+                .to_string()
+                .contains("Event")
+        );
     }
 }
