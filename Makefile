@@ -44,12 +44,13 @@ test: setup ## everything that must pass
 	$(CARGO) build -q --workspace --bins --examples
 	RUST_TEST_THREADS=$(THREADS) $(CARGO) test --workspace
 	tools/web-test
+	tools/python-test
 
 package: ## release program, Debian package and checksums, in target/package (TARGET=...)
 	$(CARGO) build --release --locked -p profidrive-cli --target $(TARGET)
 	tools/package target/$(TARGET)/release/profidrive $(TARGET) target/package
 
-setup: ## install what the tests need (Debian packages, Python peers and cargo-deny under target/)
+setup: ## install what the tests need (Debian packages, Python packages and cargo-deny under target/)
 	@tools/setup
 
 bench: setup ## figures of this machine, each beside its limit or peer

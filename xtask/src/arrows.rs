@@ -74,6 +74,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ),
     ("profidrive-workbench", &["profidrive"]),
     ("profidrive-cli", LIBRARIES),
+    ("profidrive-python", LIBRARIES),
     ("examples", LIBRARIES),
     ("xtask", &[]),
     // tests and benchmarks look at every library, and no library depends on them

@@ -172,6 +172,16 @@ pub enum WorldError {
         /// The name.
         drive: String,
     },
+    /// A parameter has not one value that can be read.
+    #[error("{drive}: {parameter} {why}")]
+    Unreadable {
+        /// The drive.
+        drive: String,
+        /// The parameter.
+        parameter: String,
+        /// Why.
+        why: &'static str,
+    },
     /// It cannot happen to this drive.
     #[error(transparent)]
     Event(#[from] PlantEventError),

@@ -1,9 +1,11 @@
 //! The text of a plant, and changes of it.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use toml_edit::{DocumentMut, InlineTable, Item, TableLike, Value};
+use virtual_drive::model;
 
 use crate::file::{PlantFileError, read_text};
 use crate::located::PlantError;
@@ -11,6 +13,9 @@ use crate::plan::PlantPlan;
 
 /// Longest path of a change, in octets.
 const LONGEST_PATH: usize = 256;
+
+/// Most drives of a plant that is made of models.
+const MOST_DRIVES: usize = 1000;
 
 /// Tables whose keys are names of others, which may have dots in them.
 const OF_NAMES: [&str; 2] = ["parameters", "send"];
@@ -45,6 +50,25 @@ pub struct ChangeError {
     pub why: String,
 }
 
+/// Models of which no plant can be made.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ModelsError {
+    /// No model was given.
+    #[error("a plant has at least one drive: give a model, such as akd")]
+    None,
+    /// There is no such model.
+    #[error("no model `{0}`; there are: {models}", models = models())]
+    Unknown(String),
+    /// More drives than a plant of models has.
+    #[error("a plant of models has at most {MOST_DRIVES} drives")]
+    TooMany,
+}
+
+fn models() -> String {
+    model::ALL.map(|model| model.known.key).join(", ")
+}
+
 impl PlantSource {
     /// Reads a plant file.
     ///
@@ -60,6 +84,38 @@ impl PlantSource {
             text,
             file: Some(path.to_owned()),
         })
+    }
+
+    /// Returns a plant of drives of these models as they are delivered: `akd`, `vlt` and `akd` are the drives `akd-1`, `vlt-1` and
+    /// `akd-2`, each with an IP address.
+    ///
+    /// ```
+    /// let plant = profidrive_plant::PlantSource::of(["akd", "vlt", "akd"])?;
+    /// let names: Vec<_> = plant.plan().drives.iter().map(|drive| drive.name.as_str()).collect();
+    /// assert_eq!(names, ["akd-1", "vlt-1", "akd-2"]);
+    /// # Ok::<(), profidrive_plant::ModelsError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// For no model at all, one that does not exist, and more drives than a plant of models has.
+    pub fn of<'a>(models: impl IntoIterator<Item = &'a str>) -> Result<Self, ModelsError> {
+        let mut text = String::new();
+        let mut numbers: BTreeMap<&str, usize> = BTreeMap::new();
+        for (place, key) in models.into_iter().enumerate() {
+            let model = model::by_name(key).ok_or_else(|| ModelsError::Unknown(key.to_owned()))?;
+            let key = model.known.key;
+            if place == MOST_DRIVES {
+                return Err(ModelsError::TooMany);
+            }
+            let number = numbers.entry(key).or_default();
+            *number += 1;
+            let [.., high, low] = (place + 11).to_be_bytes();
+            text.push_str(&format!(
+                "[[drive]]\nname = \"{key}-{number}\"\nmodel = \"{key}\"\nip = \"192.168.{high}.{low}/16\"\n\n"
+            ));
+        }
+        // names and addresses differ and the models exist
+        text.parse().map_err(|_| ModelsError::None)
     }
 
     /// Returns the plant.
@@ -293,6 +349,22 @@ mod tests {
         );
         let expected = changed("expect.reaches speed.within", "1s").unwrap();
         assert!(expected.expectations[0].to_string().contains("within = \"1s\""));
+    }
+
+    #[test]
+    fn models_make_a_plant() {
+        let plant = PlantSource::of(std::iter::repeat_n("AKD", 300)).unwrap();
+        let last = &plant.plan().drives[299];
+        assert_eq!(
+            (last.name.as_str(), last.ip.address),
+            ("akd-300", [192, 168, 1, 54].into())
+        );
+        assert!(plant.plan().client_address().is_ok());
+        assert_eq!(PlantSource::of([]).unwrap_err(), ModelsError::None);
+        let unknown = PlantSource::of(["akd", "x\"y"]).unwrap_err().to_string();
+        assert_eq!(unknown, "no model `x\"y`; there are: akd, vlt, vacon");
+        let many = PlantSource::of(std::iter::repeat_n("akd", 1001));
+        assert_eq!(many.unwrap_err(), ModelsError::TooMany);
     }
 
     #[test]

@@ -11,7 +11,10 @@ const LONGEST: f64 = 366.0 * 86_400.0;
 /// One revolution in the positions of the axis.
 const REVOLUTION: f64 = 4_294_967_296.0;
 
-/// Returns a time with its unit, `2s` or `500ms`.
+/// Returns a time as plant files write it: with its unit, `2s` or `500ms`, and at most a year.
+///
+/// # Errors
+/// What is wrong with it, in words.
 pub fn time(text: &str) -> Result<Duration, String> {
     let quantity: Quantity = text.parse().map_err(|error| format!("{error}"))?;
     if quantity.unit.is_none() && quantity.number.as_f64() != 0.0 {

@@ -11,6 +11,8 @@ use profinet::wire::status::abort;
 use serde::Serialize;
 use virtual_drive::station::StationEvent;
 
+use crate::expect::{Observed as _, Quantity};
+use crate::snapshot::Snapshot;
 use crate::timeline::Played;
 use crate::written::{ParameterReading, WrittenBy};
 
@@ -184,6 +186,18 @@ impl Event {
 
     pub(crate) fn at(now: Instant, drive: &str, kind: EventKind) -> Self {
         Self::new(now - Instant::ZERO, drive, kind)
+    }
+}
+
+impl From<&Snapshot> for Sample {
+    fn from(snapshot: &Snapshot) -> Self {
+        Self {
+            stw1: snapshot.stw1().0,
+            zsw1: snapshot.zsw1().0,
+            speed: snapshot.quantity(Quantity::LoadSpeed),
+            position: snapshot.quantity(Quantity::Position),
+            current: snapshot.quantity(Quantity::Current),
+        }
     }
 }
 

@@ -3,6 +3,7 @@
 mod controller;
 mod goal;
 mod keep;
+mod look;
 
 use std::convert::Infallible;
 use std::time::Duration;

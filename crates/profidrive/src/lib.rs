@@ -40,6 +40,7 @@
 //! |---|---|
 //! | open a network interface, UDP alone or a serial line | [`open`], [`Opening`], [`open_line`] |
 //! | open a plant in memory (feature `simulate`) | `open_plant`, `open_plan`, `Opening::in_plant` |
+//! | run a plant in memory, look at it, and join it later | `Running` |
 //! | open a network and find a drive, in one call | [`Opening::drive`] |
 //! | end waiting calls and stop axes by Ctrl-C | [`Stop`] with [`Opening::stopped_by`] |
 //! | check whether both sides can reach each other | [`reach`](reach()) |
@@ -126,5 +127,5 @@ pub use reach::{OtherSubnet, Reach, far, reach};
 pub use remark::Remark;
 pub use selector::{Selector, SelectorError};
 #[cfg(feature = "simulate")]
-pub use simulate::{Joined, open_plan, open_plant};
+pub use simulate::{Joined, Running, open_plan, open_plant};
 pub use state_folder::state_folder;

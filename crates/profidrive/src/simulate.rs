@@ -53,8 +53,8 @@ pub fn open_plan(plant: PlantPlan) -> Result<Network, OpenError> {
 /// The kind of the error: the content of the file, or the file itself.
 pub(crate) const fn kind(error: &PlantFileError) -> ErrorKind {
     match error {
-        PlantFileError::PlantPlan { .. } => ErrorKind::Usage,
-        _ => ErrorKind::Local,
+        PlantFileError::Read { .. } => ErrorKind::Local,
+        _ => ErrorKind::Usage,
     }
 }
 
@@ -106,19 +106,76 @@ impl Joined {
     }
 }
 
-pub(crate) fn join(plant: &PlantPlan, real_time: bool, stop: Option<Stop>) -> Result<Network, OpenError> {
-    let ip = plant.client_address()?;
-    let config = ControllerConfig::new(MAC, ip, "profidrive", plant.seed);
-    let plant = Shared::new(plant::World::new(plant)?);
-    let network = if real_time {
-        let start = |engine| ByTheClock::start(engine, plant.clone()).map_err(OpenError::Thread);
-        client::Network::driven(Client::new(config), start)?
-    } else {
-        client::Network::on(plant.clone(), config).0
-    };
-    let network = network.simulated();
-    let transport = Transport::Plant(Joined { plant, ip });
-    Ok(Network::new(network, transport, stop))
+/// A plant in virtual time that a program runs, looks at and joins with a network of its own when it needs one. Clones are the
+/// same plant.
+///
+/// ```
+/// use std::time::Duration;
+/// use profidrive::{Instant, Running, Wait};
+///
+/// let plant = "[[drive]]\nname = \"akd-1\"\nip = \"10.0.0.1/24\"".parse()?;
+/// let running = Running::start(plant)?;
+/// running.with_world(|world| world.run_until(Instant::from_millis(500), &mut drop));
+/// let mut network = running.join(None)?;
+/// network.find(&"akd-1".parse()?).wait()?;
+/// assert!(running.with_world(|world| world.now()) > Instant::from_millis(500));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct Running {
+    plan: Arc<PlantPlan>,
+    plant: Shared,
+}
+
+impl Running {
+    /// Returns the plant at its start.
+    ///
+    /// # Errors
+    /// When a drive refuses its first parameters.
+    pub fn start(plan: impl Into<Arc<PlantPlan>>) -> Result<Self, OpenError> {
+        let plan = plan.into();
+        let plant = Shared::new(plant::World::new(&plan)?);
+        Ok(Self { plan, plant })
+    }
+
+    /// Returns the plan.
+    #[must_use]
+    pub const fn plan(&self) -> &Arc<PlantPlan> {
+        &self.plan
+    }
+
+    /// Calls `work` with the plant. Where a network has joined it, nothing carries the calls of that network meanwhile: time is
+    /// passed by [`Session::pass`](client::Session::pass) then.
+    pub fn with_world<T>(&self, work: impl FnOnce(&mut plant::World) -> T) -> T {
+        self.plant.with(work)
+    }
+
+    /// Joins the plant with a network, whose waiting calls advance virtual time; once.
+    ///
+    /// # Errors
+    /// When no IP address is left beside its drives for this program.
+    pub fn join(&self, stop: Option<Stop>) -> Result<Network, OpenError> {
+        self.join_as(false, stop)
+    }
+
+    fn join_as(&self, real_time: bool, stop: Option<Stop>) -> Result<Network, OpenError> {
+        let ip = self.plan.client_address()?;
+        let config = ControllerConfig::new(MAC, ip, "profidrive", self.plan.seed);
+        let plant = self.plant.clone();
+        let network = if real_time {
+            let start = |engine| ByTheClock::start(engine, plant.clone()).map_err(OpenError::Thread);
+            client::Network::driven(Client::new(config), start)?
+        } else {
+            client::Network::on(plant.clone(), config).0
+        };
+        let network = network.simulated();
+        let transport = Transport::Plant(Joined { plant, ip });
+        Ok(Network::new(network, transport, stop))
+    }
+}
+
+pub(crate) fn join(plan: &Arc<PlantPlan>, real_time: bool, stop: Option<Stop>) -> Result<Network, OpenError> {
+    Running::start(Arc::clone(plan))?.join_as(real_time, stop)
 }
 
 #[cfg(test)]

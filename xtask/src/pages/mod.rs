@@ -1,8 +1,9 @@
 //! `pages`: what stands in `docs/` and comes from the program itself, the picture of its demo, the reference of its
-//! commands and the JSON schemas.
+//! commands and the JSON schemas; and the data classes of the Python package, which come from the schemas.
 
 mod commands;
 mod picture;
+mod python;
 mod schema;
 
 use std::path::Path;
@@ -13,7 +14,8 @@ use crate::r#gen::Mode;
 
 /// Writes what the program at `program` gives, or compares with it.
 pub fn run(root: &Path, program: &str, mode: Mode) -> Outcome<()> {
-    let pages = [
+    let schemas = output(program, &["schema"])?;
+    let mut pages = vec![
         (
             "docs/src/demo.svg",
             picture::draw(&output(program, &["demo", "--fast"])?)?,
@@ -23,6 +25,10 @@ pub fn run(root: &Path, program: &str, mode: Mode) -> Outcome<()> {
             commands::page(&mut |command| output(program, &[command, &["--help"]].concat()))?,
         ),
     ];
+    let definitions = schema::definitions(&schemas)?;
+    for (path, roots) in python::FILES {
+        pages.push((path, python::file(&definitions, roots)?));
+    }
     for (path, text) in pages {
         let file = root.join(path);
         match mode {
@@ -35,7 +41,7 @@ pub fn run(root: &Path, program: &str, mode: Mode) -> Outcome<()> {
             }
         }
     }
-    schema::run(root, &output(program, &["schema"])?, mode)
+    schema::run(root, &schemas, mode)
 }
 
 /// Returns the standard output of the program.

@@ -10,6 +10,13 @@ use crate::r#gen::Mode;
 
 const FOLDER: &str = "docs/schema";
 
+/// Returns the shared definitions of the files that `printed` has.
+pub fn definitions(printed: &str) -> Outcome<Value> {
+    let mut files: BTreeMap<String, Value> = serde_json::from_str(printed)?;
+    let shared = files.get_mut("definitions.json");
+    Ok(shared.ok_or("the program prints no shared definitions")?["$defs"].take())
+}
+
 /// Writes the files that `printed` has by their names, or compares with them.
 pub fn run(root: &Path, printed: &str, mode: Mode) -> Outcome<()> {
     let files: BTreeMap<String, Value> = serde_json::from_str(printed)?;

@@ -51,6 +51,8 @@ mod samples;
 mod scope;
 mod source;
 mod table;
+#[cfg(feature = "simulate")]
+mod trace;
 mod trigger;
 
 use std::time::Duration;
@@ -67,6 +69,8 @@ pub use samples::{MotionRecorded, MotionRecorder};
 pub use scope::{Curve, Point, Scope};
 pub use source::{Source, prepare};
 pub use table::{Column, Kind, Row, Sink, Table, Value};
+#[cfg(feature = "simulate")]
+pub use trace::{trace_columns, trace_rows, trace_table};
 pub use trigger::{Comparison, MOST_BEFORE, Trigger, TriggerError};
 
 /// What is to be recorded.

@@ -1,13 +1,15 @@
-//! What every front end shows of an error of a simulation.
+//! What every front end shows of an error of a plant or a simulation.
 
 use client::{Action, Advice, Choice, ErrorKind};
 use network::system::LockError;
 use plant::control_socket::{ControlSocketError, InjectError};
 use plant::host::{DescriptionError, FleetError, HostError};
-use plant::{PlantFileError, WorldError};
+use plant::{
+    ChangeError, ModelsError, NotMet, PlantError, PlantEventError, PlantFileError, TraceError, WorldError,
+};
 
-use crate::Explained;
 use crate::addressing::check_station_name;
+use crate::explained::Explained;
 
 impl Explained for PlantFileError {
     fn kind(&self) -> ErrorKind {
@@ -17,9 +19,39 @@ impl Explained for PlantFileError {
 
 impl Explained for WorldError {
     fn kind(&self) -> ErrorKind {
-        ErrorKind::Usage
+        match self {
+            Self::Refused { .. } => ErrorKind::Refused,
+            _ => ErrorKind::Usage,
+        }
+    }
+
+    fn advice(&self) -> Advice {
+        match self {
+            Self::Parameter { problem, .. } => problem.hint().map_or_else(Advice::default, Advice::from),
+            _ => Advice::default(),
+        }
     }
 }
+
+/// What did not come true is a difference between a plant and what was expected of it.
+impl Explained for NotMet {
+    fn kind(&self) -> ErrorKind {
+        ErrorKind::Difference
+    }
+}
+
+/// Errors that only a caller can avoid, with the remedy in their message.
+macro_rules! usage {
+    ($($error:ty),*) => {
+        $(impl Explained for $error {
+            fn kind(&self) -> ErrorKind {
+                ErrorKind::Usage
+            }
+        })*
+    };
+}
+
+usage!(ChangeError, ModelsError, PlantError, PlantEventError, TraceError);
 
 impl Explained for HostError {
     fn kind(&self) -> ErrorKind {

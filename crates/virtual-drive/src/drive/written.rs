@@ -65,21 +65,13 @@ impl Drive {
 
     /// Reports that an element was written. The octets of a string are one event.
     pub(super) fn report_written(&mut self, pnu: u16, subindex: u16, raw: i64) {
-        let Ok((position, element, parameter)) = self.place(pnu, subindex) else {
+        let Ok((_, _, parameter)) = self.place(pnu, subindex) else {
             return;
         };
-        let octets = self.attributes(pnu, subindex);
-        let octets = octets.map_or(0, |facts| facts.string_octets());
-        let (subindex, value) = if octets == 0 || !parameter.is_text() {
-            let reported = self.element(position, element).ok();
-            let raw = reported.filter(|_| !is_command(parameter)).unwrap_or(raw);
+        let (subindex, value) = self.present(pnu, subindex).unwrap_or_else(|| {
             let value = parameter.engineering(raw, &self.settings.scaling);
             (subindex, WrittenValue::Number { raw, value })
-        } else {
-            let first = element - element % octets;
-            let text = self.text_of(position, first..first.saturating_add(octets));
-            (parameter.subindex(first), WrittenValue::Text(text))
-        };
+        });
         let written = Written {
             pnu,
             subindex,
@@ -93,6 +85,24 @@ impl Drive {
         } else {
             self.emit(Event::Written(written));
         }
+    }
+
+    /// Returns what a parameter reads as now, with its subindex: a string as a whole, with the place of its first octet.
+    /// `None` for one that does not exist or has no value to read.
+    #[must_use]
+    pub fn present(&self, pnu: u16, subindex: u16) -> Option<(u16, WrittenValue)> {
+        let (position, element, parameter) = self.place(pnu, subindex).ok()?;
+        let octets = self.attributes(pnu, subindex);
+        let octets = octets.map_or(0, |facts| facts.string_octets());
+        if octets > 0 && parameter.is_text() {
+            let first = element - element % octets;
+            let text = self.text_of(position, first..first.saturating_add(octets));
+            return Some((parameter.subindex(first), WrittenValue::Text(text)));
+        }
+        let raw = self.element(position, element).ok();
+        let raw = raw.filter(|_| !is_command(parameter))?;
+        let value = parameter.engineering(raw, &self.settings.scaling);
+        Some((subindex, WrittenValue::Number { raw, value }))
     }
 
     fn text_of(&self, position: usize, elements: std::ops::Range<u16>) -> String {

@@ -1,0 +1,81 @@
+"""Virtual PROFIdrive drives for tests.
+
+Importing this package opens nothing, starts no thread, and loads the binding only when it is used.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+from profidrive import errors, events, types
+from profidrive.errors import ErrorKind, ProfidriveError
+from profidrive.types import State
+
+if TYPE_CHECKING:
+    from profidrive.network import Drive, Network
+    from profidrive.plant import Plant, PlantDrive, VirtualDrive, World
+    from profidrive.table import Table
+    from profidrive.trace import Trace
+
+_LAZY = {
+    "Drive": "network",
+    "Network": "network",
+    "Plant": "plant",
+    "PlantDrive": "plant",
+    "Table": "table",
+    "Trace": "trace",
+    "VirtualDrive": "plant",
+    "World": "plant",
+}
+
+
+def __getattr__(name: str) -> object:
+    if name not in _LAZY:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    value: object = getattr(import_module(f"profidrive.{_LAZY[name]}"), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *_LAZY})
+
+
+@dataclass(frozen=True, slots=True)
+class BuildInfo:
+    """What this package was built of."""
+
+    version: str
+    commit: str | None
+    """The commit, where the build was told."""
+    profile: str
+    """`release` or `dev`."""
+
+
+def build_info() -> BuildInfo:
+    """Returns what this package was built of."""
+    from profidrive import _profidrive
+
+    return BuildInfo(*_profidrive.build_info())
+
+
+__all__ = [
+    "BuildInfo",
+    "Drive",
+    "ErrorKind",
+    "Network",
+    "Plant",
+    "PlantDrive",
+    "ProfidriveError",
+    "State",
+    "Table",
+    "Trace",
+    "VirtualDrive",
+    "World",
+    "build_info",
+    "errors",
+    "events",
+    "types",
+]

@@ -1,0 +1,86 @@
+"""Python values on their way to the library, which reads and checks them."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from datetime import timedelta
+from pathlib import PurePath
+from typing import Any
+
+from profidrive.errors import UsageError
+from profidrive.types import Duration, HasUnits, Value
+
+_TIMES = ("at", "within", "after", "for")
+
+
+def span(time: Duration) -> float | str:
+    """A time as the binding takes it."""
+    if isinstance(time, timedelta):
+        return time.total_seconds()
+    return time if isinstance(time, str) else float(time)
+
+
+def optional_span(time: Duration | None) -> float | str | None:
+    return None if time is None else span(time)
+
+
+def value_text(value: Value) -> str:
+    """A value as people write it."""
+    if isinstance(value, str):
+        return value
+    if isinstance(value, bool):
+        return str(int(value))
+    if isinstance(value, HasUnits):
+        # pint has its short form of a unit by the format `~`: `rpm / s`
+        return f"{value.magnitude!r}{value.units:~}".replace(" ", "")
+    # not the text of a subclass, such as a number of numpy
+    return repr(float(value)) if isinstance(value, float) else repr(int(value))
+
+
+def document(values: Mapping[str, object]) -> str:
+    """A mapping as a JSON object."""
+    try:
+        return json.dumps(dict(values), default=_plain, allow_nan=False)
+    except (TypeError, ValueError) as error:
+        raise UsageError(f"{dict(values)!r}: {error}") from error
+
+
+def _plain(value: Any) -> object:
+    if isinstance(value, timedelta):
+        return f"{value.total_seconds()!r}s"
+    if isinstance(value, Mapping):
+        return dict(value)
+    if isinstance(value, HasUnits):
+        return value_text(value)
+    if isinstance(value, PurePath):
+        return str(value)
+    if hasattr(value, "item"):  # a number of numpy
+        return value.item()
+    raise TypeError(f"{type(value).__name__} is neither a number, a text, a list nor a mapping")
+
+
+def expectation_text(expectation: str | Mapping[str, object]) -> str:
+    """An expectation as the binding takes it; times may be seconds."""
+    if isinstance(expectation, str):
+        return expectation
+    return document({key: _time(key, value) for key, value in expectation.items()})
+
+
+def goal_text(drive: str, conditions: Mapping[str, object]) -> str:
+    """Conditions given as keyword arguments: `target_reached=True`, `for_="200ms"`."""
+    keys = {key.rstrip("_").replace("_", "-"): value for key, value in conditions.items()}
+    return document({"drive": drive, **{key: _time(key, value) for key, value in keys.items()}})
+
+
+def _time(key: str, value: object) -> object:
+    if key in _TIMES and isinstance(value, (int, float)) and not isinstance(value, bool):
+        return f"{value!r}s"
+    return value
+
+
+def chosen(names: tuple[str, ...], wanted: str, what: str) -> str:
+    """Returns one of these names."""
+    if wanted in names:
+        return wanted
+    raise UsageError(f"no {what} `{wanted}`; there are: {', '.join(names)}", drive=wanted)

@@ -1,0 +1,80 @@
+"""Tables of columns in the memory of the library."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from typing import TYPE_CHECKING
+
+from profidrive.errors import UnsupportedError
+
+if TYPE_CHECKING:
+    import numpy
+
+    from profidrive import _profidrive
+
+
+class Table:
+    """Samples of drives, a row for each time at which something of a drive changed.
+
+    The columns are `t` (time from the start), `wall` (time of day, null in virtual time), `drive`, `gap` (true where values are
+    missing), then one for each signal; `units` has their units. `pyarrow.table(t)`, `polars.DataFrame(t)` and duckdb take a table
+    as it is, without a copy. `t["speed"]` is a read-only numpy array of the same memory.
+    """
+
+    __slots__ = ("_table", "_write")
+
+    def __init__(self, table: _profidrive.Table, write: Callable[[str], None]) -> None:
+        self._table = table
+        self._write = write
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """Names of the columns."""
+        return tuple(name for name, _ in self._table.columns())
+
+    @property
+    def units(self) -> Mapping[str, str]:
+        """Units of the columns, empty for none."""
+        return dict(self._table.columns())
+
+    @property
+    def metadata(self) -> Mapping[str, str]:
+        """The form of the table, the version of the library and the seed of the run."""
+        return dict(self._table.metadata())
+
+    def __len__(self) -> int:
+        return len(self._table)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.columns)
+
+    def __contains__(self, column: object) -> bool:
+        return column in self.columns
+
+    def __getitem__(self, column: str) -> numpy.ndarray:
+        """A column as a numpy array: a view of numbers and times, a copy of names and flags."""
+        try:
+            import numpy
+        except ImportError as error:
+            raise UnsupportedError("columns as arrays need numpy", hint='pip install "profidrive[numpy]"') from error
+        if column == "wall":
+            return numpy.full(len(self), "NaT", "M8[ns]")
+        if column == "gap":
+            return numpy.array(self._table.bits(column), bool)
+        numbers = numpy.asarray(self._table.column(column))
+        texts = self._table.texts(column)
+        return numpy.array(texts)[numbers] if texts else numbers
+
+    def __arrow_c_stream__(self, requested_schema: object = None) -> object:
+        """The Arrow stream of the PyCapsule interface."""
+        return self._table.__arrow_c_stream__(requested_schema)
+
+    def write(self, path: str) -> None:
+        """Writes a new file whose name decides its form: `.csv`, `.arrow`, `.arrows`, `.feather` or `.parquet`."""
+        self._write(path)
+
+    def __repr__(self) -> str:
+        return f"<Table of {len(self)} rows: {', '.join(self.columns)}>"
+
+
+__all__ = ["Table"]

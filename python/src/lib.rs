@@ -1,0 +1,51 @@
+//! The binding of the Python package `profidrive`: it translates calls and values and has no rule of its own.
+//!
+//! Only the Python files beside it use it. Documents travel as JSON in the form of docs/schema, samples as Arrow columns,
+//! times as seconds or as people write them (`400ms`). Errors become the classes of `profidrive.errors`.
+
+mod errors;
+mod network;
+mod plant;
+mod table;
+mod time;
+mod trace;
+mod world;
+
+use pyo3::prelude::*;
+
+/// Version, and how the binding was built.
+#[pyfunction]
+fn build_info() -> (&'static str, Option<&'static str>, &'static str) {
+    let profile = if cfg!(debug_assertions) { "dev" } else { "release" };
+    (
+        env!("CARGO_PKG_VERSION"),
+        option_env!("PROFIDRIVE_COMMIT"),
+        profile,
+    )
+}
+
+/// The kinds of errors by their stable names.
+#[pyfunction]
+fn error_kinds() -> Vec<&'static str> {
+    client::ErrorKind::ALL.iter().map(|(_, id)| *id).collect()
+}
+
+/// The states of the general state machine: number and name.
+#[pyfunction]
+fn states() -> Vec<(u8, &'static str)> {
+    let states = profile::state::State::ALL.into_iter();
+    states.map(|state| (state.number(), state.name())).collect()
+}
+
+#[pymodule]
+fn _profidrive(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_function(wrap_pyfunction!(build_info, module)?)?;
+    module.add_function(wrap_pyfunction!(error_kinds, module)?)?;
+    module.add_function(wrap_pyfunction!(states, module)?)?;
+    module.add_class::<plant::Plant>()?;
+    module.add_class::<world::World>()?;
+    module.add_class::<network::Network>()?;
+    module.add_class::<trace::Trace>()?;
+    module.add_class::<table::Table>()?;
+    module.add_class::<table::Column>()
+}

@@ -1,0 +1,118 @@
+//! Plants: what they are read from and changed by.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use ::plant::{PlantError, PlantEvent, PlantPlan, PlantSource, WorldError};
+use pyo3::prelude::*;
+use serde_json::json;
+
+use crate::errors::{Failure, explained, of_world};
+use crate::time::seconds;
+use crate::world::World;
+
+/// A plant that does not run.
+#[pyclass(frozen, module = "profidrive._profidrive")]
+pub struct Plant {
+    source: PlantSource,
+}
+
+fn unread(error: &PlantError) -> Failure {
+    explained(error).with(json!({ "line": error.line }))
+}
+
+#[pymethods]
+impl Plant {
+    #[staticmethod]
+    fn from_file(path: PathBuf) -> PyResult<Self> {
+        let source = PlantSource::read(&path).map_err(|error| {
+            let failure = explained(&error);
+            match &error {
+                ::plant::PlantFileError::PlantPlan { error, .. } => {
+                    failure.with(json!({ "line": error.line }))
+                }
+                ::plant::PlantFileError::Read { source, .. } => {
+                    failure.with(json!({ "errno": source.raw_os_error(), "filename": path }))
+                }
+                _ => failure,
+            }
+        })?;
+        Ok(Self { source })
+    }
+
+    #[staticmethod]
+    fn from_toml(text: &str) -> PyResult<Self> {
+        let source = text.parse().map_err(|error| unread(&error))?;
+        Ok(Self { source })
+    }
+
+    #[staticmethod]
+    fn of(models: Vec<String>) -> PyResult<Self> {
+        let source = PlantSource::of(models.iter().map(String::as_str));
+        let source = source.map_err(|error| explained(&error))?;
+        Ok(Self { source })
+    }
+
+    /// Other values at these paths; a JSON object.
+    fn with_changes(&self, changes: &str) -> PyResult<Self> {
+        let changes: Result<BTreeMap<String, toml::Value>, _> = serde_json::from_str(changes);
+        let changes =
+            changes.map_err(|error| Failure::usage(format!("a change has no TOML value: {error}")))?;
+        let changes = changes.iter().map(|(path, value)| (path.as_str(), value.clone()));
+        let source = self
+            .source
+            .with_changes(changes)
+            .map_err(|error| explained(&error))?;
+        Ok(Self { source })
+    }
+
+    fn to_toml(&self) -> &str {
+        self.source.as_toml()
+    }
+
+    #[getter]
+    fn seed(&self) -> u64 {
+        self.source.plan().seed
+    }
+
+    #[getter]
+    fn duration(&self) -> Option<f64> {
+        self.source.plan().duration.map(seconds)
+    }
+
+    #[getter]
+    fn drives(&self) -> Vec<String> {
+        let drives = self.source.plan().drives.iter();
+        drives.map(|drive| drive.name.clone()).collect()
+    }
+
+    /// Names of the expectations of the plant file.
+    #[getter]
+    fn expectations(&self) -> Vec<String> {
+        let expectations = self.source.plan().expectations.iter();
+        expectations
+            .map(|expectation| expectation.name().to_owned())
+            .collect()
+    }
+
+    /// Fails for an action that cannot happen to this drive.
+    fn check_action(&self, drive: &str, action: &str) -> PyResult<()> {
+        let action: PlantEvent = action.parse().map_err(|error| explained(&error))?;
+        let drives = self.source.plan().drives.iter();
+        let Some(plan) = drives.into_iter().find(|plan| plan.name == drive) else {
+            let drive = drive.to_owned();
+            return Err(of_world(&WorldError::NoDrive { drive }).into());
+        };
+        action.fits(plan.model).map_err(|error| explained(&error))?;
+        Ok(())
+    }
+
+    /// Starts it in virtual time; `capture` is a file for the frames.
+    #[pyo3(signature = (seed=None, capture=None))]
+    fn start(&self, py: Python<'_>, seed: Option<u64>, capture: Option<PathBuf>) -> PyResult<World> {
+        let mut plan: PlantPlan = self.source.plan().clone();
+        plan.seed = seed.unwrap_or(plan.seed);
+        Ok(py.detach(|| World::start(Arc::new(plan), capture))?)
+    }
+}

@@ -1,0 +1,270 @@
+//! A plant in virtual time.
+
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
+use std::time::{Duration, Instant as Clock};
+
+use ::plant::{Observed as _, ObservedQuantity, PlantEvent, PlantPlan, Trace as Kept, WorldError};
+use network::files::create;
+use network::pcap::Writer;
+use profidrive::{Instant, Running};
+use pyo3::prelude::*;
+use serde_json::json;
+
+use crate::errors::{Failure, explained, of_world};
+use crate::network::{Joined, Network};
+use crate::table::unwritten;
+use crate::time::{Span, seconds};
+use crate::trace::{Cell, Trace, event, fill, inline, lost, results};
+
+/// Virtual time that passes at least between two looks at the signals of Python.
+const STRIDE: Duration = Duration::from_millis(100);
+/// Time of this computer between two looks.
+const LOOK: Duration = Duration::from_millis(50);
+
+/// A plant that runs, with those who look at it.
+pub struct Held {
+    pub running: Running,
+    /// The trace that was handed out last, as long as somebody has it.
+    newest: Mutex<Weak<Cell>>,
+    /// The network that has joined it, from the first use on.
+    joined: Mutex<Option<Joined>>,
+}
+
+impl Held {
+    /// Gives a trace that is still held its content before the plant goes on.
+    pub fn goes_on(&self) {
+        let newest = locked(&self.newest);
+        if let Some(cell) = newest.upgrade() {
+            fill(&cell, &self.running);
+        }
+    }
+
+    /// Calls `work` with the network of the plant, which joins it first where it has not.
+    pub fn joined<T>(&self, work: impl FnOnce(&mut Joined) -> PyResult<T>) -> PyResult<T> {
+        let mut joined = locked(&self.joined);
+        if joined.is_none() {
+            *joined = Some(Joined::new(self)?);
+        }
+        let joined = joined.as_mut();
+        work(joined.ok_or_else(|| Failure::internal(&"the network is not there"))?)
+    }
+
+    fn passed(&self) -> Duration {
+        self.running.with_world(|world| world.now() - Instant::ZERO)
+    }
+
+    /// Lets the plant go on, not longer than Python waits for its signals; returns whether it is at the end.
+    fn advance(&self, end: Instant) -> PyResult<bool> {
+        if let Some(joined) = &mut *locked(&self.joined) {
+            // what has joined is carried along; it looks at the signals itself
+            joined.pass(end - self.running.with_world(|world| world.now()))?;
+            return Ok(true);
+        }
+        let begin = Clock::now();
+        Ok(self.running.with_world(|world| {
+            while begin.elapsed() < LOOK {
+                let until = (world.now() + STRIDE).min(end);
+                world.run_until(until, &mut drop);
+                if world.now() >= end {
+                    return true;
+                }
+            }
+            false
+        }))
+    }
+}
+
+fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// A plant that runs when a program waits.
+#[pyclass(frozen, module = "profidrive._profidrive")]
+pub struct World {
+    held: Arc<Held>,
+    capture: Option<PathBuf>,
+}
+
+impl World {
+    pub fn start(plan: Arc<PlantPlan>, capture: Option<PathBuf>) -> Result<Self, Failure> {
+        let tap = capture.as_deref().map(recorder).transpose()?;
+        let running = Running::start(plan).map_err(|error| explained(&error))?;
+        running.with_world(|world| {
+            world.keep_trace(Kept::USUAL_LIMIT);
+            if let Some(tap) = tap {
+                world.add_tap(Box::new(tap));
+            }
+            // expectations on parameters cannot be checked afterwards
+            let plan = running.plan();
+            if !plan.expectations.is_empty() {
+                world.expect(&plan.expectations, plan.seed);
+            }
+        });
+        let held = Held {
+            running,
+            newest: Mutex::default(),
+            joined: Mutex::new(None),
+        };
+        Ok(Self {
+            held: Arc::new(held),
+            capture,
+        })
+    }
+}
+
+fn recorder(path: &Path) -> Result<Writer<std::fs::File>, Failure> {
+    let file = create(path).map_err(|error| unwritten(path, &std::io::Error::other(error)))?;
+    Writer::new(file, "plant", Duration::ZERO).map_err(|error| unwritten(path, &error))
+}
+
+#[pymethods]
+impl World {
+    #[getter]
+    fn now(&self, py: Python<'_>) -> f64 {
+        py.detach(|| seconds(self.held.passed()))
+    }
+
+    #[getter]
+    fn seed(&self) -> u64 {
+        self.held.running.plan().seed
+    }
+
+    #[getter]
+    fn drives(&self) -> Vec<String> {
+        let drives = self.held.running.plan().drives.iter();
+        drives.map(|drive| drive.name.clone()).collect()
+    }
+
+    /// Runs until a time since the start, or for a time.
+    #[pyo3(signature = (until=None, lasts=None))]
+    fn run(&self, py: Python<'_>, until: Option<Span>, lasts: Option<Span>) -> PyResult<()> {
+        py.detach(|| self.held.goes_on());
+        let now = py.detach(|| self.held.passed());
+        let end = match (until, lasts) {
+            (Some(until), None) => until.read()?,
+            (None, Some(lasts)) => now + lasts.read()?,
+            (None, None) => self.held.running.plan().duration.ok_or_else(|| {
+                Failure::usage("how long? The plant has no `duration`: give a time to run until, or for")
+            })?,
+            (Some(_), Some(_)) => {
+                return Err(Failure::usage("a run goes on until a time or for a time, not both").into());
+            }
+        };
+        if end < now {
+            let text = format!(
+                "the plant is at {} s already and cannot go back to {} s",
+                seconds(now),
+                seconds(end)
+            );
+            return Err(Failure::usage(text).into());
+        }
+        while !py.detach(|| self.held.advance(Instant::ZERO + end))? {
+            py.check_signals()?;
+        }
+        Ok(())
+    }
+
+    /// Runs until conditions hold of a drive; returns the event that reports it, as JSON.
+    fn run_until(&self, py: Python<'_>, goal: &str, timeout: Span) -> PyResult<String> {
+        let text = inline(goal).unwrap_or_else(|| Ok(goal.to_owned()))?;
+        let goal = self
+            .held
+            .running
+            .plan()
+            .goal(&text)
+            .map_err(|error| explained(&error))?;
+        let timeout = timeout.read()?;
+        let met = py.detach(|| {
+            self.held.goes_on();
+            self.held
+                .running
+                .with_world(|world| world.run_until_met(&goal, timeout, &mut drop))
+        });
+        let met = met.map_err(|error| lost(&error, &error.0))?;
+        Ok(event(&met)?)
+    }
+
+    #[pyo3(signature = (drive, action, lasts=None))]
+    fn inject(&self, py: Python<'_>, drive: &str, action: &str, lasts: Option<Span>) -> PyResult<()> {
+        let action: PlantEvent = action.parse().map_err(|error| explained(&error))?;
+        let lasts = lasts.map(|lasts| lasts.read()).transpose()?;
+        let done = py.detach(|| {
+            self.held
+                .running
+                .with_world(|world| world.inject(drive, action, lasts))
+        });
+        Ok(done.map_err(|error| of_world(&error))?)
+    }
+
+    /// What a drive is like now, as JSON.
+    fn look(&self, py: Python<'_>, drive: &str) -> PyResult<String> {
+        let seen = py.detach(|| {
+            self.held.running.with_world(|world| {
+                let snapshot = world.snapshot(drive)?;
+                let number = |quantity| snapshot.quantity(quantity);
+                Ok::<_, WorldError>(json!({
+                    "state": snapshot.state().number(),
+                    "stw1": snapshot.stw1().0,
+                    "zsw1": snapshot.zsw1().0,
+                    "moving": snapshot.is_moving(),
+                    "connected": snapshot.connected(),
+                    "speed": number(ObservedQuantity::LoadSpeed),
+                    "position": number(ObservedQuantity::Position),
+                    "current": number(ObservedQuantity::Current),
+                    "torque": number(ObservedQuantity::Torque),
+                    "faults": world.messages(drive, false)?,
+                    "warnings": world.messages(drive, true)?,
+                }))
+            })
+        });
+        Ok(seen.map_err(|error| of_world(&error))?.to_string())
+    }
+
+    fn read(&self, py: Python<'_>, drive: &str, parameter: &str) -> PyResult<String> {
+        let reading = py.detach(|| {
+            self.held
+                .running
+                .with_world(|world| world.parameter(drive, parameter))
+        });
+        let reading = reading.map_err(|error| of_world(&error))?;
+        Ok(serde_json::to_string(&reading).map_err(|error| Failure::internal(&error))?)
+    }
+
+    fn write(&self, py: Python<'_>, drive: &str, parameter: &str, value: &str) -> PyResult<String> {
+        let written = py.detach(|| {
+            self.held
+                .running
+                .with_world(|world| world.set_parameter(drive, parameter, value))
+        });
+        let written = written.map_err(|error| of_world(&error))?;
+        Ok(serde_json::to_string(&written).map_err(|error| Failure::internal(&error))?)
+    }
+
+    /// What has happened until now.
+    fn trace(&self) -> Trace {
+        let mut newest = locked(&self.held.newest);
+        let cell = newest.upgrade().filter(|cell| cell.get().is_none());
+        let cell = cell.unwrap_or_default();
+        *newest = Arc::downgrade(&cell);
+        Trace::of(&self.held.running, cell)
+    }
+
+    /// The network of the plant.
+    fn network(&self) -> Network {
+        Network::new(Arc::clone(&self.held))
+    }
+
+    /// Ends the checks of the expectations of the plant file; returns each result as JSON with its text.
+    fn finish_expectations(&self, py: Python<'_>) -> PyResult<Vec<(String, String)>> {
+        let found = py.detach(|| self.held.running.with_world(|world| world.finish_expectations()));
+        Ok(results(&found)?)
+    }
+
+    /// Completes the file with the frames.
+    fn finish_capture(&self, py: Python<'_>) -> PyResult<()> {
+        let done = py.detach(|| self.held.running.with_world(|world| world.finish_taps()));
+        let path = self.capture.clone().unwrap_or_default();
+        Ok(done.map_err(|error| unwritten(&path, &error))?)
+    }
+}
