@@ -163,8 +163,12 @@ impl Client {
                 code,
                 reason: reason.into(),
             };
-            // a page that is gone does not hear it
-            let _ = timeout(BEAT, socket.send(Message::Close(Some(frame)))).await;
+            // what it sent meanwhile is read: a connection that is closed with unread octets loses the reason on its way
+            let end = async {
+                let sent = socket.send(Message::Close(Some(frame))).await;
+                while sent.is_ok() && matches!(socket.recv().await, Some(Ok(_))) {}
+            };
+            let _ = timeout(BEAT, end).await;
         }
     }
 

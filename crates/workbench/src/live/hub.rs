@@ -6,7 +6,7 @@ use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
 use axum::extract::ws::Utf8Bytes;
 use serde::Serialize;
-use tokio::sync::watch;
+use tokio::sync::{Notify, watch};
 
 /// Events that are kept for pages that were away for a moment.
 pub(crate) const EVENTS: usize = 1024;
@@ -86,6 +86,8 @@ pub(crate) struct Hub {
     state: Mutex<State>,
     /// Counts what has come, so that sockets wait for more.
     news: watch::Sender<u64>,
+    /// A page wants a topic.
+    wants: Notify,
     begin: Instant,
 }
 
@@ -114,6 +116,7 @@ impl Hub {
         Self {
             state: Mutex::default(),
             news: watch::Sender::new(0),
+            wants: Notify::new(),
             begin,
         }
     }
@@ -147,6 +150,13 @@ impl Hub {
             wanted: 0,
         });
         held.wanted += 1;
+        drop(state);
+        self.wants.notify_one();
+    }
+
+    /// Waits until a page wants a topic.
+    pub async fn want_comes(&self) {
+        self.wants.notified().await;
     }
 
     /// Notes that one page less wants a topic.

@@ -74,6 +74,7 @@ async fn faults(shared: Arc<Shared>) {
     loop {
         tokio::select! {
             _ = turn.tick() => {}
+            () = shared.hub.want_comes() => {}
             Some(done) = reading.join_next() => {
                 match done {
                     Ok(id) => { busy.remove(&id); }

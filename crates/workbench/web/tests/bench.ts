@@ -95,7 +95,7 @@ export { expect };
 
 /** Returns what the drive of this name is called in paths. */
 export async function idOf(page: Page, name: string): Promise<string> {
-  const answer = await page.request.get("/api/v1/plant/drives");
+  const answer = await page.request.get(new URL("/api/v1/plant/drives", page.url()).href);
   const { drives } = (await answer.json()) as { drives: { id: string; name: string }[] };
   return drives.find((drive) => drive.name === name)?.id ?? "";
 }

@@ -124,6 +124,7 @@ for (const theme of ["light", "dark"] as const) {
           await page.setViewportSize({ width, height });
           await page.goto(path + lang);
           await expect(page.locator("main h1")).toBeVisible();
+          await expect(page.getByText("Reading the drive ..")).toHaveCount(0);
           await expect(page.getByRole("option").filter({ hasText: "axis-1" })).toBeAttached();
           await page.screenshot({ path: join(pictures, `${name}-${theme}${lang ? "-long" : ""}-${width}.png`) });
           // by the protocol of the browser, which the policy of the page does not bind
@@ -181,7 +182,7 @@ test("a lost workbench is said, old values are dashes, and it comes back by itse
     server.process.kill("SIGCONT");
     await expect(page.getByText(/Connection to the workbench lost/)).toBeHidden();
     await expect(page.locator(".value .main").first()).toHaveText(/\d/);
-    await expect(page.getByText("READ-ONLY")).toBeVisible();
+    await expect(page.getByText("WRITE", { exact: true })).toBeVisible();
     const address = new URL(server.url).host;
     await end(server);
     await expect(page.getByText(/Connection to the workbench lost/)).toBeVisible();

@@ -49,16 +49,22 @@ test("texts of stations are shown as text", async ({ page, demo }) => {
   page.on("request", (request) => {
     if (!request.url().startsWith(demo.origin) && !request.url().startsWith("blob:")) outside.push(request.url());
   });
-  await page.route("**/api/v1/stations", async (route) => {
-    const answer = await route.fetch();
-    const report = await answer.json();
-    report.stations.forEach((station: Record<string, unknown>, index: number) => {
-      station.name = texts[index] ?? "plain";
-      station.type = texts[index] ?? "plain";
-      station.unread = texts[index] ?? null;
-      if (index % 2 === 0 && station.status) station.status = { ...(station.status as object), sentence: texts[index] };
+  await page.routeWebSocket("**/api/v1/live", (socket) => {
+    const server = socket.connectToServer();
+    server.onMessage((text) => {
+      const message = JSON.parse(String(text));
+      if (message.type === "snapshot" && message.topic === "network") {
+        message.data.stations.forEach((station: Record<string, unknown>, index: number) => {
+          station.name = texts[index] ?? "plain";
+          station.type = texts[index] ?? "plain";
+          station.unread = texts[index] ?? null;
+          if (index % 2 === 0 && station.status) {
+            station.status = { ...(station.status as object), sentence: texts[index] };
+          }
+        });
+      }
+      socket.send(JSON.stringify(message));
     });
-    await route.fulfill({ response: answer, json: report });
   });
   await page.goto(demo.url);
   await expect(page.getByRole("row")).toHaveCount(7);

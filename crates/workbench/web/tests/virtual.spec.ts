@@ -17,7 +17,7 @@ test("what happens to a virtual drive shows on its other screens at once", async
     await page.goto(`${server.origin}/virtual`);
     await page.getByRole("button", { name: "Select axis-1" }).click();
     await page.getByRole("button", { name: "STO off" }).click();
-    await page.getByLabel("Fault", { exact: true }).selectOption("439");
+    await page.getByRole("combobox", { name: /^Fault/ }).selectOption("439");
     await page.getByRole("button", { name: "Until its cause is cleared" }).click();
     await expect(page.getByRole("row", { name: "axis-1" })).toContainText("F439");
     await page.getByLabel("Any event").fill("load=0.2Nm");

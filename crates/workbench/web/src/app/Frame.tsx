@@ -121,7 +121,7 @@ function Stop({ station }: { station: Station | undefined }) {
 export function Frame() {
   const station = selected(useLocation().path);
   const simulation = server.value?.simulation ?? false;
-  const viewing = server.value?.role === "view" && !server.value.read_only;
+  const mode = server.value?.read_only ? "readonly" : server.value?.role === "view" ? "view" : "write";
   return (
     <header class="top">
       <div class="frame">
@@ -130,7 +130,7 @@ export function Frame() {
         <p class="badges">
           {server.value?.name && <bdi class="muted">{foreign(server.value.name)}</bdi>}
           {simulation && <span class="badge simulation">{t("frame.simulation")}</span>}
-          <span class="badge">{t(viewing ? "frame.view" : "frame.readonly")}</span>
+          <span class={`badge ${mode}`}>{t(`frame.${mode}`)}</span>
         </p>
         <Stop station={station} />
       </div>

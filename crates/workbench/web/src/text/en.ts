@@ -25,6 +25,7 @@ export const en = {
   "frame.simulation.band": "SIMULATION: these drives are virtual",
   "frame.readonly": "READ-ONLY",
   "frame.view": "VIEW LINK",
+  "frame.write": "WRITE",
   "frame.fault.none": "No fault",
   "frame.lost": "Connection to the workbench lost {age} ago. Nothing on this page is current.",
   "frame.event.stop": "STOP was pressed.",

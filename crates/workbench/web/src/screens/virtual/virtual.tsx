@@ -8,7 +8,7 @@ import { server, shafts, silent, stations } from "../../store/store";
 import { t } from "../../text";
 
 /** The drive that something is to happen to, and what became of the last wish. */
-const chosen = signal("");
+const selection = signal("");
 const answer = signal<{ text: string; failed: boolean } | null>(null);
 
 /** What can be done by one button: the event, and how it is called. */
@@ -28,7 +28,7 @@ async function inject(drive: string, event: string, seconds: number | null): Pro
   );
 }
 
-function Row({ shaft, station }: { shaft: ShaftState; station: Station | undefined }) {
+function Row({ shaft, station, chosen }: { shaft: ShaftState; station: Station | undefined; chosen: boolean }) {
   const dash = "\u2013";
   const live = silent.value === null;
   const present = station?.status?.faults ?? [];
@@ -47,9 +47,9 @@ function Row({ shaft, station }: { shaft: ShaftState; station: Station | undefin
       <td>
         <button
           type="button"
-          aria-pressed={chosen.value === shaft.id}
+          aria-pressed={chosen}
           onClick={() => {
-            chosen.value = shaft.id;
+            selection.value = shaft.id;
           }}
         >
           {t("virtual.choose", { name: foreign(shaft.name) })}
@@ -160,7 +160,7 @@ function Happen({ shaft }: { shaft: ShaftState }) {
 export function Virtual() {
   const all = [...shafts.value.values()];
   const known = new Map((stations.value ?? []).map((station) => [station.id, station]));
-  const one = shafts.value.get(chosen.value) ?? all[0];
+  const one = shafts.value.get(selection.value) ?? all[0];
   return (
     <article class="virtual">
       <h1>{t("virtual.title")}</h1>
@@ -181,7 +181,7 @@ export function Virtual() {
           </thead>
           <tbody>
             {all.map((shaft) => (
-              <Row key={shaft.id} shaft={shaft} station={known.get(shaft.id)} />
+              <Row key={shaft.id} shaft={shaft} station={known.get(shaft.id)} chosen={shaft.id === one?.id} />
             ))}
           </tbody>
         </table>
