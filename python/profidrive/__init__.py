@@ -5,9 +5,8 @@ Importing this package opens nothing, starts no thread, and loads the binding on
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from importlib import import_module
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from profidrive import errors, types
 from profidrive.errors import ErrorKind, ProfidriveError
@@ -49,8 +48,7 @@ def __dir__() -> list[str]:
     return sorted({*globals(), *_LAZY, *_MODULES})
 
 
-@dataclass(frozen=True, slots=True)
-class BuildInfo:
+class BuildInfo(NamedTuple):
     """What this package was built of."""
 
     version: str
