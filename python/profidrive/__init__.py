@@ -5,15 +5,15 @@ Importing this package opens nothing, starts no thread, and loads the binding on
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from importlib import import_module
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
-from profidrive import errors, events, types
+from profidrive import errors, types
 from profidrive.errors import ErrorKind, ProfidriveError
 from profidrive.types import State
 
 if TYPE_CHECKING:
+    from profidrive import events, reports
     from profidrive.network import Drive, Network
     from profidrive.plant import Plant, PlantDrive, VirtualDrive, World
     from profidrive.table import Table
@@ -31,7 +31,12 @@ _LAZY = {
 }
 
 
+_MODULES = ("events", "reports")
+
+
 def __getattr__(name: str) -> object:
+    if name in _MODULES:
+        return import_module(f"profidrive.{name}")
     if name not in _LAZY:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     value: object = getattr(import_module(f"profidrive.{_LAZY[name]}"), name)
@@ -40,11 +45,10 @@ def __getattr__(name: str) -> object:
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *_LAZY})
+    return sorted({*globals(), *_LAZY, *_MODULES})
 
 
-@dataclass(frozen=True, slots=True)
-class BuildInfo:
+class BuildInfo(NamedTuple):
     """What this package was built of."""
 
     version: str
@@ -77,5 +81,6 @@ __all__ = [
     "build_info",
     "errors",
     "events",
+    "reports",
     "types",
 ]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from typing import TYPE_CHECKING
 
+from profidrive._render import LAST, page, table
 from profidrive.errors import UnsupportedError
 
 if TYPE_CHECKING:
@@ -72,6 +73,13 @@ class Table:
     def write(self, path: str) -> None:
         """Writes a new file whose name decides its form: `.csv`, `.arrow`, `.arrows`, `.feather` or `.parquet`."""
         self._write(path)
+
+    def _repr_html_(self) -> str:
+        """The last rows, for notebooks."""
+        columns = [name for name in self.columns if name not in ("wall", "gap")]
+        values = [self[name][-LAST:].tolist() for name in columns]
+        units = [f"{name} ({self.units[name]})" if self.units[name] else name for name in columns]
+        return page(table(["t (ns)", *units[1:]], zip(*values, strict=True), f"{len(self)} rows"))
 
     def __repr__(self) -> str:
         return f"<Table of {len(self)} rows: {', '.join(self.columns)}>"

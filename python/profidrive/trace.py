@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from profidrive._render import page, table
 from profidrive._values import chosen, expectation_text, span
 from profidrive.errors import ExpectationFailed, UnsupportedError, UsageError
 from profidrive.events import Event, ExpectationResult, Outcome, Sample, event_of
@@ -115,7 +116,10 @@ class Trace:
 
     def draw(self, path: Path, columns: Sequence[str] = ("speed", "position"), title: str = "") -> None:
         """Draws columns of the samples to a file (SVG), with a mark for each fault. Needs no other package."""
-        self._trace.draw(os.fspath(path), title, list(columns), self._drive)
+        for column in columns:
+            chosen(self.samples.columns, column, "column")
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(self._trace.picture(title, list(columns), self._drive))
 
     def plot(self, signals: Sequence[str] = ("speed",), ax: Axes | None = None) -> Axes:
         """Plots columns of the samples with matplotlib and returns the axes."""
@@ -140,6 +144,13 @@ class Trace:
         """Returns the events as lines of text."""
         pairs = zip(self._trace.lines(), json.loads(self._trace.events()), strict=True)
         return tuple(line for line, event in pairs if self._drive in (None, event["drive"]))
+
+    def _repr_html_(self) -> str:
+        """The speeds as a picture and the last events, for notebooks."""
+        events = list(zip((event.drive for event in self.events), self.lines(), strict=True))
+        rows = [(line.split(maxsplit=2)[0], drive, line.split(maxsplit=3)[-1]) for drive, line in events]
+        picture = self._trace.picture(repr(self), ["speed"], self._drive)
+        return page(picture, table(("s", "drive", "event"), rows, f"{len(rows)} events"))
 
     def __repr__(self) -> str:
         return f"<Trace of {', '.join(self.drives)}: {self.end} s, seed {self.seed}>"

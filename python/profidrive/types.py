@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from datetime import timedelta
 from enum import IntEnum
 from os import PathLike
-from typing import Protocol, TypeAlias, runtime_checkable
+from typing import TYPE_CHECKING, Protocol, TypeAlias, runtime_checkable
+
+if TYPE_CHECKING:
+    from datetime import timedelta
 
 
 @runtime_checkable

@@ -41,14 +41,14 @@ impl Joined {
         let caught = Caught::default();
         let (signal, mut looked) = (Arc::clone(&caught), Clock::now());
         network.interrupt_with(move || {
-            if looked.elapsed() < LOOK {
-                return false;
+            if looked.elapsed() >= LOOK {
+                looked = Clock::now();
+                if let Err(raised) = Python::attach(|py| py.check_signals()) {
+                    *locked(&signal) = Some(raised);
+                }
             }
-            looked = Clock::now();
-            let raised = Python::attach(|py| py.check_signals()).err();
-            let is_raised = raised.is_some();
-            *locked(&signal) = raised;
-            is_raised
+            // until the call has ended with it
+            locked(&signal).is_some()
         });
         Ok(Self {
             network,

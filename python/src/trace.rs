@@ -11,7 +11,7 @@ use pyo3::prelude::*;
 use serde_json::{Value, json};
 
 use crate::errors::{Failure, explained};
-use crate::table::{Table, unwritten, write};
+use crate::table::{Table, write};
 use crate::time::{Span, seconds};
 
 /// A trace that is cloned from its plant when it is looked at, or right before the plant goes on.
@@ -127,32 +127,29 @@ impl Trace {
         Ok(())
     }
 
-    /// Draws the samples of these columns to a file (SVG), with a mark for each fault.
-    #[pyo3(signature = (path, title, columns, drive=None))]
-    fn draw(
+    /// Draws the samples of these columns (SVG), with a mark for each fault.
+    #[pyo3(signature = (title, columns, drive=None))]
+    fn picture(
         &self,
         py: Python<'_>,
-        path: PathBuf,
         title: &str,
         columns: Vec<String>,
         drive: Option<&str>,
-    ) -> PyResult<()> {
+    ) -> PyResult<String> {
         let trace = self.get(py)?;
-        py.detach(|| {
+        let picture = py.detach(|| {
             let table = trace_table(trace);
             let mut scope = Scope::new(&table);
             for row in trace_rows(trace, drive) {
                 scope.push(&row);
             }
-            let named = |curve: &profidrive::recording::Curve| {
+            scope.curves.retain(|curve| {
                 let signal = curve.name.rsplit(' ').next().unwrap_or_default();
                 columns.iter().any(|column| column == signal)
-            };
-            scope.curves.retain(named);
-            let picture = svg(title, &scope, &marks(trace, drive)).map_err(|error| explained(&error))?;
-            std::fs::write(&path, picture).map_err(|error| unwritten(&path, &error))
-        })?;
-        Ok(())
+            });
+            svg(title, &scope, &marks(trace, drive))
+        });
+        Ok(picture.map_err(|error| explained(&error))?)
     }
 
     /// Checks expectations: JSON objects, inline tables, or texts with the key `expect`; those of the plant file where none is

@@ -122,7 +122,9 @@ def test_a_picture_needs_no_other_package(trace: Trace, tmp_path: Path) -> None:
     picture = (tmp_path / "trace.svg").read_text()
     assert picture.startswith("<svg")
     assert "<press>" not in picture
-    with pytest.raises(LocalError):
+    with pytest.raises(UsageError, match="no column `torqe`"):
+        trace.draw(tmp_path / "other.svg", ["torqe"])
+    with pytest.raises(OSError, match="no-such-folder"):
         trace.draw(tmp_path / "no-such-folder" / "trace.svg")
 
 
