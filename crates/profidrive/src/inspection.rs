@@ -26,7 +26,7 @@
 //! ```
 
 use client::status::{Verdict, diagnose};
-use client::{Advice, Drive, Error, Session};
+use client::{Advice, Drive, Error, ErrorKind, Info, Session};
 
 use crate::motion::leftovers;
 use crate::report::{FaultsReport, InfoReport, StatusReport, Wording};
@@ -79,16 +79,36 @@ pub fn without_status(error: &Error) -> Advice {
 /// # Errors
 /// When the drive cannot be reached. What it refuses is in [`InfoReport::refused`].
 pub async fn info(session: &mut Session, drive: &mut Drive) -> Result<InfoReport, Error> {
-    let info = session.info(drive).await?;
-    let (snapshot, faults) = if info.readings.is_empty() {
-        (None, Vec::new())
-    } else {
-        (
-            session.snapshot(drive, &[]).await.ok(),
-            session.faults(drive).await.unwrap_or_default(),
-        )
-    };
-    Ok(InfoReport::new(drive, &info, snapshot.as_ref(), &faults))
+    look(session, drive).await.map(|(report, _)| report)
+}
+
+/// The same, with what was requested and not answered in time.
+pub(crate) async fn look(
+    session: &mut Session,
+    drive: &mut Drive,
+) -> Result<(InfoReport, Vec<String>), Error> {
+    let mut info = session.info(drive).await?;
+    let (mut snapshot, mut faults) = (None, Vec::new());
+    if !info.readings.is_empty() {
+        match session.snapshot(drive, &[]).await {
+            Ok(read) => snapshot = Some(read),
+            Err(error) => miss(&mut info, "state", &error),
+        }
+        match session.faults(drive).await {
+            Ok(read) => faults = read,
+            Err(error) => miss(&mut info, "faults", &error),
+        }
+    }
+    let report = InfoReport::new(drive, &info, snapshot.as_ref(), &faults);
+    Ok((report, info.unanswered))
+}
+
+fn miss(info: &mut Info, what: &str, error: &Error) {
+    if matches!(error.kind(), ErrorKind::Unreachable | ErrorKind::Lost) {
+        let missing = format!("{what}: {error}");
+        info.refused.push(missing.clone());
+        info.unanswered.push(missing);
+    }
 }
 
 /// Reads the faults and warnings of a drive, acknowledged faults and its log only with `history`.

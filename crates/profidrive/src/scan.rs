@@ -113,7 +113,7 @@ pub(crate) async fn described(
     let mut reading = stream::iter(wanted)
         .map(|(at, mut drive)| {
             let mut session = session.clone();
-            async move { (at, inspection::info(&mut session, &mut drive).await) }
+            async move { (at, inspection::look(&mut session, &mut drive).await) }
         })
         .buffer_unordered(AT_ONCE);
     let mut done = 0;
@@ -125,7 +125,10 @@ pub(crate) async fn described(
             continue;
         };
         match info {
-            Ok(info) => one.info = Some(info),
+            Ok((info, unanswered)) => {
+                one.info = Some(info);
+                one.unread = (!unanswered.is_empty()).then(|| unanswered.join("; "));
+            }
             Err(error) if error.kind() == ErrorKind::Interrupted => return Err(error),
             Err(error) => one.unread = Some(error.to_string()),
         }

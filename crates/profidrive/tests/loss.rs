@@ -7,7 +7,7 @@
 use std::time::Duration;
 
 use profidrive::client::Action;
-use profidrive::{Transport, Wait};
+use profidrive::{Transport, Wait, scan};
 
 const PLANT: &str = "[[drive]]\nname = \"akd-1\"\nip = \"192.168.0.11/24\"";
 
@@ -72,4 +72,31 @@ fn loss_before_the_first_request_is_called_loss() {
         advice.actions().any(|action| *action == Action::Doctor),
         "{advice}"
     );
+}
+
+/// Each station that answers discovery is read whole, or it is said what is missing of it.
+#[test]
+fn a_scan_says_what_was_not_answered() {
+    let mut missing = 0;
+    for seed in 0..20 {
+        let plant = format!("seed = {seed}\n{PLANT}");
+        let mut network = profidrive::open_plan(plant.parse().unwrap()).unwrap();
+        let Transport::Plant(plant) = network.transport().clone() else {
+            panic!("a plant is in memory");
+        };
+        let event = "loss=40%".parse().unwrap();
+        plant
+            .with_world(|world| world.inject("akd-1", event, None))
+            .unwrap();
+        let time = Duration::from_secs(1);
+        let found = scan::survey(&mut network, time, &mut |_, _| {}).wait().unwrap();
+        for one in &found.report.stations {
+            let state = one.info.as_ref().and_then(|info| info.words.zsw1.as_ref());
+            let identity = one.info.as_ref().and_then(|info| info.identity.as_ref());
+            let whole = state.is_some() && identity.is_some();
+            assert!(whole || one.unread.is_some(), "seed {seed}: {one:?}");
+            missing += usize::from(one.info.is_some() && !whole);
+        }
+    }
+    assert!(missing > 0, "no scan was in part");
 }

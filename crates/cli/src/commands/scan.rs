@@ -51,9 +51,21 @@ pub fn run(args: &Scan, interface: &Interface, output: &Output) -> Result<(), Fa
         for duplicate in report.duplicates() {
             output.warn(&duplicate.to_string());
         }
-        for Scanned { station, unread, .. } in &report.stations {
-            if let Some(unread) = unread {
-                output.say(&format!("{} could not be read: {unread}", label(station)));
+        for Scanned {
+            station,
+            unread,
+            info,
+            ..
+        } in &report.stations
+        {
+            match (unread, info) {
+                (Some(unread), None) => {
+                    output.say(&format!("{} could not be read: {unread}", label(station)));
+                }
+                (Some(unread), Some(_)) => {
+                    output.warn(&format!("{} was read in part: {unread}", label(station)));
+                }
+                (None, _) => {}
             }
         }
     }

@@ -45,6 +45,8 @@ impl Error {
                 reaction: Some(reaction),
                 ..
             } if !reaction.action.stops() => Some(Action::Stop),
+            // no axis was under control: what was read is read again once the line is well
+            Self::ConnectionLost { reaction: None, .. } => Some(Action::Doctor),
             Self::ConnectionLost { .. }
             | Self::LineSilent { .. }
             | Self::CarrierLost { .. }

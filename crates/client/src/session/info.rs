@@ -4,7 +4,7 @@ use profile::catalogue::Part;
 use profile::parameter::pnu;
 use profile::telegram::signal;
 use profinet::MacAddress;
-use profinet::controller::RecordAddress;
+use profinet::controller::{RecordAddress, ServiceError};
 use profinet::wire::record::{IdentifiedModule, Im0, ImText, PortPeer, PortReal, decode_ar_list, index};
 use profinet::wire::{DecodeError, Reader, Uuid};
 
@@ -58,6 +58,8 @@ pub struct Info {
     pub route: Option<Route>,
     /// Records and parameters the device refused, with its reason.
     pub refused: Vec<String>,
+    /// What was requested and not answered in time; it is among `refused` too.
+    pub unanswered: Vec<String>,
     /// The page of identifying parameters, refused ones left out.
     pub readings: Vec<Reading>,
 }
@@ -76,6 +78,7 @@ impl Session {
             modules: Vec::new(),
             route: None,
             refused: Vec::new(),
+            unanswered: Vec::new(),
             readings: Vec::new(),
         };
         match self.read_records(drive, &mut info).await {
@@ -92,7 +95,7 @@ impl Session {
             Ok(readings) => readings,
             // a device without a parameter channel still has its identity
             Err(Error::Record { what, error, .. }) => {
-                info.refused.push(format!("{what}: {error}"));
+                info.miss(&what, &error);
                 Vec::new()
             }
             Err(
@@ -131,7 +134,7 @@ impl Session {
                         info.refused.push(format!("I&M{number}: {error}"));
                     }
                 }
-                Err(Error::Record { error, .. }) => info.refused.push(format!("I&M{number}: {error}")),
+                Err(Error::Record { error, .. }) => info.miss(&format!("I&M{number}"), &error),
                 Err(error) => return Err(error),
             }
         }
@@ -247,6 +250,15 @@ impl Info {
     #[must_use]
     pub fn raw(&self, pnu: u16) -> Option<i64> {
         self.readings.iter().find(|reading| reading.pnu == pnu)?.raw()
+    }
+
+    /// Notes a record that was not read.
+    fn miss(&mut self, what: &str, error: &ServiceError) {
+        let missing = format!("{what}: {error}");
+        if matches!(error, ServiceError::Timeout { .. }) {
+            self.unanswered.push(missing.clone());
+        }
+        self.refused.push(missing);
     }
 }
 

@@ -26,7 +26,7 @@ pub struct Scanned {
     pub remarks: Vec<Remark>,
     /// Its own description; null where it was not read.
     pub info: Option<InfoReport>,
-    /// Why it was not read; null where it was, or where this was not requested.
+    /// Why it was not read, or what of it was not answered; null where all was read, or where this was not requested.
     pub unread: Option<String>,
 }
 
