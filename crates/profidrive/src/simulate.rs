@@ -309,7 +309,9 @@ mod tests {
         );
         let missing = open_plant("no-such-plant.toml").unwrap_err();
         assert!(
-            missing.to_string().starts_with("no-such-plant.toml: "),
+            missing
+                .to_string()
+                .starts_with("cannot read no-such-plant.toml: "),
             "{missing}"
         );
         let full = "[[drive]]\nname = \"a\"\nip = \"10.0.0.1/31\"".parse().unwrap();
