@@ -53,8 +53,8 @@ pub fn open_plan(plant: PlantPlan) -> Result<Network, OpenError> {
 /// The kind of the error: the content of the file, or the file itself.
 pub(crate) const fn kind(error: &PlantFileError) -> ErrorKind {
     match error {
-        PlantFileError::Read { .. } => ErrorKind::Local,
-        _ => ErrorKind::Usage,
+        PlantFileError::PlantPlan { .. } => ErrorKind::Usage,
+        _ => ErrorKind::Local,
     }
 }
 

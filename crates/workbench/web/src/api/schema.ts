@@ -259,6 +259,33 @@ export interface components {
             /** @description Its name, where it has one. */
             name: string | null;
         };
+        /** @description One axis, or another object, of a drive unit. */
+        DriveObject: {
+            /**
+             * Format: int64
+             * @description Class: 1 is an axis, 5 an encoder.
+             */
+            class: number | null;
+            /** @description Date, YYYY-MM-DD. */
+            date: string;
+            /**
+             * Format: int64
+             * @description DO-ID.
+             */
+            id: number | null;
+            /**
+             * Format: int64
+             * @description Type, a number of the manufacturer.
+             */
+            kind: number;
+            /**
+             * Format: int64
+             * @description Number of the manufacturer.
+             */
+            manufacturer: number;
+            /** @description Version. */
+            version: string;
+        };
         /** @description State of a drive in the general state machine of PROFIdrive. */
         DriveState: "S1" | "S2" | "S3" | "S4" | "S5";
         /** @description Why a verb failed. */
@@ -437,6 +464,8 @@ export interface components {
             fault_bit: boolean | null;
             /** @description Its fault buffer. */
             faults: components["schemas"]["Fault"][];
+            /** @description What its identification parameters (PNU 964, 965 and 975) say. */
+            identification: components["schemas"]["ProfileIdentity"];
             /** @description Its identification records (I&M0 to I&M3). */
             identity: components["schemas"]["Identity"] | null;
             /** @description Whether it is a drive. */
@@ -542,7 +571,7 @@ export interface components {
             status: components["schemas"]["StatusReport"] | null;
             /** @description Type of station in the vendor's words. */
             type: string;
-            /** @description Why it was not read; null where it was, or where this was not requested. */
+            /** @description Why it was not read, or what of it was not answered; null where all was read, or where this was not requested. */
             unread: string | null;
             /** @description Name of the vendor, where it is in the tables. */
             vendor: string | null;
@@ -773,6 +802,25 @@ export interface components {
             /** @description The status of the answer in words. */
             title: string;
         };
+        /** @description What a drive says about itself, beside its identification records. What it does not have is null. */
+        ProfileIdentity: {
+            /** @description The drive object (PNU 975). */
+            drive_object: components["schemas"]["DriveObject"] | null;
+            /** @description The drive unit (PNU 964). */
+            drive_unit: components["schemas"]["Software"] | null;
+            /** @description The profile (PNU 965). */
+            profile: components["schemas"]["ProfileVersion"] | null;
+        };
+        /** @description The profile of a drive: `3 PROFIdrive, version 4.1`. */
+        ProfileVersion: {
+            /**
+             * Format: uint8
+             * @description Number of the profile; 3 is PROFIdrive.
+             */
+            number: number;
+            /** @description Version. */
+            version: string;
+        };
         /** @description A setting that was changed for a motion, after it. */
         PutBack: {
             /** @description Why it does not have that value again; null where it has. */
@@ -898,6 +946,23 @@ export interface components {
             lifetime: number;
             /** @description What it may do. */
             role: components["schemas"]["Role"];
+        };
+        /** @description Software of a drive unit or of a drive object: `manufacturer 261 (0x0105), type 100, software 1.15, 2017-10-01`. */
+        Software: {
+            /** @description Date, YYYY-MM-DD. */
+            date: string;
+            /**
+             * Format: int64
+             * @description Type, a number of the manufacturer.
+             */
+            kind: number;
+            /**
+             * Format: int64
+             * @description Number of the manufacturer.
+             */
+            manufacturer: number;
+            /** @description Version. */
+            version: string;
         };
         /** @description A station on the network, as it answers to discovery. */
         Station: {
