@@ -106,7 +106,7 @@ fn what_happens_to_a_drive_is_seen_by_its_client() {
         (&["press-9", "fault=439"][..], 4, "press-1"),
         (&["press-1", "fualt=439"], 2, "keys: fault"),
         (&["press-1", "fault=999"], 3, "has no fault 999; next to it"),
-        (&["press-1", "fault=439", "--for", "1s"], 2, "no end of its own"),
+        (&["press-1", "fault=439", "--for", "1s"], 2, "has no end"),
     ] {
         let refused = inject(&lab, arguments);
         assert_eq!(refused.code, Some(code), "{refused:?}");
