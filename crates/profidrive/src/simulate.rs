@@ -111,9 +111,10 @@ impl Joined {
 ///
 /// ```
 /// use std::time::Duration;
+/// use profidrive::plant::PlantPlan;
 /// use profidrive::{Instant, Running, Wait};
 ///
-/// let plant = "[[drive]]\nname = \"akd-1\"\nip = \"10.0.0.1/24\"".parse()?;
+/// let plant: PlantPlan = "[[drive]]\nname = \"akd-1\"\nip = \"10.0.0.1/24\"".parse()?;
 /// let running = Running::start(plant)?;
 /// running.with_world(|world| world.run_until(Instant::from_millis(500), &mut drop));
 /// let mut network = running.join(None)?;

@@ -51,7 +51,10 @@ fn failure(error: &InjectError) -> Failure {
     let failure = Failure::explained(error);
     let failure = Failure {
         message: clean(&failure.message),
-        hint: clean(&failure.hint.to_string()).into(),
+        hint: match failure.hint.is_empty() {
+            true => failure.hint,
+            false => clean(&failure.hint.to_string()).into(),
+        },
         ..failure
     };
     match error {
