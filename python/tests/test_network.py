@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import pickle
-import subprocess
-import sys
 
 import pytest
 
 from profidrive import Network, Plant
 from profidrive.errors import PartialWrite, RefusedError, UnknownParameter, UnreachableError, UsageError
 from profidrive.events import ParameterWritten, WrittenBy
+
+from .conftest import output_when_interrupted
 
 
 @pytest.fixture
@@ -132,15 +132,7 @@ def test_ctrl_c_ends_a_call(two: Plant) -> None:
         "    print('ended', flush=True)\n"
         "print(drive.read('DRV.ACC').value)\n"
     )
-    with subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE, text=True) as child:
-        assert child.stdout is not None
-        assert child.stdout.readline() == "runs\n"
-        child.send_signal(2)
-        try:
-            output, _ = child.communicate(timeout=30)
-        finally:
-            child.kill()
-    assert output == "ended\n3000.0\n"
+    assert output_when_interrupted(program) == "ended\n3000.0\n"
 
 
 @pytest.mark.seeds([7, 8])

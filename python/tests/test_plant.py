@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import gc
-import subprocess
-import sys
 import threading
 from datetime import timedelta
 from pathlib import Path
@@ -23,7 +21,7 @@ from profidrive.errors import (
 )
 from profidrive.events import FaultRaised, Injected, ParameterWritten, ReadingValue, WrittenBy
 
-from .conftest import PRESS
+from .conftest import PRESS, output_when_interrupted
 
 
 def test_a_plant_of_models_names_its_drives() -> None:
@@ -193,15 +191,7 @@ def test_ctrl_c_ends_a_run() -> None:
         "except KeyboardInterrupt:\n"
         "    print('ended', world.now < 20_000_000, flush=True)\n"
     )
-    with subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE, text=True) as child:
-        assert child.stdout is not None
-        assert child.stdout.readline() == "runs\n"
-        child.send_signal(2)
-        try:
-            output, _ = child.communicate(timeout=30)
-        finally:
-            child.kill()
-    assert output == "ended True\n"
+    assert output_when_interrupted(program) == "ended True\n"
 
 
 def test_threads_run_worlds_of_their_own_and_share_one(press: Plant) -> None:
