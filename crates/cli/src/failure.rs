@@ -119,6 +119,7 @@ explained!(
     profidrive::addressing::AddressingError,
     profidrive::commissioning::CommissionError,
     profidrive::documents::DocumentError,
+    profidrive::documents::traffic::TrafficError,
     profidrive::machine::MachineError,
     profidrive::monitor::MonitorError,
     profidrive::parameters::ParameterError,

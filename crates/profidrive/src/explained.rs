@@ -97,7 +97,7 @@ impl Explained for SelectorError {
             Self::NoMachine { .. } => Action::Choose(Choice::Machine).into(),
             Self::UnknownGroup(_) => Advice::default(),
             _ => "a drive is a station name (akd-1), an IP address, a MAC address, or fc:PORT/ADDRESS or uss:PORT/ADDRESS at a serial \
-                  line; several are a list (akd-1,akd-2), a pattern (akd-*), model=vlt, vendor=danfoss or all"
+                  line; several are a list (akd-1,akd-2), a pattern (akd-*), model=vlt, vendor=danfoss, a group of the machine file (@line1) or all"
                 .into(),
         }
     }
@@ -262,7 +262,7 @@ impl Explained for AddressingError {
     fn advice(&self) -> Advice {
         match self {
             Self::BadName { legal, .. } => words(legal.as_ref().map(|legal| format!("perhaps {legal}"))),
-            Self::NameTaken { .. } => "one name belongs to one station; rename the other first".into(),
+            Self::NameTaken { .. } => "one name belongs to one station; rename the other first, or disconnect it if this one replaces it".into(),
             Self::AddressTaken { .. } | Self::OwnAddress { .. } => "choose a free address".into(),
             Self::Interfaces(error) => error.advice(),
             Self::Client(error @ Error::AtWork { .. }) => Explained::advice(error)

@@ -54,8 +54,8 @@ fn an_archive_has_what_can_be_read_and_notes_what_cannot() {
     let file = NewFile::at(&folder.0.join("state.zip")).unwrap();
     let selector: Selector = "all,nobody".parse().unwrap();
     let contents = Contents {
-        capture: None,
         files: vec![added.clone(), added],
+        ..Contents::default()
     };
     let mut parts = Vec::new();
     let mut progress = |step: profidrive::Step| parts.push(step.part);
@@ -116,8 +116,8 @@ fn a_file_to_add_that_is_not_there_leaves_no_archive() {
     let folder = Folder::new("bundle-added");
     let file = NewFile::at(&folder.0.join("state.zip")).unwrap();
     let contents = Contents {
-        capture: None,
         files: vec![folder.0.join("no-such.log")],
+        ..Contents::default()
     };
     let selector = Selector::all();
     let error = bundle(

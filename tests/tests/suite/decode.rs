@@ -172,14 +172,15 @@ fn standard_input_is_a_capture_too() {
     assert!(hint.contains("standard input"), "{hint}");
 }
 
-/// Both directions of a wire are decoded as they pass, and Ctrl-C ends with the summary.
+/// Both directions of a wire are decoded as they pass, and Ctrl-C ends with the summary. What was kept is in the next archive.
 #[test]
 fn live_traffic_is_decoded_until_it_is_interrupted() {
     let lab = Lab::new("decode-live");
     let _drive = simulate(&lab, &["--name", "akd-1", "--ip", "192.168.77.50/24"]);
-    let live = ["--json", "decode", "-i", "ctl0"];
+    let live = ["--json", "decode", "-i", "ctl0", "--keep", "10min"];
     let mut live = lab.spawn(Side::Controller, built("profidrive"), live);
     live.wait_for("capturing on ctl0", SHORT);
+    live.wait_for("keeps the last 10 min", SHORT);
     client(&lab, &["scan"]).ok();
     client(&lab, &["read", "akd-1", "DRV.ACC"]).ok();
     live.wait_for("read response", SHORT);
@@ -204,4 +205,18 @@ fn live_traffic_is_decoded_until_it_is_interrupted() {
         (&end["kind"], end["frames"].as_u64().unwrap() > 5),
         (&"end".into(), true)
     );
+
+    let archive = lab.folder().join("state.zip");
+    let name = archive.display().to_string();
+    let made = client(&lab, &["bundle", "akd-1", "-o", &name, "--json"]).ok();
+    let files = made.json_lines()[0]["files"].as_array().unwrap().clone();
+    let kept = files
+        .iter()
+        .find(|file| file["name"] == "traffic/000001.pcapng")
+        .unwrap();
+    // what was decoded, frame by frame
+    let kept_file = lab.folder().join("state/profidrive/traffic/ctl0/000001.pcapng");
+    assert_eq!(kept["size"], kept_file.metadata().unwrap().len());
+    let again = documents(&decode(&[], &kept_file));
+    assert_eq!(again.last().unwrap()["frames"], end["frames"]);
 }

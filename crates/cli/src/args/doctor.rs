@@ -20,7 +20,8 @@ pub struct Bundle {
     /// The zip file to write; nothing is replaced
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
-    /// Also capture the traffic of the interface for this time while the drives are read
+    /// Also capture the traffic of the interface for this time while the drives are read; what `decode --keep` kept before is added
+    /// anyway
     #[arg(long, value_name = "TIME", value_parser = duration)]
     pub capture: Option<Duration>,
     /// Also this file: a capture, a log, the machine file; may be given several times

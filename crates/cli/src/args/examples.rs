@@ -312,6 +312,10 @@ pub const EXAMPLES: &[(&str, &[Example])] = &[
                 "what went wrong in a capture",
             ),
             ("decode -i eth0 --drive akd-1", "live, one drive"),
+            (
+                "decode -i eth0 --only trouble --keep 10min",
+                "what goes wrong; its traffic is kept for `bundle`",
+            ),
             ("decode --hex 047F0000 --telegram 1", "octets of a telegram"),
         ],
     ),

@@ -47,6 +47,9 @@ pub struct Decode {
     /// Captures on this network interface instead, until Ctrl-C
     #[arg(short, long, value_name = "IFACE", conflicts_with_all = ["file", "hex"])]
     pub interface: Option<String>,
+    /// Also keep the last frames of the interface, for this time, where `bundle` finds them
+    #[arg(long, value_name = "TIME", value_parser = duration, conflicts_with_all = ["file", "hex"])]
+    pub keep: Option<Duration>,
     /// Prints only what is from, to or about this station: its name, IP address or Ethernet address
     #[arg(long = "drive", value_name = "DRIVE", conflicts_with = "hex")]
     pub station: Option<String>,
@@ -61,7 +64,7 @@ pub struct Decode {
     pub until: Option<Duration>,
     /// Prints one frame, numbered from 1 as in Wireshark: what happened in it, and each field with its octets
     #[arg(long, value_name = "NUMBER", value_parser = clap::value_parser!(u64).range(1..),
-        conflicts_with_all = ["hex", "interface", "station", "only", "since", "until"])]
+        conflicts_with_all = ["hex", "interface", "keep", "station", "only", "since", "until"])]
     pub frame: Option<u64>,
     /// Octets in hexadecimal: a parameter job, or what --as or --telegram says
     #[arg(long, value_name = "BYTES")]

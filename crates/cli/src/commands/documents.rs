@@ -19,6 +19,7 @@ pub fn bundle(args: &Bundle, target: &Target, output: &Output) -> Result<(), Fai
     let opening = connect::unopened(target, Need::Identity)?;
     let contents = Contents {
         capture: args.capture,
+        state: profidrive::state_folder(),
         files: args.add.clone(),
     };
     let mut steps = connect::steps(output);

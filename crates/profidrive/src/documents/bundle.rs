@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use std::io::{Cursor, Write as _};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -17,6 +17,7 @@ use serde::Serialize;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipWriter};
 
+use super::traffic::kept;
 use super::{DocumentError, NewFile, Portrait, portrait, time_text};
 use crate::open::Opening;
 use crate::report::{BundleReport, BundledDrive, BundledFile, DoctorReport, Wording, document};
@@ -34,6 +35,8 @@ const MAX_ADDED: u64 = 256 << 20;
 pub struct Contents {
     /// How long the traffic of the interface is captured, at least.
     pub capture: Option<Duration>,
+    /// The folder in which the last traffic of the interface may have been kept: see [`KeptTraffic`](super::traffic::KeptTraffic).
+    pub state: Option<PathBuf>,
     /// Files of the caller: captures, logs, machine files.
     pub files: Vec<PathBuf>,
 }
@@ -102,13 +105,26 @@ pub async fn bundle(
             &traffic,
         )?;
     }
+    let interface = examined.interface.as_deref();
+    let state = contents.state.as_deref();
+    let kept = state
+        .zip(interface)
+        .map_or_else(Vec::new, |(state, interface)| kept(state, interface));
+    match read_all(&kept) {
+        Ok(kept) => {
+            for (path, content) in &kept {
+                archive.file(
+                    "traffic",
+                    path,
+                    "traffic of the interface that was kept before",
+                    content,
+                )?;
+            }
+        }
+        Err(error) => notes.push(format!("the traffic that was kept is missing: {error}")),
+    }
     for (path, content) in &added {
-        let name = path.file_name().unwrap_or_default().to_string_lossy();
-        archive.add(
-            &format!("added/{}", safe(&name)),
-            "a file that was added",
-            content,
-        )?;
+        archive.file("added", path, "a file that was added", content)?;
     }
     let (content, files) = archive.finish(&notes)?;
     file.write(&content)?;
@@ -225,6 +241,18 @@ impl Archive {
             names: BTreeSet::new(),
             files: Vec::new(),
         }
+    }
+
+    /// Adds a file of this computer to a folder.
+    fn file(
+        &mut self,
+        folder: &str,
+        path: &Path,
+        meaning: &'static str,
+        content: &[u8],
+    ) -> Result<(), DocumentError> {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        self.add(&format!("{folder}/{}", safe(&name)), meaning, content)
     }
 
     /// Adds a file; one of the same name gets a number.

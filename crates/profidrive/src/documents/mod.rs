@@ -1,9 +1,10 @@
-//! Files about a whole machine: an archive for support ([`bundle`]) and a page for its documentation ([`page`]). Both read the
-//! drives and change nothing. A drive that does not answer is noted in the file and is not the end of it.
+//! Files about a whole machine: an archive for support ([`bundle`]), with the last traffic where that was kept ([`traffic`]), and a
+//! page for its documentation ([`page`]). Both read the drives and change nothing. A drive that does not answer is noted in the file and is not the end of it.
 
 pub mod bundle;
 pub mod page;
 mod portrait;
+pub mod traffic;
 
 use std::path::{Path, PathBuf};
 use std::time::{SystemTime, UNIX_EPOCH};

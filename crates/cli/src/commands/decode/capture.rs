@@ -16,6 +16,8 @@ use indicatif::ProgressBar;
 use network::ethernet::Capture;
 use network::pcap::{ReadError, Reader};
 use network::system::Stop;
+use profidrive::documents::traffic::KeptTraffic;
+use profidrive::lasting;
 
 use super::painted;
 use crate::args::{Decode, Only};
@@ -167,11 +169,16 @@ pub fn live(interface: &str, args: &Decode, output: &Output) -> Result<(), Failu
         "capturing on {interface}; Ctrl-C ends and prints the summary"
     ));
     let mut view = view(args);
+    let mut kept = args.keep.map(|time| keep(interface, time, output)).transpose()?;
     let bar = ProgressBar::hidden();
     let result = loop {
         let wait = Duration::from_millis(200);
         match capture.next(wait) {
             Ok(Some((time, frame))) => {
+                if let Some(Err(error)) = kept.as_mut().map(|kept| kept.write(time, frame)) {
+                    output.warn(&format!("no more traffic is kept: {error}"));
+                    kept = None;
+                }
                 let Some(events) = view.frame(time, frame) else {
                     break Ok(());
                 };
@@ -193,6 +200,21 @@ pub fn live(interface: &str, args: &Decode, output: &Output) -> Result<(), Failu
         ));
     }
     result
+}
+
+/// Keeps the last traffic for `bundle`.
+fn keep(interface: &str, time: Duration, output: &Output) -> Result<KeptTraffic, Failure> {
+    let state = profidrive::state_folder().ok_or_else(|| {
+        Failure::new(ErrorKind::Local, "there is no folder for the traffic to keep")
+            .hint("the variable HOME or XDG_STATE_HOME names it")
+    })?;
+    let kept = KeptTraffic::begin(&state, interface, time)?;
+    output.say(&format!(
+        "keeps the last {} in {}; `profidrive bundle` adds them",
+        lasting(time),
+        kept.folder().display()
+    ));
+    Ok(kept)
 }
 
 fn end(mut view: View, damage: Option<&str>, bar: &ProgressBar, output: &Output) {
