@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use profile::catalogue::{Catalogue, Part};
+use profinet::controller::ServiceError;
 
 use super::Session;
 use super::readings::Readings;
@@ -52,9 +53,15 @@ impl Session {
         };
         let readings = match self.ask(drive, &PARTS).await {
             Ok(readings) => readings,
-            Err(Error::Refused { .. } | Error::Record { .. } | Error::Channel { .. }) => {
-                return Ok(unread(tables, drive));
-            }
+            // a request that got lost says nothing about the drive
+            Err(
+                Error::Refused { .. }
+                | Error::Channel { .. }
+                | Error::Record {
+                    error: ServiceError::Refused { .. },
+                    ..
+                },
+            ) => return Ok(unread(tables, drive)),
             Err(error) => return Err(error),
         };
         Ok(reaction(tables, drive, &readings))
