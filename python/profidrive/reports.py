@@ -238,6 +238,26 @@ class Quantity:
 
 
 @dataclass(frozen=True, slots=True)
+class LoadStatus:
+    """Where the load of a drive is and how fast it goes, in the unit that the machine file has for it."""
+
+    position: Quantity | None
+    """Its position, counted from position 0 of the motor."""
+    speed: Quantity | None
+    """Its speed."""
+    following_error: Quantity | None
+    """Commanded position minus position."""
+
+    @classmethod
+    def _of(cls, data: Mapping[str, Any]) -> LoadStatus:
+        return cls(
+            position=None if data["position"] is None else Quantity._of(data["position"]),
+            speed=None if data["speed"] is None else Quantity._of(data["speed"]),
+            following_error=None if data["following_error"] is None else Quantity._of(data["following_error"]),
+        )
+
+
+@dataclass(frozen=True, slots=True)
 class LossReaction:
     """What a drive does when its controller is lost."""
 
@@ -395,6 +415,8 @@ class StatusReport:
     """Position."""
     following_error: Quantity | None
     """Commanded position minus position."""
+    load: LoadStatus | None
+    """The same of the load, where the machine file has its unit."""
     on_loss: LossReaction | None
     """What the drive does when its controller is lost."""
     faults: tuple[Fault, ...]
@@ -437,6 +459,7 @@ class StatusReport:
             speed_actual=None if data["speed_actual"] is None else Quantity._of(data["speed_actual"]),
             position=None if data["position"] is None else Quantity._of(data["position"]),
             following_error=None if data["following_error"] is None else Quantity._of(data["following_error"]),
+            load=None if data["load"] is None else LoadStatus._of(data["load"]),
             on_loss=None if data["on_loss"] is None else LossReaction._of(data["on_loss"]),
             faults=tuple(Fault._of(item) for item in data["faults"]),
             warnings=tuple(Warning._of(item) for item in data["warnings"]),
@@ -608,6 +631,7 @@ __all__ = [
     "DriveState",
     "Fault",
     "FaultsReport",
+    "LoadStatus",
     "LogEntry",
     "LossReaction",
     "Parameter",

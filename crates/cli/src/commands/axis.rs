@@ -103,14 +103,17 @@ pub fn in_motor_units<'a>(
 pub fn show_travel(unit: Option<&UserUnit>, report: &motion::Report, output: &Output) {
     let Some(unit) = unit else { return };
     let result = &report.result;
-    let turns = |quantity: &Option<profidrive::report::Quantity>| {
-        let found = quantity.as_ref().filter(|quantity| quantity.unit == "rev")?;
-        Some(number((unit.travel(found.value) * 1000.0).round() / 1000.0))
+    let load = |quantity: &Option<profidrive::report::Quantity>| {
+        let load = unit.of_motor(quantity.as_ref()?)?;
+        Some(format!(
+            "{} {}",
+            number((load.value * 1e3).round() / 1e3),
+            load.unit
+        ))
     };
-    let name = &unit.name;
-    match (turns(&result.position), turns(&result.distance)) {
-        (Some(position), _) => output.say(&format!("the load is at {position} {name}")),
-        (None, Some(distance)) => output.say(&format!("the load went {distance} {name}")),
+    match (load(&result.position), load(&result.distance)) {
+        (Some(position), _) => output.say(&format!("the load is at {position}")),
+        (None, Some(distance)) => output.say(&format!("the load went {distance}")),
         (None, None) => {}
     }
 }

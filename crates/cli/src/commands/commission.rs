@@ -114,7 +114,8 @@ fn from(
     let problems = each::ended(&rows, None, output).err().into_iter();
     let problems = match read.written {
         Ok(count) => {
-            output.say(&format!("{count} drives in {}", path.display()));
+            let plural = if count == 1 { "" } else { "s" };
+            output.say(&format!("{count} drive{plural} in {}", path.display()));
             problems.collect()
         }
         Err(error) => problems.chain([error.into()]).collect(),

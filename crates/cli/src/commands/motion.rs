@@ -100,7 +100,7 @@ impl Shown for Acknowledging {
 const fn acknowledged(report: &MotionReport) -> &'static str {
     match report.result.acknowledged {
         Some(false) => "no fault: nothing to acknowledge",
-        _ => "no fault is present",
+        _ => "acknowledged: no fault is present",
     }
 }
 

@@ -1,7 +1,8 @@
 //! `profidrive status`
 
 use client::{Drive, Session};
-use profidrive::report::{Controller, LossReaction, Quantity, StatusReport, Word};
+use profidrive::machine::Machine;
+use profidrive::report::{Controller, LoadStatus, LossReaction, Quantity, StatusReport, Word};
 use profidrive::{Reported, inspection};
 use profile::catalogue::Part;
 use profile::state::Profile;
@@ -9,16 +10,28 @@ use profile::state::Profile;
 use super::each::{self, Each, Progress, Shown};
 use crate::advice::Commands;
 use crate::args::{Status, Target};
+use crate::connect;
 use crate::failure::Failure;
 use crate::output::{Colour, Output};
 use crate::render::table::clean;
 use crate::render::{Page, hex16};
 
 pub fn run(args: &Status, target: &Target, output: &Output) -> Result<(), Failure> {
-    each::run(args, target, output)
+    let verb = Reading {
+        short: args.short,
+        machine: connect::machine(&target.options, output)?,
+    };
+    each::run(&verb, target, output)
 }
 
-impl Each for Status {
+/// How a status is read and shown.
+struct Reading {
+    short: bool,
+    /// The units of the loads.
+    machine: Option<Machine>,
+}
+
+impl Each for Reading {
     const DOING: &'static str = "reading the status";
 
     async fn work(
@@ -29,14 +42,20 @@ impl Each for Status {
     ) -> Result<Self::Done, Failure> {
         let label = drive.label();
         let status = inspection::status(session, drive, &Commands(&label)).await;
-        status.map_err(|error| {
+        let Reported { report, outcome } = status.map_err(|error| {
             let more = inspection::without_status(&error);
             Failure::from(error).and_hint(more)
-        })
+        })?;
+        let unit = self
+            .machine
+            .as_ref()
+            .and_then(|machine| machine.user_unit(&label));
+        let report = report.of_load(unit);
+        Ok(Reported { report, outcome })
     }
 }
 
-impl Shown for Status {
+impl Shown for Reading {
     type Done = Reported<StatusReport>;
     type Report = StatusReport;
     const COLUMNS: &'static [&'static str] = &["status", ">speed", "", "why, and what to do"];
@@ -129,6 +148,11 @@ fn lines(report: &StatusReport, named: &dyn Fn(Part) -> Option<String>) -> Vec<S
         let of = if unit == "%" { " of its reference" } else { "" };
         Some(format!("{value:.digits$} {unit}{of}"))
     };
+    let with_load = |motor: Option<String>, load: fn(&LoadStatus) -> &Option<Quantity>| {
+        let load = report.load.as_ref().and_then(|found| number(load(found), 3));
+        let load = load.map_or_else(String::new, |load| format!(", {load} of the load"));
+        motor.map(|motor| motor + &load)
+    };
     let set = |word: &Option<Word>| word.as_ref().filter(|word| word.number != 0).map(Word::shown);
     line("state", report.state_text.clone());
     line("STW1", words.stw1.as_ref().map(Word::shown));
@@ -167,13 +191,19 @@ fn lines(report: &StatusReport, named: &dyn Fn(Part) -> Option<String>) -> Vec<S
     };
     line("homed", report.homed.map(|yes| homed(yes).into()));
     line("speed set", number(&report.speed_set, 2));
-    line("speed", number(&report.speed_actual, 2));
+    line(
+        "speed",
+        with_load(number(&report.speed_actual, 2), |load| &load.speed),
+    );
     let goes_on =
         |loss: &&LossReaction| matches!(loss.action, "keeps-turning" | "unknown") && loss.parameter.is_some();
     let lost = report.on_loss.as_ref().filter(goes_on);
     line("if lost", lost.map(|loss| loss.text.clone()));
-    line("position", number(&report.position, 3));
-    let following = number(&report.following_error, 3);
+    line(
+        "position",
+        with_load(number(&report.position, 3), |load| &load.position),
+    );
+    let following = with_load(number(&report.following_error, 3), |load| &load.following_error);
     line(
         "following",
         following.map(|error| format!("{error} (position command minus position)")),

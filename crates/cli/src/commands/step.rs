@@ -18,7 +18,10 @@ use crate::output::Output;
 use crate::render::table::Table;
 
 pub fn run(args: &Step, target: &Target, output: &Output) -> Result<(), Failure> {
-    let mut wanted = wanted(args)?;
+    let mut args = args.clone();
+    let (from, to) = &mut args.velocity;
+    axis::in_motor_units(target, [from, to].into_iter().chain(&mut args.limit), output)?;
+    let mut wanted = wanted(&args)?;
     // what cannot be written or compared with is found before anything moves
     let mut recorder = Recorder::of(args.output.as_deref())?;
     args.plot.as_deref().map(check_plot).transpose()?;

@@ -3,12 +3,13 @@
 use askama::Template;
 use client::Drive;
 use client::backup::Backup;
+use profile::notation::figures;
 use profile::value::Reading;
 
 use super::{DocumentError, DrivePortrait, NewFile, Portrait, portrait, time_text};
-use crate::machine::Machine;
+use crate::machine::{Machine, UserUnit};
 use crate::open::{Network, Opening};
-use crate::report::{FaultsReport, PageReport, Parameter, Station, Wording};
+use crate::report::{FaultsReport, PageReport, Parameter, Quantity, Station, Wording};
 use crate::{Part, Selector, Step};
 
 /// Reads the drives that are meant and writes the page. `machine` has their groups and limits, where there is a machine file.
@@ -125,7 +126,7 @@ fn of_drive(read: &DrivePortrait, machine: Option<&Machine>) -> DrivePage {
             .unwrap_or_default(),
         limit: machine
             .and_then(|machine| machine.bound(&read.name))
-            .map(|limit| format!("{} rpm", limit.rpm))
+            .map(|limit| speed_limit(limit.rpm, planned.and_then(|planned| planned.user_unit.as_ref())))
             .unwrap_or_default(),
         problems: read.problems.clone(),
         faults: read.faults.as_ref().map(faults).unwrap_or_default(),
@@ -141,6 +142,14 @@ fn of_drive(read: &DrivePortrait, machine: Option<&Machine>) -> DrivePage {
         fill(&mut page, drive, backup);
     }
     page
+}
+
+/// `3000 rpm (100 mm/s)`, the second where the load has a unit.
+fn speed_limit(rpm: f64, unit: Option<&UserUnit>) -> String {
+    let motor = Quantity::rpm(rpm);
+    let load = unit.and_then(|unit| unit.of_motor(&motor));
+    let load = load.map(|load| format!(" ({} {})", figures(load.value), load.unit));
+    format!("{rpm} rpm{}", load.unwrap_or_default())
 }
 
 /// The settings that differ from those as delivered; all where the tables have no such values.

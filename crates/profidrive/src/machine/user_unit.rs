@@ -4,12 +4,15 @@ use std::fmt;
 
 use profile::notation::{Number, Quantity, figures};
 
+use crate::report;
+
 /// The travel of a load in the unit of its machine: millimetres of a slide, bottles of a filler.
 ///
 /// It counts turns of the motor, whatever units the drive itself is set up for.
 ///
 /// ```
 /// use profidrive::machine::UserUnit;
+/// use profidrive::report::Quantity;
 ///
 /// // a screw of 10 mm a turn behind a gear of 5:1
 /// let unit = UserUnit::new("mm", 10.0, 5.0);
@@ -19,7 +22,8 @@ use profile::notation::{Number, Quantity, figures};
 /// assert_eq!(motor("600mm/min").as_deref(), Some("300 rpm"));
 /// assert_eq!(motor("100mm/s2").as_deref(), Some("3000 rpm/s"));
 /// assert_eq!(motor("60rev"), None);
-/// assert_eq!(unit.travel(60.0), 120.0);
+/// let load = unit.of_motor(&Quantity::rpm(1500.0)).unwrap();
+/// assert_eq!((load.value, load.unit.as_str()), (50.0, "mm/s"));
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct UserUnit {
@@ -57,10 +61,21 @@ impl UserUnit {
         })
     }
 
-    /// Returns the travel for so many turns of the motor.
+    /// Returns a position, speed or acceleration of the motor, in rev, rpm or rpm/s, as one of the load; `None` for a quantity in
+    /// another unit.
     #[must_use]
-    pub fn travel(&self, turns: f64) -> f64 {
-        turns * self.per_turn
+    pub fn of_motor(&self, quantity: &report::Quantity) -> Option<report::Quantity> {
+        let (divisor, rest) = match quantity.unit.as_str() {
+            "rev" => (1.0, ""),
+            "rpm" => (60.0, "/s"),
+            "rpm/s" => (60.0, "/s2"),
+            _ => return None,
+        };
+        Some(report::Quantity {
+            value: quantity.value * self.per_turn / divisor,
+            unit: format!("{}{rest}", self.name),
+            beyond: quantity.beyond.clone(),
+        })
     }
 }
 

@@ -75,7 +75,7 @@ pub use shapes::{
 };
 pub use simulation::{DemoEvent, DemoStep, InjectKey, InjectReport, SimulationLoad, SimulationReport};
 pub use station::{BlinkReport, IpReport, NameReport, ResetReport};
-pub use status::{StatusNote, StatusReport};
+pub use status::{LoadStatus, StatusNote, StatusReport};
 pub use tables::{
     DescribeReport, ListReport, ParameterDescription, ReportedDescription, ValueText, access, number,
 };

@@ -6,6 +6,8 @@ use profile::catalogue::{Catalogue, Part};
 use profile::state::{Mode, Profile, Zsw1};
 use serde::Serialize;
 
+use crate::machine::UserUnit;
+
 use super::{Action, Controller, DriveWords, Fault, LossReaction, Quantity, Warning, Word, Wording};
 
 /// How a drive is, and in one sentence why it does not run.
@@ -65,12 +67,26 @@ pub struct StatusReport {
     pub position: Option<Quantity>,
     /// Commanded position minus position.
     pub following_error: Option<Quantity>,
+    /// The same of the load, where the machine file has its unit.
+    pub load: Option<LoadStatus>,
     /// What the drive does when its controller is lost.
     pub on_loss: Option<LossReaction>,
     /// The faults that are present.
     pub faults: Vec<Fault>,
     /// The warnings that are present.
     pub warnings: Vec<Warning>,
+}
+
+/// Where the load of a drive is and how fast it goes, in the unit that the machine file has for it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct LoadStatus {
+    /// Its position, counted from position 0 of the motor.
+    pub position: Option<Quantity>,
+    /// Its speed.
+    pub speed: Option<Quantity>,
+    /// Commanded position minus position.
+    pub following_error: Option<Quantity>,
 }
 
 /// Something else that stands in the way.
@@ -146,9 +162,28 @@ impl StatusReport {
             speed_actual: rpm.or(percent),
             position: status.position.map(Quantity::turns),
             following_error: status.following_error.map(Quantity::turns),
+            load: None,
             on_loss: status.loss.as_ref().map(LossReaction::from),
             faults: status.faults.iter().map(Fault::from).collect(),
             warnings: status.warnings.iter().map(Warning::from).collect(),
+        }
+    }
+}
+
+impl StatusReport {
+    /// Returns the status with that of the load, in this unit.
+    #[must_use]
+    pub fn of_load(self, unit: Option<&UserUnit>) -> Self {
+        let Some(unit) = unit else { return self };
+        let of = |quantity: &Option<Quantity>| unit.of_motor(quantity.as_ref()?);
+        let load = LoadStatus {
+            position: of(&self.position),
+            speed: of(&self.speed_actual),
+            following_error: of(&self.following_error),
+        };
+        Self {
+            load: Some(load),
+            ..self
         }
     }
 }

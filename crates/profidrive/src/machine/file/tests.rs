@@ -1,6 +1,7 @@
 //! What is wrong in a machine file is found with its line.
 
 use super::*;
+use crate::report::Quantity;
 
 const GOOD: &str = r#"format = 1
 title = "Press"
@@ -61,7 +62,8 @@ fn a_load_has_a_unit_by_pitch_and_gear() {
     let machine: Machine = text.parse().unwrap();
     for drive in ["feed", "02:00:00:00:00:01", "192.168.77.11"] {
         let unit = machine.user_unit(drive).unwrap();
-        assert_eq!((unit.name.as_str(), unit.travel(3.5)), ("mm", -10.0), "{drive}");
+        let load = unit.of_motor(&Quantity::turns(3.5)).unwrap();
+        assert_eq!((unit.name.as_str(), load.value), ("mm", -10.0), "{drive}");
     }
     assert_eq!(machine.user_unit("fan"), None);
 }

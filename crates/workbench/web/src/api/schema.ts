@@ -581,6 +581,15 @@ export interface components {
              */
             vendor_id: number;
         };
+        /** @description Where the load of a drive is and how fast it goes, in the unit that the machine file has for it. */
+        LoadStatus: {
+            /** @description Commanded position minus position. */
+            following_error: components["schemas"]["Quantity"] | null;
+            /** @description Its position, counted from position 0 of the motor. */
+            position: components["schemas"]["Quantity"] | null;
+            /** @description Its speed. */
+            speed: components["schemas"]["Quantity"] | null;
+        };
         /** @description An entry of the log of a drive. */
         LogEntry: {
             /** @description What it means. */
@@ -1050,6 +1059,8 @@ export interface components {
             following_error: components["schemas"]["Quantity"] | null;
             /** @description Whether the axis has its home position; null in velocity mode. */
             homed: boolean | null;
+            /** @description The same of the load, where the machine file has its unit. */
+            load: components["schemas"]["LoadStatus"] | null;
             /** @description Mode that decides over the bits: `velocity` or `position`. */
             mode: string;
             /** @description What keeps the axis from moving. */
