@@ -26,7 +26,7 @@ pub use text::describe;
 pub(crate) use text::mode_words;
 use text::{
     closed_text, frequency_text, highest_text, holders_text, in_place, join, objections_text, once, others,
-    owner_text, reaction_text, scaling_text, speed_text, telegram_text, unit_text,
+    owner_text, reaction_text, scaling_text, speed_text, telegram_text, times_text, unit_text,
 };
 
 /// Why the wire failed; shared by all waiting calls.
@@ -620,6 +620,14 @@ pub enum Error {
         what: &'static str,
         /// How long.
         limit: Duration,
+    },
+    /// The drive does not exchange data in this update time.
+    #[error("no update time of {}: offered are {}", times_text(std::slice::from_ref(.asked)), times_text(.offered))]
+    UpdateTime {
+        /// What was requested.
+        asked: Duration,
+        /// What the drive offers, shortest first.
+        offered: Vec<Duration>,
     },
     /// Requested something that cannot be.
     #[error(transparent)]

@@ -429,6 +429,7 @@ impl Explained for CommissionError {
             Self::File(error) => error,
             Self::Client(error) => error,
             Self::Machine(error) => error,
+            Self::Entry { problem, .. } => &**problem,
             _ => return None,
         })
     }

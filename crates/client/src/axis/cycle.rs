@@ -6,6 +6,8 @@ use std::time::Duration;
 use profinet::controller::Misuse;
 use profinet::cyclic::Timing;
 
+use crate::error::Error;
+
 /// Update time and watchdog of a cyclic connection.
 ///
 /// ```
@@ -16,7 +18,7 @@ use profinet::cyclic::Timing;
 /// assert_eq!(calm.hold_time(), Duration::from_millis(112));
 /// let asked = Cycle::choose(&[], Duration::from_millis(4), Some(Duration::from_millis(4)), Some(3))?;
 /// assert_eq!(asked.hold_time(), Duration::from_millis(12));
-/// # Ok::<(), profinet::controller::Misuse>(())
+/// # Ok::<(), profidrive_client::error::Error>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Cycle {
@@ -42,20 +44,23 @@ impl Cycle {
     /// chosen.
     ///
     /// # Errors
-    /// When the update time requested does not exist or the description does not allow it, or the watchdog is outside 1
-    /// to 1.92 s.
+    /// When the update time requested does not exist or the description does not offer it, which says what is offered, or the
+    /// watchdog is outside 1 to 1.92 s.
     pub fn choose(
         allowed: &[Timing],
         least: Duration,
         cycle: Option<Duration>,
         watchdog: Option<u16>,
-    ) -> Result<Self, Misuse> {
+    ) -> Result<Self, Error> {
         let timing = match cycle {
             Some(cycle) if allowed.is_empty() => Timing::for_interval(cycle),
             Some(cycle) => allowed.iter().copied().find(|timing| timing.interval() == cycle),
             None => calm(allowed, least),
         };
-        let timing = timing.ok_or(Misuse::Range("the update time"))?;
+        let timing = timing.ok_or_else(|| Error::UpdateTime {
+            asked: cycle.unwrap_or(least),
+            offered: offered(allowed),
+        })?;
         let watchdog = watchdog.unwrap_or_else(|| {
             let count = Self::CALM_HOLD.as_nanos().div_ceil(timing.interval().as_nanos());
             let count = u16::try_from(count).unwrap_or(u16::MAX);
@@ -85,6 +90,17 @@ impl Cycle {
         let near = self.interval() + delay * 2 >= self.hold_time();
         (late || near).then_some(Strained { cycle: self, delay })
     }
+}
+
+/// Returns the update times that a drive offers, shortest first.
+fn offered(allowed: &[Timing]) -> Vec<Duration> {
+    let mut all: Vec<Duration> = allowed.iter().map(Timing::interval).collect();
+    if allowed.is_empty() {
+        all.extend((0..10).map(|power| Duration::from_millis(1 << power)));
+    }
+    all.sort_unstable();
+    all.dedup();
+    all
 }
 
 /// Returns the shortest update time that is calm and that the drive can do.
@@ -128,7 +144,7 @@ impl Strained {
     /// let cycle = Cycle::choose(&[], millis(1), Some(millis(16)), Some(7))?;
     /// let strained = cycle.judge(millis(17)).expect("no room for 17 ms");
     /// assert_eq!(strained.room(), Some(Room::Cycle { interval: millis(64), watchdog: 7 }));
-    /// # Ok::<(), profinet::controller::Misuse>(())
+    /// # Ok::<(), profidrive_client::error::Error>(())
     /// ```
     #[must_use]
     pub fn room(&self) -> Option<Room> {
@@ -221,7 +237,11 @@ mod tests {
     fn a_requested_cycle_is_used_if_it_exists() {
         assert_eq!(chosen(&[], MS * 4, Some(MS)), (MS, MS * 100));
         assert!(Cycle::choose(&[], MS, Some(MS * 3), None).is_err());
-        assert!(Cycle::choose(&[timing(8)], MS, Some(MS * 4), None).is_err());
+        let refused = Cycle::choose(&[timing(16), timing(8)], MS, Some(MS * 4), None).unwrap_err();
+        assert_eq!(
+            refused.to_string(),
+            "no update time of 4 ms: offered are 8, 16 ms"
+        );
         assert!(Cycle::choose(&[], MS, None, Some(0)).is_err());
         let error = Cycle::choose(&[], MS, None, Some(255)).unwrap_err();
         assert!(error.to_string().contains("outside 1 to 120"), "{error}");

@@ -124,6 +124,7 @@ impl Error {
             | Self::NoFrequency { .. }
             | Self::NotOnLine { .. }
             | Self::OtherWire { .. }
+            | Self::UpdateTime { .. }
             | Self::Misuse(_) => ErrorKind::Usage,
             Self::AtWork { .. }
             | Self::LocalOperation { .. }

@@ -1,7 +1,9 @@
 //! The words that messages are made of.
 
+use std::time::Duration;
+
 use profile::catalogue::name_distance;
-use profile::notation::fixed;
+use profile::notation::{figures, fixed};
 use profile::state::Mode;
 use profinet::MacAddress;
 use profinet::controller::{ServiceError, Station};
@@ -189,6 +191,15 @@ pub(super) fn join(macs: &[MacAddress]) -> String {
         .map(ToString::to_string)
         .collect::<Vec<_>>()
         .join(" and ")
+}
+
+/// Times in milliseconds: `1, 2, 4 ms`.
+pub(super) fn times_text(times: &[Duration]) -> String {
+    let millis: Vec<String> = times
+        .iter()
+        .map(|time| figures(time.as_secs_f64() * 1e3))
+        .collect();
+    format!("{} ms", millis.join(", "))
 }
 
 #[cfg(test)]

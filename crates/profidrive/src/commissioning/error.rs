@@ -71,6 +71,14 @@ pub enum CommissionError {
         /// Why.
         why: Box<Skip>,
     },
+    /// The name, the address or the backup that the file has for a drive.
+    #[error("{problem}{}", at(*.line))]
+    Entry {
+        /// Line of the drive in the machine file; 0 where there is none, only a backup.
+        line: usize,
+        /// What is wrong with it.
+        problem: Box<CommissionError>,
+    },
     /// The motion tasks of the backup cannot be set.
     #[error("{drive}: the motion tasks are left out: {why}")]
     TasksLeftOut {
@@ -172,6 +180,14 @@ fn by(mac: Option<&MacAddress>) -> String {
 }
 
 impl CommissionError {
+    /// Returns the error of what the machine file has for a drive, with its line.
+    pub(super) fn at(line: usize) -> impl Fn(Self) -> Self {
+        move |problem| Self::Entry {
+            line,
+            problem: Box::new(problem),
+        }
+    }
+
     /// The kind of the error.
     #[must_use]
     pub fn kind(&self) -> ErrorKind {
@@ -179,6 +195,7 @@ impl CommissionError {
             Self::NotFound { .. } => ErrorKind::Unreachable,
             Self::OtherStation { .. } | Self::OtherModel { .. } => ErrorKind::Safety,
             Self::Setting { problem, .. } => problem.kind(),
+            Self::Entry { problem, .. } => problem.kind(),
             Self::LeftOut { .. } | Self::TasksLeftOut { .. } | Self::Differs { .. } => ErrorKind::Difference,
             Self::Refused { .. } => ErrorKind::Refused,
             Self::NoFolder => ErrorKind::Usage,

@@ -83,7 +83,9 @@ pub(super) async fn name(
         dry_run,
         ..NewName::new(&wanted.name)
     };
-    let report = addressing::set_name(session, drive, &new).await?;
+    let report = addressing::set_name(session, drive, &new)
+        .await
+        .map_err(|error| CommissionError::at(wanted.line)(error.into()))?;
     if !dry_run {
         drive.station.name.clone_from(&wanted.name);
     }
@@ -104,7 +106,9 @@ pub(super) async fn address(
         dry_run,
         ..NewAddress::new(ip)
     };
-    let report = addressing::set_ip(session, drive, &new).await?;
+    let report = addressing::set_ip(session, drive, &new)
+        .await
+        .map_err(|error| CommissionError::at(wanted.line)(error.into()))?;
     if !dry_run {
         drive.station.ip = ip;
     }

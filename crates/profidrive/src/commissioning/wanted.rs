@@ -1,5 +1,7 @@
 //! The settings that a machine file wants of a drive, and the plan to write them.
 
+use std::path::PathBuf;
+
 use client::backup::{Backup, Header};
 use client::change::{Plan, Skip};
 use client::{AtWork, Drive, Error, Session};
@@ -72,7 +74,9 @@ async fn settings_of(
     wanted: &MachineDrive,
 ) -> Result<Option<(Backup, Vec<Explicit>, Vec<CommissionError>)>, CommissionError> {
     let path = wanted.backup.as_deref().map(|path| machine.beside(path));
-    let base = path.map(|path| settings::read(&path)).transpose()?;
+    let read =
+        |path: PathBuf| settings::read(&path).map_err(|error| CommissionError::at(wanted.line)(error.into()));
+    let base = path.map(read).transpose()?;
     let explicit = explicit(session, drive, wanted).await?;
     if base.is_none() && explicit.is_empty() {
         return Ok(None);
