@@ -448,15 +448,25 @@ fn with_examples(command: Command, words: &str) -> Command {
         let words = format!("{words} {}", inner.get_name());
         with_examples(inner, words.trim_start())
     });
-    let Some((_, examples)) = EXAMPLES.iter().find(|(name, _)| *name == words) else {
-        return command;
+    // a command that only has others under it shows the first example of each of them
+    let of_inner =
+        |name: &str| !words.is_empty() && name.strip_prefix(words).is_some_and(|rest| rest.starts_with(' '));
+    let examples: Vec<&Example> = match EXAMPLES.iter().find(|(name, _)| *name == words) {
+        Some((_, examples)) => examples.iter().collect(),
+        None => {
+            let inner = EXAMPLES.iter().filter(|(name, _)| of_inner(name));
+            inner.filter_map(|(_, examples)| examples.first()).collect()
+        }
     };
+    if examples.is_empty() {
+        return command;
+    }
     let mut text = command
         .get_after_help()
         .map(|text| format!("{text}\n\n"))
         .unwrap_or_default();
     text += "Examples:";
-    for (line, what) in *examples {
+    for (line, what) in examples {
         text += &format!("\n  profidrive {line}\n      {what}");
     }
     command.after_help(text)
