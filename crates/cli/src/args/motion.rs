@@ -14,7 +14,8 @@ pub struct Cyclic {
     /// Update time of the cyclic connection; at least 16 ms when left out, as the drive allows it
     #[arg(long, value_name = "TIME", value_parser = duration)]
     pub cycle: Option<Duration>,
-    /// Update times without data after which both sides stop, together at most 1.92 s; at least 100 ms when left out
+    /// Update times without data after which both sides stop, together at most 1.92 s; at least 100 ms when left out, for a
+    /// connection that commands nothing 1.92 s
     #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u16).range(1..=255))]
     pub watchdog: Option<u16>,
 }

@@ -15,6 +15,7 @@ use profidrive::report::{RecordReport, RecordTrigger};
 use super::axis;
 use super::each::{self, Row as OfDrive};
 use super::record_rows::{Place, Taken};
+use super::remark;
 use crate::args::{self, Record, Target};
 use crate::connect::{self, Need};
 use crate::failure::Failure;
@@ -42,7 +43,7 @@ pub fn run(args: &Record, target: &Target, output: &Output) -> Result<(), Failur
             profidrive::listed(&names)
         ));
     }
-    let sources = ready(prepare(&session, found.members, &request).wait(), output)?;
+    let (sources, left_out) = ready(prepare(&session, found.members, &request).wait(), output)?;
     let cyclic: Vec<Option<(Duration, u16)>> = sources.iter().map(Source::cyclic).collect();
     let mut recording = Recording::begin(&session, session.wall_clock(), sources, &request)?;
     output.say(&beginning(&recording, args, &request));
@@ -87,10 +88,14 @@ pub fn run(args: &Record, target: &Target, output: &Output) -> Result<(), Failur
         let began = recording.check_triggered().is_ok();
         show(&report, !matches!(place, Place::Printed(..)), began, output);
     }
+    for remark in report.remarks() {
+        remark::print(&remark, "", output);
+    }
     each::last(result?, output)?;
     drawn?;
     closed?;
-    Ok(recording.check_triggered()?)
+    recording.check_triggered()?;
+    left_out
 }
 
 /// What is wrong with files and output is found before drives are connected.
@@ -210,11 +215,12 @@ pub fn form(file: &Path) -> Result<Option<Form>, Failure> {
     })
 }
 
-/// Returns the drives when all are ready; nothing is recorded otherwise.
+/// Returns the drives that are ready, and how the command ends for those that do not answer. Nothing is recorded where one has
+/// another problem, or none answers.
 fn ready(
     members: Vec<profidrive::fleet::Member<Result<Source, RecordingError>>>,
     output: &Output,
-) -> Result<Vec<Source>, Failure> {
+) -> Result<(Vec<Source>, Result<(), Failure>), Failure> {
     let only = members.len() == 1;
     let rows = members.into_iter();
     let rows: Vec<OfDrive<Source>> = rows
@@ -223,8 +229,14 @@ fn ready(
     if only && let Some(problem) = rows.first().and_then(|row| row.problems.first()) {
         return Err(problem.clone());
     }
-    each::ended(&rows, None, output)?;
-    Ok(rows.into_iter().filter_map(|row| row.done).collect())
+    let mut problems = rows.iter().flat_map(|row| &row.problems);
+    let silent = problems.all(|problem| each::is_silence(problem.kind));
+    let ended = each::ended(&rows, None, output);
+    let sources: Vec<Source> = rows.into_iter().filter_map(|row| row.done).collect();
+    match ended {
+        Err(failure) if !silent || sources.is_empty() => Err(failure),
+        ended => Ok((sources, ended)),
+    }
 }
 
 fn beginning(recording: &Recording, args: &Record, request: &Request) -> String {

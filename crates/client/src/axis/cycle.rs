@@ -70,6 +70,15 @@ impl Cycle {
         Ok(Self { timing, watchdog })
     }
 
+    /// Returns this cycle with the longest watchdog there is, at most 1.92 s.
+    #[must_use]
+    pub(crate) fn patient(self) -> Self {
+        Self {
+            watchdog: self.timing.highest_hold_factor(),
+            ..self
+        }
+    }
+
     /// Returns the time from frame to frame.
     #[must_use]
     pub const fn interval(&self) -> Duration {

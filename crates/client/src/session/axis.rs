@@ -36,7 +36,7 @@ pub struct AxisSettings {
     /// Update time; when `None` at least [`Cycle::CALM`](crate::axis::Cycle::CALM), as the drive allows it. A serial line has none.
     pub cycle: Option<Duration>,
     /// Update times without data until both sides stop; when `None` so many that they are at least
-    /// [`Cycle::CALM_HOLD`](crate::axis::Cycle::CALM_HOLD).
+    /// [`Cycle::CALM_HOLD`](crate::axis::Cycle::CALM_HOLD), or the longest there is for [`Purpose::Observe`].
     pub watchdog: Option<u16>,
     /// The telegram to use; `None` leaves it to what the drive reports and the purpose needs.
     pub telegram: Option<u16>,

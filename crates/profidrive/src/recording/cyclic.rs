@@ -33,11 +33,16 @@ pub(super) async fn observe(
     let mut drive = axis.drive().clone();
     let mut samples = axis.samples(WAITING);
     loop {
-        let end = record(producer, &mut axis, &mut samples, &signals).await;
+        let mut last = None;
+        let end = record(producer, &mut axis, &mut samples, &signals, &mut last).await;
         if matches!(end, Ok(End::Recording)) {
             wait_for_rest(producer, &mut axis, &mut samples).await;
         }
-        let since = producer.session.now();
+        // a connection is found lost long after its last frame
+        let since = match (&end, last) {
+            (Ok(End::Drive(Absence::Silent)), Some((at, ..))) => at + axis.cycle(),
+            _ => producer.session.now(),
+        };
         // of a connection that is lost, the result of the release has no information
         let released = axis.release().await;
         let absence = match end? {
@@ -122,14 +127,14 @@ async fn record(
     axis: &mut Axis,
     samples: &mut Samples,
     signals: &[AxisSignal],
+    last: &mut Last,
 ) -> Result<End, Error> {
     let drive = axis.drive().clone();
-    let mut last = None;
     let mut noticed = false;
     loop {
         // read before the samples, so that all samples before the loss are recorded
         let lost = axis.status().is_none_or(|status| status.lost);
-        let seen = send(producer, &drive, (samples, axis.cycle()), signals, &mut last).await;
+        let seen = send(producer, &drive, (samples, axis.cycle()), signals, last).await;
         if lost {
             return Ok(End::Drive(Absence::Silent));
         }
@@ -145,7 +150,7 @@ async fn record(
         }
         let due = producer.session.now() + TAKEN;
         if !producer.wait_until(due).await? {
-            send(producer, &drive, (samples, axis.cycle()), signals, &mut last).await;
+            send(producer, &drive, (samples, axis.cycle()), signals, last).await;
             return Ok(End::Recording);
         }
     }

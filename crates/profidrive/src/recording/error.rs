@@ -61,15 +61,13 @@ pub enum RecordingError {
         /// The signals of the telegram.
         signals: Vec<String>,
     },
-    /// One name has two units.
-    #[error("{name} is in {} on {}, in {} on {}: one column has one unit", shown(.units.0.as_str()), .drives.0, shown(.units.1.as_str()), .drives.1)]
-    Units {
+    /// The signal of a trigger has other units on other drives.
+    #[error("the trigger compares `{name}`, which is in {} on some drives, in {} on others", shown(.units.0.as_str()), shown(.units.1.as_str()))]
+    TriggerUnits {
         /// The name.
         name: String,
-        /// Both units.
+        /// Two of its units.
         units: (String, String),
-        /// A drive for each.
-        drives: (String, String),
     },
     /// The signal of a trigger is not recorded.
     #[error("the trigger compares `{name}`, which is not recorded; recorded are {}", .recorded.join(", "))]
@@ -167,7 +165,7 @@ impl Explained for RecordingError {
             Self::TooFast(_) => Advice::from(
                 "the parameter channel of the drive would be blocked for others; cyclic signals come with each cycle",
             ),
-            Self::Units { .. } => Advice::from("record these drives one by one"),
+            Self::TriggerUnits { .. } => Advice::from("record these drives one by one"),
             Self::Drive(error) => error.advice(),
             Self::Client(error) => Explained::advice(error),
             Self::Before { .. } => Advice::from("take a shorter time, fewer drives or a longer interval"),

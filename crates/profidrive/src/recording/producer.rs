@@ -169,7 +169,7 @@ impl Producer {
             rows,
         } = common;
         let place = |column: &Column| {
-            let at = own.iter().position(|other| other.name == column.name);
+            let at = own.iter().position(|own| own.belongs_to(column));
             (at.map(|at| Place { at }), column.kind)
         };
         Self {

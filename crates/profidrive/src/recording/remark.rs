@@ -12,13 +12,16 @@ impl News {
         let named = |drive: &usize| table.drives.get(*drive).map_or("", String::as_str);
         match self {
             Self::Row(_) => Vec::new(),
-            Self::Away { drive, absence, .. } => {
-                vec![Remark::warning(format!(
-                    "{} {}; retrying",
-                    named(drive),
-                    absence.sentence()
-                ))]
-            }
+            Self::Away {
+                drive,
+                since,
+                absence,
+            } => vec![Remark::warning(format!(
+                "{} {}, since {} after the start; retrying",
+                named(drive),
+                absence.sentence(),
+                lasting(*since)
+            ))],
             Self::Back {
                 drive,
                 outage,

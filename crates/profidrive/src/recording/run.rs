@@ -150,6 +150,8 @@ pub struct DriveCounts {
     pub outages: u64,
     /// How long it was away, as far as it came back.
     pub outage_time: Duration,
+    /// Since when from the start nothing is recorded of it.
+    pub away_since: Option<Duration>,
 }
 
 impl Recording {
@@ -167,7 +169,7 @@ impl Recording {
         let columns = sources
             .iter()
             .map(|source| (source.name.as_str(), &source.columns[..]));
-        let table = together(columns)?;
+        let table = together(columns);
         let armed = match &request.trigger {
             Some(trigger) => {
                 check_before(request, &sources)?;
@@ -373,7 +375,9 @@ impl Recording {
                 absence,
                 again,
             } => {
-                self.counts.get_mut(drive)?.outages += u64::from(!again);
+                let counts = self.counts.get_mut(drive)?;
+                counts.outages += u64::from(!again);
+                counts.away_since.get_or_insert(since);
                 Some(News::Away {
                     drive,
                     since,
@@ -385,7 +389,9 @@ impl Recording {
                 outage,
                 faults,
             } => {
-                self.counts.get_mut(drive)?.outage_time += outage;
+                let counts = self.counts.get_mut(drive)?;
+                counts.outage_time += outage;
+                counts.away_since = None;
                 Some(News::Back {
                     drive,
                     outage,

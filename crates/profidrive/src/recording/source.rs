@@ -306,34 +306,61 @@ pub(super) fn column_of(signal: &AxisSignal) -> Column {
     }
 }
 
-/// Returns the columns that drives have together.
-pub(super) fn together<'s>(
-    sources: impl IntoIterator<Item = (&'s str, &'s [Column])>,
-) -> Result<Table, RecordingError> {
+/// Returns the columns that drives have together. A signal that has other units on other drives has a column for each of them.
+pub(super) fn together<'s>(sources: impl IntoIterator<Item = (&'s str, &'s [Column])>) -> Table {
     let mut table = Table {
         drives: Vec::new(),
         columns: Vec::new(),
     };
-    let mut first: Vec<String> = Vec::new();
     for (name, columns) in sources {
         table.drives.push(name.to_owned());
         for column in columns {
-            let same = table.columns.iter_mut().zip(&first);
-            match same.into_iter().find(|(other, _)| other.name == column.name) {
-                Some((other, _)) if other.unit == column.unit => other.kind = other.kind.with(column.kind),
-                Some((other, drive)) => {
-                    return Err(RecordingError::Units {
-                        name: column.name.clone(),
-                        units: (other.unit.clone(), column.unit.clone()),
-                        drives: (drive.clone(), name.to_owned()),
-                    });
-                }
-                None => {
-                    table.columns.push(column.clone());
-                    first.push(name.to_owned());
-                }
+            if let Some(other) = table.columns.iter_mut().find(|other| column.belongs_to(other)) {
+                other.kind = other.kind.with(column.kind);
+                continue;
             }
+            let mut new = column.clone();
+            if table.columns.iter().any(|other| other.name == column.name) {
+                new.name = column.name_with_unit();
+            }
+            table.columns.push(new);
         }
     }
-    Ok(table)
+    table
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn column(name: &str, unit: &str) -> Column {
+        Column {
+            name: name.to_owned(),
+            kind: Kind::Number,
+            unit: unit.to_owned(),
+            parameter: String::new(),
+            scaling: String::new(),
+        }
+    }
+
+    #[test]
+    fn a_signal_has_a_column_for_each_of_its_units() {
+        let (servo, converter) = (
+            [column("current", "Arms"), column("speed", "rpm")],
+            [column("current", "A"), column("speed", "rpm")],
+        );
+        let table = together([
+            ("akd-1", &servo[..]),
+            ("vlt-1", &converter),
+            ("vac-1", &converter),
+        ]);
+        let names: Vec<&str> = table.columns.iter().map(|column| column.name.as_str()).collect();
+        assert_eq!(names, ["current", "speed", "current (A)"]);
+        let of = |own: &[Column; 2]| -> Vec<Option<usize>> {
+            let place = |column: &Column| own.iter().position(|own| own.belongs_to(column));
+            table.columns.iter().map(place).collect()
+        };
+        assert_eq!(of(&servo), [Some(0), Some(1), None]);
+        assert_eq!(of(&converter), [None, Some(1), Some(0)]);
+    }
 }

@@ -26,6 +26,28 @@ pub struct Column {
     pub scaling: String,
 }
 
+impl Column {
+    /// `current (A)`: the column of a signal whose name another column has, in another unit.
+    pub(super) fn name_with_unit(&self) -> String {
+        match self.unit.as_str() {
+            "" => format!("{} (no unit)", self.name),
+            unit => format!("{} ({unit})", self.name),
+        }
+    }
+
+    /// Whether it is the column of a signal of this name that has [another unit](Self::name_with_unit).
+    pub(super) fn is_called(&self, name: &str) -> bool {
+        self.name
+            .strip_prefix(name)
+            .is_some_and(|rest| rest.starts_with(" ("))
+    }
+
+    /// Whether values of a signal of a drive, `self`, stand in this column of the table.
+    pub(super) fn belongs_to(&self, column: &Self) -> bool {
+        self.unit == column.unit && (self.name == column.name || self.name_with_unit() == column.name)
+    }
+}
+
 /// What the values of a column are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {

@@ -9,7 +9,7 @@ use client::FaultEntry;
 use profile::notation::Quantity;
 
 use super::error::RecordingError;
-use super::table::{Row, Table};
+use super::table::{Column, Row, Table};
 
 /// Rows that are kept before the trigger: more are not held in memory.
 pub const MOST_BEFORE: usize = 200_000;
@@ -199,6 +199,13 @@ impl Armed {
                 };
                 let at = at.ok_or_else(unknown)?;
                 let column = table.columns.get(at).ok_or_else(unknown)?;
+                let twice = |other: &&Column| other.name != column.name && other.is_called(&column.name);
+                if let Some(other) = table.columns.iter().find(twice) {
+                    return Err(RecordingError::TriggerUnits {
+                        name: name.clone(),
+                        units: (column.unit.clone(), other.unit.clone()),
+                    });
+                }
                 let value = value
                     .in_unit(&column.unit)
                     .map_err(|error| RecordingError::TriggerUnit {
@@ -260,7 +267,7 @@ impl Armed {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::recording::{Column, Kind, Value};
+    use crate::recording::{Kind, Value};
 
     fn armed(trigger: &str, pre: u64) -> Armed {
         let table = Table {

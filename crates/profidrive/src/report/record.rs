@@ -118,6 +118,8 @@ pub struct RecordedDrive {
     pub outages: u64,
     /// How long it was away, as far as it came back, in seconds.
     pub outage_time: f64,
+    /// Seconds from the start since when nothing was recorded of it; null where it was recorded at the end.
+    pub away_since: Option<f64>,
     /// Update time of the cyclic connection in seconds; null where parameters were read.
     pub cycle: Option<f64>,
     /// Telegram of the cyclic connection.
@@ -148,8 +150,27 @@ mod of {
     use super::{RecordReport, RecordTrigger, RecordedDrive, RecordedSignal};
     use crate::recording::Recording;
     use crate::report::drive::since_1970;
+    use crate::{Remark, lasting};
 
     impl RecordReport {
+        /// Returns which drives were not recorded at the end.
+        #[must_use]
+        pub fn remarks(&self) -> Vec<Remark> {
+            let of_drive = |drive: &RecordedDrive| {
+                let since = lasting(Duration::try_from_secs_f64(drive.away_since?).ok()?);
+                // a drive reports the end of a cyclic connection by itself
+                let fault = match drive.cycle {
+                    Some(_) => "; its lost connection may have left a fault in it",
+                    None => "",
+                };
+                Some(Remark::warning(format!(
+                    "{}: nothing was recorded from {since} after the start to the end{fault}",
+                    drive.drive
+                )))
+            };
+            self.drives.iter().filter_map(of_drive).collect()
+        }
+
         /// Returns what was recorded so far. `cyclic` has the update time and telegram of each drive.
         #[must_use]
         pub fn of(recording: &Recording, cyclic: &[Option<(Duration, u16)>], files: &[PathBuf]) -> Self {
@@ -165,6 +186,7 @@ mod of {
                     missed: counts.missed,
                     outages: counts.outages,
                     outage_time: counts.outage_time.as_secs_f64(),
+                    away_since: counts.away_since.map(|since| since.as_secs_f64()),
                     cycle: cyclic.map(|(cycle, _)| cycle.as_secs_f64()),
                     telegram: cyclic.map(|(_, telegram)| telegram),
                 }

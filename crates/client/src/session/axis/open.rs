@@ -278,11 +278,13 @@ impl Session {
     }
 }
 
-/// Update time and watchdog for a drive: those requested, else calm ones that its tables and description allow.
+/// Update time and watchdog for a drive: those requested, else calm ones that its tables and description allow. A connection that
+/// commands nothing stops nothing by its end: unless requested otherwise it outlasts every stall that one can.
 fn cycle_of(drive: &Drive, device: &Device, settings: &AxisSettings) -> Result<Cycle, Error> {
     let least = TICK * u32::from(device.min_device_interval);
     let cycle = Cycle::choose(&drive.vendor_timings, least, settings.cycle, settings.watchdog)?;
-    Ok(cycle)
+    let patient = settings.purpose == Purpose::Observe && settings.watchdog.is_none();
+    Ok(if patient { cycle.patient() } else { cycle })
 }
 
 /// NIST_A below which the axis stands.
