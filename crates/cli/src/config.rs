@@ -32,7 +32,16 @@ impl Config {
         };
         match std::fs::read_to_string(&path) {
             Ok(text) => Self::parse(&text, &path),
-            Err(error) if !required && error.kind() == std::io::ErrorKind::NotFound => Ok(Self::default()),
+            // that of another user, whose HOME this is, is as good as none
+            Err(error)
+                if !required
+                    && matches!(
+                        error.kind(),
+                        std::io::ErrorKind::NotFound | std::io::ErrorKind::PermissionDenied
+                    ) =>
+            {
+                Ok(Self::default())
+            }
             Err(error) => Err(Failure::new(
                 ErrorKind::Local,
                 format!("cannot read the configuration {}: {error}", path.display()),

@@ -231,7 +231,10 @@ pub async fn set_name(
         let name = wanted.name.clone();
         return Err(AddressingError::NameTaken { name, other });
     }
-    check_unowned(session, drive, wanted.force, "named").await?;
+    check(session, drive, wanted.force, async |session| {
+        session.check_unowned(drive, "named").await
+    })
+    .await?;
     if !wanted.dry_run {
         session.set_name(drive, &wanted.name, wanted.permanent).await?;
     }
@@ -256,7 +259,10 @@ pub async fn set_ip(
     if let Some(other) = other(session, drive, DriveAddress::Ip(address)).await? {
         return Err(AddressingError::AddressTaken { address, other });
     }
-    check_unowned(session, drive, wanted.force, "addressed").await?;
+    check(session, drive, wanted.force, async |session| {
+        session.check_idle(&mut drive.clone(), "addressed").await
+    })
+    .await?;
     if !wanted.dry_run {
         session.set_ip(drive, wanted.ip, wanted.permanent).await?;
     }
@@ -335,17 +341,18 @@ pub async fn reset(
     })
 }
 
-/// Another name or address ends the connection of a controller, and with it the motion.
-async fn check_unowned(
+/// Another name or address ends the connection of a controller, and with it the motion; and an axis that turns is stopped at the
+/// address that it has.
+async fn check(
     session: &mut Session,
     drive: &Drive,
     force: bool,
-    undone: &'static str,
+    at_work: impl AsyncFnOnce(&mut Session) -> Result<(), Error>,
 ) -> Result<(), AddressingError> {
     if force || !in_reach(session, drive)? {
         return Ok(());
     }
-    session.check_unowned(drive, undone).await?;
+    at_work(session).await?;
     // the connection of the request is not to be cut by what follows
     Ok(session.close().await?)
 }

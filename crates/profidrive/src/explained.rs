@@ -175,9 +175,7 @@ impl Explained for Error {
 fn at_work(works: &AtWork) -> Advice {
     match works {
         AtWork::Controller(_) => "its axis would lose the controller; {blink} shows which drive it is",
-        AtWork::Turns(_) | AtWork::Enabled => {
-            "it would lose its parameters under way and coast; {disable} stops it"
-        }
+        AtWork::Turns(_) | AtWork::Enabled => "{disable} stops it first",
     }
     .into()
 }
@@ -438,6 +436,7 @@ impl Explained for CommissionError {
         match self {
             Self::NotFound { .. } => "{scan} lists who answers".into(),
             Self::Setting { problem, .. } => Explained::advice(&**problem),
+            Self::Refused { first, .. } => Explained::advice(&**first),
             Self::Exists(_) => {
                 "{choose force} replaces it; groups, limits and units of the load are kept".into()
             }

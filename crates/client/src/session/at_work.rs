@@ -27,19 +27,27 @@ impl Session {
     /// [`Error::AtWork`] when it is at work, [`Error::Interrupted`] when the caller requests a stop.
     pub async fn check_idle(&mut self, drive: &mut Drive, undone: &'static str) -> Result<(), Error> {
         self.check_unowned(drive, undone).await?;
+        let works = self.motion(drive).await?;
+        idle(drive, undone, works)
+    }
+
+    /// Reads whether the axis of a drive turns or its power stage is on; `None` for one that is off and stands, that cannot be read,
+    /// or that does not report its speed or state.
+    ///
+    /// # Errors
+    /// [`Error::Interrupted`] when the caller requests a stop.
+    pub async fn motion(&mut self, drive: &mut Drive) -> Result<Option<AtWork>, Error> {
         let readings = answered(self.ask(drive, &[Part::Speed, Part::SpeedActual]).await)?;
         let speed = readings.and_then(|readings| {
             readings
                 .rpm(Part::Speed)
                 .or_else(|| readings.rpm(Part::SpeedActual))
         });
-        let turns = speed.filter(|speed| speed.abs() >= STANDS).map(AtWork::Turns);
-        let on = match turns {
-            Some(_) => None,
-            None => answered(self.is_enabled(drive).await)?.flatten(),
-        };
-        let enabled = on.filter(|on| *on).map(|_| AtWork::Enabled);
-        idle(drive, undone, turns.or(enabled))
+        if let Some(speed) = speed.filter(|speed| speed.abs() >= STANDS) {
+            return Ok(Some(AtWork::Turns(speed)));
+        }
+        let on = answered(self.is_enabled(drive).await)?.flatten();
+        Ok(on.filter(|on| *on).map(|_| AtWork::Enabled))
     }
 }
 

@@ -96,12 +96,12 @@ pub enum CommissionError {
         count: usize,
     },
     /// The drive refused values, or to save them.
-    #[error("{drive} refused {count} values, or to save them")]
+    #[error("{first}{}", and_others(*.others))]
     Refused {
-        /// Name of the drive.
-        drive: String,
-        /// How many values.
-        count: usize,
+        /// The first refusal.
+        first: Box<Error>,
+        /// How many more there are.
+        others: usize,
     },
     /// The machine was read from a text: there is no folder for the values before.
     #[error("the machine is not a file: there is no folder for the values before")]
@@ -167,6 +167,14 @@ fn at(line: usize) -> String {
     }
 }
 
+fn and_others(count: usize) -> String {
+    match count {
+        0 => String::new(),
+        1 => "; one more value was refused".to_owned(),
+        count => format!("; {count} more values were refused"),
+    }
+}
+
 const fn source(line: usize) -> &'static str {
     if line == 0 {
         "the backup is of"
@@ -197,7 +205,7 @@ impl CommissionError {
             Self::Setting { problem, .. } => problem.kind(),
             Self::Entry { problem, .. } => problem.kind(),
             Self::LeftOut { .. } | Self::TasksLeftOut { .. } | Self::Differs { .. } => ErrorKind::Difference,
-            Self::Refused { .. } => ErrorKind::Refused,
+            Self::Refused { first, .. } => first.kind(),
             Self::NoFolder => ErrorKind::Usage,
             Self::NotInFile { .. } => ErrorKind::Unsupported,
             Self::NotRead { .. } | Self::NothingRead(_) => ErrorKind::Partial,

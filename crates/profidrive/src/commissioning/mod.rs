@@ -31,7 +31,7 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 
-use client::change::{Saved, Step};
+use client::change::Step;
 use client::{Drive, DriveAddress, Session};
 use futures::{StreamExt, stream};
 
@@ -370,11 +370,10 @@ async fn write(
     let result = settings::carry_out(session, drive, wanted, request, plan, &way_back, counted).await;
     one.way_back = way_back.exists().then_some(way_back);
     result?;
-    let refused = plan.set.count(Step::is_refused);
-    if refused > 0 || matches!(plan.set.saved(), Saved::Refused(_)) {
+    if let Err(first) = plan.set.accepted() {
         return Err(CommissionError::Refused {
-            drive: name.clone(),
-            count: refused,
+            others: plan.set.count(Step::is_refused).saturating_sub(1),
+            first: Box::new(first),
         });
     }
     // a later value can change an earlier one, and the drive may round by itself

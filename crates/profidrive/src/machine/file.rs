@@ -180,7 +180,11 @@ fn read_drive(raw: &RawDrive, line: &dyn Fn(usize) -> usize) -> Result<MachineDr
         model,
         mac: mac.transpose()?,
         ip,
-        telegram: raw.telegram.as_ref().map(|telegram| *telegram.get_ref()),
+        telegram: raw
+            .telegram
+            .as_ref()
+            .map(|number| located(number, |number| telegram(*number, &model)))
+            .transpose()?,
         groups: groups.collect::<Result<_, _>>()?,
         max_speed: raw.max_speed.as_ref().map(|text| bound(text, line)).transpose()?,
         user_unit: user_unit(raw)?,
@@ -202,6 +206,19 @@ fn known_model(text: &str) -> Result<Model, String> {
         let names = model::ALL.map(|model| model.key);
         format!("no model `{text}`; there are {}", names.join(", "))
     })
+}
+
+fn telegram(number: u16, model: &Model) -> Result<u16, String> {
+    let known = model.catalogue.map_or(&[][..], |tables| tables.device.telegrams);
+    if known.iter().any(|module| module.telegram == number) {
+        return Ok(number);
+    }
+    let numbers: Vec<String> = known.iter().map(|module| module.telegram.to_string()).collect();
+    Err(format!(
+        "{} has no telegram {number}; it has {}",
+        model.name,
+        numbers.join(", ")
+    ))
 }
 
 fn mac(text: &str) -> Result<MacAddress, String> {

@@ -1,7 +1,7 @@
 //! New values, read back, and which of them outlive the power of the drive.
 
 use client::change::{Change, ChangeSet, Step};
-use client::{Drive, Error, Session};
+use client::{AtWork, Drive, Error, Session};
 use profile::value::Assignment;
 
 use super::{ParameterError, remark};
@@ -24,6 +24,8 @@ pub struct Written {
     pub set: ChangeSet,
     /// Name of the controller that has the cyclic connection: `Some(None)` without one.
     pub controller: Option<Option<String>>,
+    /// What the axis of a drive without a controller is doing: nothing commands it, and it turns or its power stage is on.
+    pub alone: Option<AtWork>,
     /// How it was requested.
     pub wanted: Write,
     /// What was requested, in the order of the changes.
@@ -45,8 +47,14 @@ impl Written {
     /// The controller for whose motion the new values count at once.
     #[must_use]
     pub fn affected_controller(&self) -> Option<&str> {
-        let written = self.changes().any(|change| change.step.is_written());
-        self.controller.as_ref()?.as_deref().filter(|_| written)
+        self.controller
+            .as_ref()?
+            .as_deref()
+            .filter(|_| self.has_written())
+    }
+
+    fn has_written(&self) -> bool {
+        self.changes().any(|change| change.step.is_written())
     }
 
     /// Returns what went wrong with each change.
@@ -88,12 +96,18 @@ impl Written {
             .collect()
     }
 
-    /// Returns the warning that a controller is connected, for whose motion the new values count at once.
+    /// Returns the warning that a controller is connected, or that the axis works without one: the new values count for its motion at
+    /// once.
     #[must_use]
-    pub fn of_controller(&self, drive: &str) -> Option<Remark> {
-        let name = self.affected_controller()?;
+    pub fn of_motion(&self, drive: &str) -> Option<Remark> {
+        if let Some(name) = self.affected_controller() {
+            return Some(Remark::warning(format!(
+                "controller \"{name}\" is connected to {drive}: what was written counts for its motion at once"
+            )));
+        }
+        let works = self.alone.as_ref().filter(|_| self.has_written())?;
         Some(Remark::warning(format!(
-            "controller \"{name}\" is connected to {drive}: what was written counts for its motion at once"
+            "{drive}: {works}, and no controller is connected: what was written counts at once"
         )))
     }
 
@@ -140,8 +154,14 @@ pub async fn plan(
     assignments: &[Assignment],
     wanted: Write,
 ) -> Result<Written, Error> {
+    let controller = session.owner(drive).await?;
+    let alone = match controller {
+        Some(None) => session.motion(drive).await?,
+        _ => None,
+    };
     Ok(Written {
-        controller: session.owner(drive).await?,
+        controller,
+        alone,
         set: session.plan_write(drive, assignments, wanted.save).await?,
         wanted,
         assignments: assignments.to_vec(),

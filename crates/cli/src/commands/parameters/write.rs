@@ -162,7 +162,7 @@ fn many(
 
 /// A controller whose motion the new values change.
 fn warn(written: &Written, drive: &Drive, output: &Output) {
-    if let Some(remark) = written.of_controller(&drive.label()) {
+    if let Some(remark) = written.of_motion(&drive.label()) {
         remark::print(&remark, "", output);
     }
 }

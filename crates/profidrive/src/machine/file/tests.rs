@@ -120,6 +120,12 @@ fn each_mistake_has_its_line() {
         ("[group.line1]", "[group.line7]", 4, "no drive is in the group"),
         ("\"all-of-it\"", "\"a b\"", 14, "is not a group"),
         ("title = \"Press\"", "title = 5", 2, "invalid type"),
+        (
+            "telegram = 9",
+            "telegram = 99",
+            13,
+            "has no telegram 99; it has 1,",
+        ),
         ("telegram = 9", "gear = \"5:1\"", 13, "a gear needs the travel"),
         ("telegram = 9", "pitch = \"360deg\"", 13, "those of the motor"),
         ("telegram = 9", "pitch = \"10\"", 13, "those of the motor"),
