@@ -4,6 +4,7 @@ mod hint;
 mod kind;
 mod problem;
 mod refusal;
+mod rule;
 mod text;
 
 use std::net::Ipv4Addr;
@@ -22,6 +23,7 @@ use profile::value::ParameterProblem;
 
 pub use kind::ErrorKind;
 pub use refusal::{ChannelCause, ChannelRefusal, NotCarried, Refusal};
+pub use rule::Rule;
 pub use text::describe;
 pub(crate) use text::mode_words;
 use text::{

@@ -12,7 +12,15 @@ pub const FILES: [(&str, &[&str]); 2] = [
     ("python/profidrive/events.py", &["Event", "ExpectationResult"]),
     (
         "python/profidrive/reports.py",
-        &["ParametersReport", "StatusReport", "FaultsReport", "WriteReport"],
+        &[
+            "ParametersReport",
+            "StatusReport",
+            "FaultsReport",
+            "WriteReport",
+            "StopReport",
+            "MotionReport",
+            "AxisState",
+        ],
     ),
 ];
 

@@ -8,7 +8,7 @@ use profile::notation::fixed;
 use super::unread::SILENCE;
 use super::{AxisSettings, AxisStatus, Rest, STANDS, Session};
 use crate::axis::{Purpose, Seen};
-use crate::{Authority, Drive, Error, LocalControl, WriteMode};
+use crate::{Authority, Drive, Error, Link, LocalControl, WriteMode};
 use profile::value::Assignment;
 
 /// What the control word commands.
@@ -59,6 +59,8 @@ pub enum StopMeans {
     Parameter(&'static Parameter),
     /// No controller has the control word: it is taken over without a jump, then the axis ramps down and is released.
     TakeOver,
+    /// This program has the axis under control: it is stopped as by its [`StopHandle`](crate::StopHandle).
+    Own(Link),
     /// None: this controller has the control word.
     Owned(String),
     /// None: the drive is in local operation.
@@ -102,6 +104,9 @@ impl Session {
     /// # Errors
     /// When the drive cannot be reached.
     pub async fn stop_means(&mut self, drive: &mut Drive, way: StopWay) -> Result<StopMeans, Error> {
+        if let Some(link) = self.engine.records().own_axis(drive) {
+            return Ok(StopMeans::Own(link));
+        }
         if let Some(parameter) = way.parameter(drive) {
             return Ok(StopMeans::Parameter(parameter));
         }
@@ -165,7 +170,8 @@ impl Session {
         last: &mut Option<StopOutcome>,
     ) -> Result<StopOutcome, Error> {
         // a stop by the control word always ends with the power stage off
-        let way = if way.parameter(drive).is_none() {
+        let own = self.engine.records().own_axis(drive).is_some();
+        let way = if own || way.parameter(drive).is_none() {
             StopWay::Disable
         } else {
             way
@@ -185,6 +191,7 @@ impl Session {
                     by_word = self.stop_by_parameter(drive, command, limit).await?;
                 }
                 StopMeans::TakeOver => by_word = Some(self.take_over_and_stop(drive, limit).await?),
+                StopMeans::Own(link) => self.stop_own(link, limit),
                 StopMeans::Owned(controller) => {
                     return Err(Error::NoStopBeside {
                         drive: drive.label(),
@@ -210,12 +217,23 @@ impl Session {
                     sent,
                     speed_before: before.speed,
                     percent_before: before.percent,
-                    by_word: by_word.is_some(),
+                    by_word: own || by_word.is_some(),
                     ..seen
                 });
             }
             self.pass(LOOK).await?;
         }
+    }
+
+    /// Begins the stop of an axis that this program moves.
+    fn stop_own(&self, link: Link, limit: Duration) {
+        let now = self.now();
+        {
+            let mut client = self.client();
+            client.allow_stop(link, limit);
+            client.stop_now(now, Some(link), false);
+        }
+        self.engine.stir();
     }
 
     /// Takes the control word over as it is, ramps down by OFF1 and gives it back. Returns how the axis was then.

@@ -330,7 +330,7 @@ impl Axis {
 
     /// Where it is, for those who come after it.
     fn place(&self) -> Place {
-        Place::new(&self.drive, &self.ending)
+        Place::new(&self.drive, self.link, &self.ending)
     }
 
     /// The one who ends this axis.
