@@ -25,9 +25,9 @@ class CycleStats(NamedTuple):
 class Axis:
     """An axis under control, in a `with` block of `Drive.control`.
 
-    Motions wait until they have ended, and leave the axis holding, or at rest where they fail. The first one enables it. A motion that a
-    limit forbids raises `SafetyError`, and the axis goes on as before. An axis that stopped by itself, by the end of its lease for
-    example, is not started again: the next call raises why.
+    Motions wait until they have ended, and leave the axis holding, or at rest where they fail. The first one enables it. A motion
+    that a limit forbids raises `SafetyError`, and the axis goes on as before. An axis that stopped by itself, by the end of its
+    lease for example, is not started again: the next call raises why.
 
     Ctrl-C stops the axis along its ramp; again, at least a second later, by quick stop (OFF3); a third time ends the wait.
 
@@ -131,8 +131,8 @@ class Axis:
     @property
     def state(self) -> State | None:
         """State of the general state machine."""
-        number = self.status.state
-        return None if number is None else State(number)
+        state = self.status.state
+        return None if state is None else State[state.value]
 
     @property
     def speed(self) -> float | None:
@@ -159,7 +159,9 @@ class Axis:
         # nobody can reach it any more: the network brings it to rest
         axis = getattr(self, "_axis", None)
         if axis is not None and axis.abandon():
-            warnings.warn(f"{self!r} was under control and is stopped: use a with block", ResourceWarning, stacklevel=2, source=self)
+            warnings.warn(
+                f"{self!r} was under control and is stopped: use a with block", ResourceWarning, stacklevel=2, source=self
+            )
 
 
 def _motion(document: str) -> MotionReport:

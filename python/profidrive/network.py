@@ -24,8 +24,8 @@ def open(interface: str | None = None, *, ip: bool = False) -> Network:
     """Opens a network.
 
     Args:
-        interface: a network interface such as `eth0`, or the serial line of a drive such as `fc:/dev/ttyUSB0/1`. When None it is that of
-            the environment variable `PROFIDRIVE_INTERFACE`, else the only one that is up.
+        interface: a network interface such as `eth0`, or the serial line of a drive such as `fc:ttyUSB0/1`. When None it is that
+            of the environment variable `PROFIDRIVE_INTERFACE`, else the only one that is up.
         ip: open UDP alone: drives are given by their IP addresses, can be read, written and stopped, and need no permission.
             Where no interface is named and raw sockets are not permitted, it is that anyway.
 
@@ -48,7 +48,7 @@ def _leave_all() -> None:
 class Network:
     """A network: that of a computer, or of a world. Calls for a world take virtual time, as they take time on a wire; none sleeps.
 
-    Leaving a `with` block closes it. Every axis under control is then brought to rest and released, and so it is when the program ends.
+    Leaving a `with` block closes it. Every axis under control is then brought to rest and released, as at the end of the program.
     """
 
     __slots__ = ("_network",)
@@ -154,7 +154,8 @@ class Drive:
     ) -> Control:
         """Returns what takes control of the axis in a `with` block. Only the axis in there has motions.
 
-        Nothing moves before the first of its motions, which enables it. However the block ends, the axis is ramped down and released.
+        Nothing moves before the first of its motions, which enables it. However the block ends, the axis is ramped down and
+        released.
 
         Args:
             max_speed: any motion that is faster is refused; rpm where it has no unit.
@@ -170,9 +171,8 @@ class Drive:
         """
         if set_mode and mode is None:
             raise UsageError("set_mode needs a mode: velocity or position", drive=self.name)
-        return Control(
-            self._network, self.name, value_text(max_speed), mode, telegram, optional_span(cycle), span(lease), set_mode, accept_no_timeout
-        )
+        limit, times = value_text(max_speed), (optional_span(cycle), span(lease))
+        return Control(self._network, self.name, limit, mode, telegram, *times, set_mode, accept_no_timeout)
 
     def __repr__(self) -> str:
         return f"<Drive {self.name}>"

@@ -706,7 +706,7 @@ class MoveReport:
 
     drive: str
     """The drive."""
-    from: Quantity | None
+    from_: Quantity | None
     """Where the axis is."""
     target: Quantity | None
     """Where it goes."""
@@ -737,7 +737,7 @@ class MoveReport:
     def _of(cls, data: Mapping[str, Any]) -> MoveReport:
         return cls(
             drive=data["drive"],
-            from=None if data["from"] is None else Quantity._of(data["from"]),
+            from_=None if data["from"] is None else Quantity._of(data["from"]),
             target=None if data["target"] is None else Quantity._of(data["target"]),
             speed=Quantity._of(data["speed"]),
             acceleration=Quantity._of(data["acceleration"]),

@@ -59,8 +59,6 @@ pub enum StopMeans {
     Parameter(&'static Parameter),
     /// No controller has the control word: it is taken over without a jump, then the axis ramps down and is released.
     TakeOver,
-    /// This program has the axis under control: it is stopped as by its [`StopHandle`](crate::StopHandle).
-    Own(Link),
     /// None: this controller has the control word.
     Owned(String),
     /// None: the drive is in local operation.
@@ -104,9 +102,6 @@ impl Session {
     /// # Errors
     /// When the drive cannot be reached.
     pub async fn stop_means(&mut self, drive: &mut Drive, way: StopWay) -> Result<StopMeans, Error> {
-        if let Some(link) = self.engine.records().own_axis(drive) {
-            return Ok(StopMeans::Own(link));
-        }
         if let Some(parameter) = way.parameter(drive) {
             return Ok(StopMeans::Parameter(parameter));
         }
@@ -138,10 +133,22 @@ impl Session {
         way: StopWay,
         limit: Duration,
     ) -> Result<StopOutcome, Error> {
-        let _meanwhile = self.tolerant();
-        let stopped = self.stop_by_means(drive, way, limit).await;
-        let unread = self.unread();
-        Ok(StopOutcome { unread, ..stopped? })
+        self.stop_by_means(drive, way, limit, None).await
+    }
+
+    /// The same, also for an axis that this program has under control itself: that is stopped as by its
+    /// [`StopHandle`](crate::StopHandle).
+    ///
+    /// # Errors
+    /// As [`stop_drive`](Self::stop_drive).
+    pub async fn stop_own_or_drive(
+        &mut self,
+        drive: &mut Drive,
+        way: StopWay,
+        limit: Duration,
+    ) -> Result<StopOutcome, Error> {
+        let own = self.engine.records().own_axis(drive);
+        self.stop_by_means(drive, way, limit, own).await
     }
 
     async fn stop_by_means(
@@ -149,9 +156,13 @@ impl Session {
         drive: &mut Drive,
         way: StopWay,
         limit: Duration,
+        own: Option<Link>,
     ) -> Result<StopOutcome, Error> {
+        let _meanwhile = self.tolerant();
         let mut last = None;
-        let stopped = self.stop_and_look(drive, way, limit, &mut last).await;
+        let stopped = self.stop_and_look(drive, way, limit, own, &mut last).await;
+        let unread = self.unread();
+        let stopped = stopped.map(|stopped| StopOutcome { unread, ..stopped });
         stopped.map_err(|error| match error {
             Error::Interrupted => Error::StopInterrupted {
                 drive: drive.label(),
@@ -167,11 +178,11 @@ impl Session {
         drive: &mut Drive,
         way: StopWay,
         limit: Duration,
+        own: Option<Link>,
         last: &mut Option<StopOutcome>,
     ) -> Result<StopOutcome, Error> {
         // a stop by the control word always ends with the power stage off
-        let own = self.engine.records().own_axis(drive).is_some();
-        let way = if own || way.parameter(drive).is_none() {
+        let way = if own.is_some() || way.parameter(drive).is_none() {
             StopWay::Disable
         } else {
             way
@@ -185,13 +196,14 @@ impl Session {
         let sent = unseen || before.enabled != Some(false);
         *last = Some(before.clone());
         let mut by_word = None;
-        if sent {
+        if let Some(link) = own.filter(|_| sent) {
+            self.stop_own(link, limit);
+        } else if sent {
             match self.stop_means(drive, way).await? {
                 StopMeans::Parameter(command) => {
                     by_word = self.stop_by_parameter(drive, command, limit).await?;
                 }
                 StopMeans::TakeOver => by_word = Some(self.take_over_and_stop(drive, limit).await?),
-                StopMeans::Own(link) => self.stop_own(link, limit),
                 StopMeans::Owned(controller) => {
                     return Err(Error::NoStopBeside {
                         drive: drive.label(),
@@ -217,7 +229,7 @@ impl Session {
                     sent,
                     speed_before: before.speed,
                     percent_before: before.percent,
-                    by_word: own || by_word.is_some(),
+                    by_word: own.is_some() || by_word.is_some(),
                     ..seen
                 });
             }
