@@ -4,13 +4,14 @@ use ::plant::WorldError;
 use client::{Error, ErrorKind, LossAction, Rule};
 use network::system::Error as SystemError;
 use profidrive::motion::MotionError;
-use profidrive::report::{Fault, Quantity};
+use profidrive::report::{Fault, Quantity, Wording as _};
 use profidrive::{DriveError, Explained, OpenError};
 use profile::value::ParameterProblem;
 use pyo3::prelude::*;
 use serde_json::{Value, json};
 
 use crate::time::seconds;
+use crate::words::Calls;
 
 /// An error on its way to Python.
 #[derive(Debug)]
@@ -75,7 +76,7 @@ impl Failure {
 pub fn explained(error: &dyn Explained) -> Failure {
     let advice = error.advice();
     Failure {
-        hint: (!advice.is_empty()).then(|| advice.to_string()),
+        hint: (!advice.is_empty()).then(|| Calls.advice(&advice)),
         ..Failure::new(error.kind(), error.message())
     }
 }

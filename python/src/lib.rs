@@ -11,6 +11,7 @@ mod plant;
 mod table;
 mod time;
 mod trace;
+mod words;
 mod world;
 
 use pyo3::prelude::*;

@@ -7,7 +7,6 @@ use std::time::{Duration, Instant as Clock};
 use client::{Drive, DriveAddress, Error, StopWay};
 use profidrive::motion;
 use profidrive::parameters::{self, Write};
-use profidrive::report::PlainWording;
 use profidrive::{Access, Caller, Opening, StopRequests, inspection};
 use profile::notation::ParameterReference;
 use profile::value::{Assignment, ParameterProblem};
@@ -19,6 +18,7 @@ use crate::axis::{Axis, Wanted};
 use crate::errors::{Failure, closed, explained, of_client, of_drive, of_motion, of_open};
 use crate::time::Span;
 use crate::trace::document;
+use crate::words::Calls;
 use crate::world::Held;
 
 /// How long a stop may take that is not that of an axis under control.
@@ -70,6 +70,11 @@ impl Joined {
             ));
         }
         Ok(())
+    }
+
+    /// Returns whether it was not closed yet.
+    pub fn is_open(&self) -> bool {
+        locked(&self.network).is_some()
     }
 
     /// Returns a caller that obeys these requests.
@@ -279,7 +284,7 @@ impl Network {
             let values = values.map_err(|error| of_client(&error))?;
             match values.problems(&drive.label()).first() {
                 Some(problem) => Err(of_client(problem)),
-                None => document(&values.report(drive, &PlainWording)),
+                None => document(&values.report(drive, &Calls)),
             }
         })
     }
@@ -302,7 +307,7 @@ impl Network {
             let label = drive.label();
             let written = parameters::write(caller, drive, &assignments, Write { save, dry_run }).await;
             let written = written.map_err(|error| of_client(&error))?;
-            let report = written.report(drive, &PlainWording);
+            let report = written.report(drive, &Calls);
             let problems = written.problems(&label);
             let Some(first) = problems.first() else {
                 return document(&report);
@@ -321,7 +326,7 @@ impl Network {
     /// How a drive is and why it does not run; a report as JSON.
     fn status(&self, py: Python<'_>, drive: &str) -> PyResult<String> {
         self.call(py, drive, async |caller, drive| {
-            let status = inspection::status(caller, drive, &PlainWording).await;
+            let status = inspection::status(caller, drive, &Calls).await;
             document(&status.map_err(|error| of_client(&error))?.report)
         })
     }

@@ -55,7 +55,7 @@ impl Held {
     /// Lets the plant go on, not longer than Python waits for its signals; returns whether it is at the end.
     fn advance(&self, end: Instant) -> PyResult<bool> {
         let joined = locked(&self.joined).clone();
-        if let Some(joined) = joined {
+        if let Some(joined) = joined.filter(|joined| joined.is_open()) {
             // what has joined is carried along; it looks at the signals itself
             joined.pass(end - self.running.with_world(|world| world.now()))?;
             return Ok(true);

@@ -336,6 +336,12 @@ pub enum Error {
         /// Who.
         by: LocalControl,
     },
+    /// This program has the axis under control already: another connection would end that one. Nothing was sent.
+    #[error("{drive}: this program has its axis under control already")]
+    UnderControl {
+        /// The drive.
+        drive: String,
+    },
     /// The drive is in operation though no controller commands it; nothing was sent.
     #[error(
         "{drive} is in operation though no controller is connected: its last control word commands it, or what it does without a controller"

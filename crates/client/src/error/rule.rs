@@ -68,7 +68,7 @@ impl Error {
             Self::Objections { objections, .. } if objections.iter().any(is_speed) => Rule::SpeedLimit,
             Self::WrongMode { .. } => Rule::Mode,
             Self::RunsOn { .. } | Self::MovesWhenLost { .. } => Rule::ControllerLoss,
-            Self::LocalOperation { .. } | Self::Ownerless { .. } => Rule::Control,
+            Self::LocalOperation { .. } | Self::UnderControl { .. } | Self::Ownerless { .. } => Rule::Control,
             Self::ScaleChanged { .. } => Rule::Scale,
             Self::AtWork { .. } | Self::StatusUnread { .. } | Self::NotAtRest { .. } => Rule::AtRest,
             _ => Rule::Move,
