@@ -79,6 +79,8 @@ fn quantity(text: &str) -> Result<Quantity, Failure> {
 pub struct Axis {
     place: Place,
     held: Mutex<Option<HeldAxis>>,
+    /// Locked while a call is at work with it: others only look.
+    at_work: Mutex<()>,
     /// For stops from other threads.
     stop: StopHandle,
     requests: StopRequests,
@@ -105,22 +107,24 @@ impl Axis {
         let hold = hold.map_err(|error| of_motion(&error))?;
         let held = motion::hold(caller, drive, &hold, &observer).await;
         let held = held.map_err(|error| of_motion(&error))?;
+        *locked(&seen) = held.status();
         Ok(Self {
             place,
             stop: held.stop_handle(),
             held: Mutex::new(Some(held)),
+            at_work: Mutex::new(()),
             requests,
             seen,
         })
     }
 
-    /// Returns the axis, unless another thread is at work with it.
-    fn free(&self) -> Option<MutexGuard<'_, Option<HeldAxis>>> {
-        match self.held.try_lock() {
-            Ok(held) => Some(held),
-            Err(TryLockError::Poisoned(held)) => Some(held.into_inner()),
-            Err(TryLockError::WouldBlock) => None,
-        }
+    /// Returns the axis for a call that is at work with it.
+    fn work(&self) -> Result<(MutexGuard<'_, ()>, MutexGuard<'_, Option<HeldAxis>>), Failure> {
+        self.place.joined.usable()?;
+        let at_work = free(&self.at_work)
+            .ok_or_else(|| closed("another thread moves this axis; only `stop` may be called meanwhile"))?;
+        // one who only looks does not take long
+        Ok((at_work, locked(&self.held)))
     }
 
     fn call<T: Send>(
@@ -129,10 +133,7 @@ impl Axis {
         work: impl AsyncFnOnce(&mut HeldAxis) -> Result<T, MotionError> + Send,
     ) -> PyResult<T> {
         py.detach(|| {
-            self.place.joined.usable()?;
-            let mut held = self.free().ok_or_else(|| {
-                closed("another thread moves this axis; only `stop` may be called meanwhile")
-            })?;
+            let (_at_work, mut held) = self.work()?;
             let held = held.as_mut().ok_or_else(released)?;
             self.place.goes_on();
             self.requests.clear();
@@ -150,6 +151,15 @@ impl Axis {
         work: impl AsyncFnOnce(&mut HeldAxis) -> Result<Report, MotionError> + Send,
     ) -> PyResult<String> {
         Ok(document(&self.call(py, work)?)?)
+    }
+}
+
+/// Locks, unless another thread has.
+fn free<T>(mutex: &Mutex<T>) -> Option<MutexGuard<'_, T>> {
+    match mutex.try_lock() {
+        Ok(held) => Some(held),
+        Err(TryLockError::Poisoned(held)) => Some(held.into_inner()),
+        Err(TryLockError::WouldBlock) => None,
     }
 }
 
@@ -226,7 +236,7 @@ impl Axis {
 
     /// Stops it. While another thread moves it, that call ends first.
     fn stop(&self, py: Python<'_>, quick: bool) -> PyResult<String> {
-        while py.detach(|| self.free().is_none()) {
+        while free(&self.at_work).is_none() {
             if quick {
                 self.stop.quick_stop();
             } else {
@@ -249,12 +259,8 @@ impl Axis {
     /// Brings it to rest and gives control back; its report as JSON. After an interrupt the next one makes it a quick stop.
     fn release(&self, py: Python<'_>, is_interrupted: bool) -> PyResult<String> {
         py.detach(|| {
-            self.place.joined.usable()?;
-            let held = self
-                .free()
-                .ok_or_else(|| closed("another thread moves this axis"))?
-                .take();
-            let held = held.ok_or_else(released)?;
+            let (_at_work, mut held) = self.work()?;
+            let held = held.take().ok_or_else(released)?;
             self.place.goes_on();
             self.requests.clear();
             if is_interrupted {
@@ -272,15 +278,15 @@ impl Axis {
     /// Leaves it to the network, which brings it to rest. False where it was released before.
     fn abandon(&self, py: Python<'_>) -> bool {
         py.detach(|| {
-            let held = self.free().and_then(|mut held| held.take());
-            held.is_some()
+            // nobody else can be at work with it
+            locked(&self.held).take().is_some()
         })
     }
 
     /// What the last frame reported; JSON. No I/O.
     fn status(&self, py: Python<'_>) -> PyResult<Option<String>> {
         py.detach(|| {
-            let status = match self.free() {
+            let status = match free(&self.held) {
                 Some(held) => held.as_ref().and_then(HeldAxis::status),
                 None => None,
             };
@@ -294,7 +300,7 @@ impl Axis {
     /// Frames of the connection: received, missed.
     fn frames(&self, py: Python<'_>) -> Option<(u64, u64)> {
         py.detach(|| {
-            let held = self.free()?;
+            let held = free(&self.held)?;
             let counts = held.as_ref()?.statistics()?;
             Some((counts.received, counts.missed))
         })
@@ -302,6 +308,6 @@ impl Axis {
 
     #[getter]
     fn is_held(&self, py: Python<'_>) -> bool {
-        py.detach(|| self.free().is_none_or(|held| held.is_some()))
+        py.detach(|| free(&self.held).is_none_or(|held| held.is_some()))
     }
 }

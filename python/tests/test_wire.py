@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tempfile
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -14,8 +15,9 @@ from .wire import Wire
 
 
 @pytest.fixture
-def wire(tmp_path: Path) -> Iterator[Wire]:
-    with Wire(tmp_path) as wire:
+def wire() -> Iterator[Wire]:
+    # names of sockets are short
+    with tempfile.TemporaryDirectory() as folder, Wire(Path(folder)) as wire:
         yield wire
 
 
@@ -24,7 +26,7 @@ def is_released(event: Event) -> bool:
 
 
 RUNS = """
-with drive.control(max_speed="600rpm", lease=2) as axis:
+with drive.control(max_speed="600rpm", cycle="128ms", lease=2) as axis:
     axis.run("600rpm")
     say("runs")
 """
@@ -39,9 +41,9 @@ from profidrive.types import State
 with network:
     assert drive.read("DRV.ACC").value == 3000
     assert drive.write({"DRV.DEC": "5000rpm/s"}).changes[0].written
-    with drive.control(max_speed="600rpm") as axis:
+    with drive.control(max_speed="600rpm", cycle="128ms") as axis:
         moved = axis.run("600rpm", for_="300ms")
-        assert moved.reached and axis.stats.received > 10
+        assert moved.reached and axis.stats.received > 3
         assert axis.state is State.S4
     try:
         drive.read("DRV.ACX")
@@ -58,45 +60,40 @@ except MisuseError as error:
     simulation.wait_for(is_released, after=operation.time)
 
 
-def test_ctrl_c_ramps_down_then_stops_quickly_then_gives_up(wire: Wire) -> None:
+@pytest.mark.parametrize("signals", [1, 2, 3])
+def test_ctrl_c_ramps_down_then_stops_quickly_then_ends_the_wait(wire: Wire, signals: int) -> None:
     simulation = wire.simulate()
-    moves = 'axis.run("600rpm", for_=60)\n'
-    for signals in (1, 2, 3):
-        begin = simulation.events[-1].time
-        # of a ramp of 12 s the quick stop leaves less than one
-        slow = 'drive.write({"DRV.DEC": "50rpm/s", "DRV.DISMODE": 2})\n' if signals > 1 else SLOW.replace("100", "600")
-        watch = "threading.Thread(target=lambda: [time.sleep(0.01) for _ in iter(lambda: (axis.speed or 0) < 590, False)] and say('runs')).start()"
-        program = wire.python(
-            f"""
-{slow}
+    program = wire.python(
+        """
+drive.write({"DRV.DEC": "100rpm/s"})
+
 def watch():
     while (axis.speed or 0) < 590:
         time.sleep(0.01)
     say("runs")
 
-begin = None
 try:
-    with drive.control(max_speed="600rpm") as axis:
+    with drive.control(max_speed="600rpm", cycle="128ms") as axis:
         threading.Thread(target=watch).start()
-        {moves}
+        try:
+            axis.run("600rpm", for_=60)
+        finally:
+            say(f"{abs(axis.speed):.0f} rpm")
 except KeyboardInterrupt:
     say("interrupted")
 """
-        )
-        assert program.line() == "runs"
-        assert watch
-        for _ in range(signals):
-            sent = time.monotonic()
-            program.interrupt()
-            time.sleep(1.2)
-        if signals < 3:
-            assert program.end() == (0, ["interrupted"])
-            assert time.monotonic() - sent < 5
-        else:
-            code, lines = program.end()
-            assert (code, lines) == (0, ["interrupted"])
-        simulation.wait_for(is_released, after=begin)
-        assert not any(isinstance(event, FaultRaised) for event in simulation.events)
+    )
+    assert program.line() == "runs"
+    for _ in range(signals):
+        sent = simulation.now()
+        program.interrupt()
+        # requests within a second count as one
+        time.sleep(1.2)
+    assert program.end() == (0, ["0 rpm", "interrupted"])
+    released = simulation.wait_for(is_released)
+    # the ramp takes 6 s, the quick stop far less
+    assert (released.time - sent > 5) == (signals == 1)
+    assert not any(isinstance(event, FaultRaised) for event in simulation.events)
 
 
 def test_a_hung_program_loses_its_axis(wire: Wire) -> None:
@@ -126,12 +123,12 @@ def test_a_killed_program_leaves_the_stop_to_the_drive(wire: Wire) -> None:
 
 
 FORGOTTEN = """
-axis = drive.control(max_speed="600rpm").__enter__()
+axis = drive.control(max_speed="600rpm", cycle="128ms").__enter__()
 axis.run("600rpm")
 """
 CRASH = """
 def work():
-    with drive.control(max_speed="600rpm") as axis:
+    with drive.control(max_speed="600rpm", cycle="128ms") as axis:
         axis.run("600rpm")
         raise RuntimeError("in another thread")
 
@@ -167,8 +164,8 @@ def test_a_stop_comes_from_any_thread_while_another_one_waits(wire: Wire) -> Non
     program = wire.python(
         """
 for stop in (network.stop_all, drive.stop):
-    with drive.control(max_speed="600rpm") as axis:
-        other = threading.Timer(0.5, stop)
+    with drive.control(max_speed="600rpm", cycle="128ms") as axis:
+        other = threading.Timer(2, stop)
         other.start()
         try:
             axis.run("600rpm", for_=60)
@@ -185,7 +182,7 @@ def test_a_lost_connection_says_what_the_drive_does_and_the_drive_is_usable_agai
     program = wire.python(
         """
 try:
-    with drive.control(max_speed="600rpm") as axis:
+    with drive.control(max_speed="600rpm", cycle="128ms") as axis:
         axis.run("600rpm")
         say("runs")
         axis.run("300rpm", for_=60)
@@ -199,7 +196,7 @@ while True:
         break
     except UnreachableError:
         assert time.monotonic() < deadline
-with drive.control(max_speed="600rpm") as axis:
+with drive.control(max_speed="600rpm", cycle="128ms") as axis:
     axis.ack()
     say(axis.run("600rpm", for_="100ms").reached)
 """
@@ -218,7 +215,7 @@ def test_a_copy_of_a_process_has_no_network(wire: Wire) -> None:
     wire.simulate()
     program = wire.python(
         """
-with drive.control(max_speed="600rpm") as axis:
+with drive.control(max_speed="600rpm", cycle="128ms") as axis:
     axis.run("600rpm")
     child = os.fork()
     if child == 0:

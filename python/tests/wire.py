@@ -8,6 +8,7 @@ import signal
 import subprocess
 import sys
 import threading
+import time
 from collections.abc import Callable
 from pathlib import Path
 
@@ -40,6 +41,11 @@ class Simulation:
         self.process = wire.start(command)
         self._reader = threading.Thread(target=self._read, daemon=True)
         self._reader.start()
+        self._begun = time.monotonic()
+
+    def now(self) -> float:
+        """Seconds since it was started, which is a little more than the time of its events."""
+        return time.monotonic() - self._begun
 
     def _read(self) -> None:
         assert self.process.stdout is not None

@@ -18,7 +18,7 @@ use super::warnings::Warnings;
 use super::{GLANCE, Session};
 use crate::axis::{
     Evidence, Goal, Limits, MotionFacts, Move, MovePlan, Progress, Purpose, Seen, SpeedScale, SpeedUnit,
-    Strained, Trouble,
+    Strained,
 };
 use crate::client::AxisView;
 use crate::{Connection, Drive, Error, Link, LossReaction};
@@ -537,15 +537,8 @@ impl Axis {
         let _meanwhile = self.session.unstoppable();
         let stops = |view: &AxisView| view.goal == Goal::Stop && !view.at_rest;
         while self.status().is_some_and(|status| stops(&status.view)) && self.lost().is_none() {
-            let stopped = self.look().await;
-            if !matches!(
-                stopped,
-                Ok(_)
-                    | Err(Error::Axis {
-                        trouble: Trouble::QuickStopUsed,
-                        ..
-                    })
-            ) {
+            // the trouble that began the stop is no end of it
+            if !matches!(self.look().await, Ok(_) | Err(Error::Axis { .. })) {
                 return Ok(());
             }
             self.session.look_again().await?;
