@@ -1,4 +1,4 @@
-"""Virtual PROFIdrive drives for tests.
+"""PROFIdrive drives: on a network and virtual ones for tests.
 
 Importing this package opens nothing, starts no thread, and loads the binding only when it is used.
 """
@@ -14,12 +14,15 @@ from profidrive.types import State
 
 if TYPE_CHECKING:
     from profidrive import events, reports
-    from profidrive.network import Drive, Network
+    from profidrive.axis import Axis, Control
+    from profidrive.network import Drive, Network, open
     from profidrive.plant import Plant, PlantDrive, VirtualDrive, World
     from profidrive.table import Table
     from profidrive.trace import Trace
 
 _LAZY = {
+    "Axis": "axis",
+    "Control": "axis",
     "Drive": "network",
     "Network": "network",
     "Plant": "plant",
@@ -28,6 +31,7 @@ _LAZY = {
     "Trace": "trace",
     "VirtualDrive": "plant",
     "World": "plant",
+    "open": "network",
 }
 
 
@@ -66,7 +70,9 @@ def build_info() -> BuildInfo:
 
 
 __all__ = [
+    "Axis",
     "BuildInfo",
+    "Control",
     "Drive",
     "ErrorKind",
     "Network",
@@ -81,6 +87,7 @@ __all__ = [
     "build_info",
     "errors",
     "events",
+    "open",
     "reports",
     "types",
 ]

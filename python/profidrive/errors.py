@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 if TYPE_CHECKING:
     from profidrive.events import ExpectationResult
-    from profidrive.reports import WriteReport
+    from profidrive.reports import Fault, MotionReport, Quantity, WriteReport
 
 
 class ErrorKind(str, Enum):
@@ -87,6 +87,8 @@ class RefusedError(ProfidriveError):
     """The drive refused a request."""
 
     kind = ErrorKind.REFUSED
+    owner: str | None = None
+    """Station name of the controller that has the drive, where that is the reason and the drive reports it."""
     parameter: str | None = None
     """The parameter as its vendor writes it."""
     pnu: int | None = None
@@ -103,27 +105,51 @@ class UnreachableError(ProfidriveError, ConnectionError):
 
 
 class ConnectionLost(UnreachableError):
-    """The connection was lost while an axis was under control."""
+    """The connection was lost while an axis was under control. The drive can be used again at the next call, the axis cannot."""
 
     kind = ErrorKind.LOST
+    after: float | None = None
+    """Seconds from the last control word until the drive reacts to the loss, where it has a setting for that."""
+    drive_continues: bool | None = None
+    """Whether the motor keeps turning, by the settings of the drive; None where that is not known."""
+
+
+class PermissionMissing(UnreachableError, PermissionError):
+    """This program may not open raw sockets (CAP_NET_RAW)."""
 
 
 class SafetyError(ProfidriveError):
     """A rule that protects people or machines stopped it."""
 
     kind = ErrorKind.SAFETY
+    rule: str | None = None
+    """The rule: `speed_limit`, `mode`, `controller_loss`, `control`, `at_rest`, `move`, `scale`, `lease` or `standstill`."""
+    owner: str | None = None
+    """Station name of the controller that has the drive, where the drive reports it."""
+    motion: MotionReport | None = None
+    """What the motion was like until then, where it began."""
 
 
 class AxisFault(ProfidriveError):
     """The drive has a fault."""
 
     kind = ErrorKind.FAULT
+    fault: Fault | None = None
+    """The first fault of the drive, where it was read."""
+    motion: MotionReport | None = None
+    """What the motion was like until then, where it began."""
 
 
 class NotReached(ProfidriveError):
     """What was commanded was not reached."""
 
     kind = ErrorKind.NOT_REACHED
+    target: Quantity | None = None
+    """What was to be reached, where it is one number."""
+    actual: Quantity | None = None
+    """What was reached."""
+    motion: MotionReport | None = None
+    """What the motion was like until then, where it began."""
 
 
 class PartialWrite(ProfidriveError):
@@ -159,6 +185,8 @@ class InterruptedCall(ProfidriveError):
     """The call was ended by a request to stop."""
 
     kind = ErrorKind.INTERRUPTED
+    motion: MotionReport | None = None
+    """What the motion was like until then, where it began."""
 
 
 class LocalError(ProfidriveError, OSError):
@@ -174,7 +202,7 @@ class InternalError(ProfidriveError, RuntimeError):
 
 
 class MisuseError(ProfidriveError, RuntimeError):
-    """An object is used in a way that it cannot be used: after its end, for example."""
+    """An object is used in a way that it cannot be used: after its end, by two threads, or after a fork."""
 
     kind = ErrorKind.USAGE
 
@@ -197,7 +225,17 @@ _KINDS: Mapping[str, type[ProfidriveError]] = {
         InternalError,
     )
 }
-_NAMED: Mapping[str, type[ProfidriveError]] = {found.__name__: found for found in (UnknownParameter, ExpectationFailed)}
+_NAMED: Mapping[str, type[ProfidriveError]] = {
+    found.__name__: found for found in (UnknownParameter, ExpectationFailed, PermissionMissing, MisuseError)
+}
+_DOCUMENTS = {
+    "report": "WriteReport",
+    "fault": "Fault",
+    "motion": "MotionReport",
+    "target": "Quantity",
+    "actual": "Quantity",
+}
+"""Attributes that are documents, with their classes."""
 
 
 def _made(kind: str, name: str, message: str, hint: str | None, fields: str) -> ProfidriveError:
@@ -207,10 +245,10 @@ def _made(kind: str, name: str, message: str, hint: str | None, fields: str) -> 
         from profidrive.events import ExpectationResult
 
         attributes["results"] = tuple(ExpectationResult._of(result) for result in attributes["results"])
-    if "report" in attributes:
-        from profidrive.reports import WriteReport
+    for attribute in _DOCUMENTS.keys() & attributes.keys():
+        from profidrive import reports
 
-        attributes["report"] = WriteReport._of(attributes["report"])
+        attributes[attribute] = getattr(reports, _DOCUMENTS[attribute])._of(attributes[attribute])
     if "nearest" in attributes:
         attributes["nearest"] = tuple(attributes["nearest"])
     return _NAMED.get(name, _KINDS[kind])(message, hint=hint, **attributes)
@@ -228,6 +266,7 @@ __all__ = [
     "MisuseError",
     "NotReached",
     "PartialWrite",
+    "PermissionMissing",
     "ProfidriveError",
     "RefusedError",
     "SafetyError",

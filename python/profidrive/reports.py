@@ -625,23 +625,280 @@ class WriteReport:
         )
 
 
+@dataclass(frozen=True, slots=True)
+class StopReport:
+    """What became of a stop."""
+
+    drive: str
+    """The drive."""
+    sent: str | None
+    """What was sent; `None` when the axis was at rest already, or its power stage off: then no command holds it."""
+    speed_before: Quantity | None
+    """Speed before; in `%` of the reference where it is not known in `rpm`."""
+    speed: Quantity | None
+    """Speed at the end, likewise."""
+    enabled: bool | None
+    """The power stage is on at the end."""
+    at_rest: bool
+    """The axis stands, and is off where that was requested."""
+    controller: Controller | None
+    """The controller that goes on commanding the drive; null where it does not report that."""
+    unread: str | None
+    """Why parameters of the drive could not be read."""
+
+    @classmethod
+    def _of(cls, data: Mapping[str, Any]) -> StopReport:
+        return cls(
+            drive=data["drive"],
+            sent=data["sent"],
+            speed_before=None if data["speed_before"] is None else Quantity._of(data["speed_before"]),
+            speed=None if data["speed"] is None else Quantity._of(data["speed"]),
+            enabled=data["enabled"],
+            at_rest=data["at_rest"],
+            controller=None if data["controller"] is None else Controller._of(data["controller"]),
+            unread=data["unread"],
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Frames:
+    """Cyclic frames of a motion."""
+
+    received: int | None
+    """Received."""
+    missed: int | None
+    """Lost between them, by their counter."""
+
+    @classmethod
+    def _of(cls, data: Mapping[str, Any]) -> Frames:
+        return cls(
+            received=data["received"],
+            missed=data["missed"],
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class PutBack:
+    """A setting that was changed for a motion, after it."""
+
+    parameter: str | None
+    """The parameter; null where mode and telegram of the drive cannot be read."""
+    number: str | None
+    """Its number as its vendor writes it: `930`, `p1004`."""
+    value: str | None
+    """Its value from before the motion."""
+    failed: str | None
+    """Why it does not have that value again; null where it has."""
+
+    @classmethod
+    def _of(cls, data: Mapping[str, Any]) -> PutBack:
+        return cls(
+            parameter=data["parameter"],
+            number=data["number"],
+            value=data["value"],
+            failed=data["failed"],
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class MoveReport:
+    """A move as it travels, with everything that speaks against it."""
+
+    drive: str
+    """The drive."""
+    from_: Quantity | None
+    """Where the axis is."""
+    target: Quantity | None
+    """Where it goes."""
+    speed: Quantity
+    """Speed as the drive takes it."""
+    acceleration: Quantity
+    """Acceleration as the drive takes it."""
+    deceleration: Quantity
+    """Deceleration as the drive takes it."""
+    duration: float | None
+    """Computed time, s."""
+    satzanw: int
+    """SATZANW."""
+    mdi_tarpos: int
+    """MDI_TARPOS."""
+    mdi_velocity: int
+    """MDI_VELOCITY."""
+    mdi_acc: int
+    """MDI_ACC."""
+    mdi_dec: int
+    """MDI_DEC."""
+    mdi_mod: int
+    """MDI_MOD."""
+    objections: tuple[str, ...]
+    """What speaks against it."""
+
+    @classmethod
+    def _of(cls, data: Mapping[str, Any]) -> MoveReport:
+        return cls(
+            drive=data["drive"],
+            from_=None if data["from"] is None else Quantity._of(data["from"]),
+            target=None if data["target"] is None else Quantity._of(data["target"]),
+            speed=Quantity._of(data["speed"]),
+            acceleration=Quantity._of(data["acceleration"]),
+            deceleration=Quantity._of(data["deceleration"]),
+            duration=data["duration"],
+            satzanw=data["satzanw"],
+            mdi_tarpos=data["mdi_tarpos"],
+            mdi_velocity=data["mdi_velocity"],
+            mdi_acc=data["mdi_acc"],
+            mdi_dec=data["mdi_dec"],
+            mdi_mod=data["mdi_mod"],
+            objections=tuple(item for item in data["objections"]),
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class MotionReport:
+    """A motion that ended, or faults that were acknowledged."""
+
+    released: bool
+    """Control of the axis was taken and given back. False where the connection was lost, and where control was not needed:
+there is no fault to acknowledge, or a parameter acknowledges it."""
+    rest: str
+    """How the axis was when control of it was given back: `stands`, `coasts`, `runs`, or `unknown` where the drive
+reported nothing any more or was not under control."""
+    coasts: bool
+    """The axis turned with its power stage off when control of it was given back."""
+    interrupted: bool
+    """The caller stopped it before its end."""
+    frames: Frames
+    """Counters of the cyclic connection; a serial line has none."""
+    put_back: tuple[PutBack, ...]
+    """The settings that were changed for it, after their values from before were written."""
+    reached: bool
+    """The speed, the target or the home position was reached, or no fault is left."""
+    speed: Quantity | None
+    """Speed of the motor before the stop, where the telegram carries it."""
+    highest_speed: Quantity | None
+    """Highest speed of the motor by its amount."""
+    time_at_speed: float | None
+    """Time at the speed of a run or a jog, s."""
+    distance: Quantity | None
+    """How far the axis went until its release: by its position, else by its speed in rpm over time."""
+    position: Quantity | None
+    """Where the axis was at its target or home position."""
+    left_to: Quantity | None
+    """Where it is since the power stage is off, if that is another place."""
+    homed: bool | None
+    """Whether the axis has its home position, after homing."""
+    task: int | None
+    """Number of the motion task."""
+    active_task: int | None
+    """The motion task that the drive reported last (AKTSATZ)."""
+    plan: MoveReport | None
+    """The move."""
+    acknowledged: bool | None
+    """Whether there were faults to acknowledge, where that was requested."""
+    faults: tuple[Fault, ...]
+    """The faults that are left, where they were to be acknowledged."""
+
+    @classmethod
+    def _of(cls, data: Mapping[str, Any]) -> MotionReport:
+        return cls(
+            released=data["released"],
+            rest=data["rest"],
+            coasts=data["coasts"],
+            interrupted=data["interrupted"],
+            frames=Frames._of(data["frames"]),
+            put_back=tuple(PutBack._of(item) for item in data["put_back"]),
+            reached=data["reached"],
+            speed=None if data["speed"] is None else Quantity._of(data["speed"]),
+            highest_speed=None if data["highest_speed"] is None else Quantity._of(data["highest_speed"]),
+            time_at_speed=data["time_at_speed"],
+            distance=None if data["distance"] is None else Quantity._of(data["distance"]),
+            position=None if data["position"] is None else Quantity._of(data["position"]),
+            left_to=None if data["left_to"] is None else Quantity._of(data["left_to"]),
+            homed=data["homed"],
+            task=data["task"],
+            active_task=data["active_task"],
+            plan=None if data["plan"] is None else MoveReport._of(data["plan"]),
+            acknowledged=data["acknowledged"],
+            faults=tuple(Fault._of(item) for item in data["faults"]),
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class AxisState:
+    """An axis at one moment."""
+
+    time: float
+    """Seconds since control was taken."""
+    state: DriveState | None
+    """State of the drive."""
+    profile: str
+    """Whose words these are: `PROFIdrive`, `FC profile`, .."""
+    mode: str
+    """Mode that decides over the bits: `velocity` or `position`."""
+    stw1: Word | None
+    """Control word that the drive acts on."""
+    zsw1: Word | None
+    """Status word of the drive."""
+    fault_bit: bool | None
+    """Whether the status word reports a fault."""
+    warning_bit: bool | None
+    """Whether the status word reports a warning."""
+    connected: bool
+    """False when the connection is lost: then all of this was reported before."""
+    speed_set: Quantity | None
+    """Speed that is commanded."""
+    speed_actual: Quantity | None
+    """Speed of the motor."""
+    target: Quantity | None
+    """Position that a move leads to."""
+    position: Quantity | None
+    """Position of the axis."""
+    following_error: Quantity | None
+    """Commanded position minus position."""
+
+    @classmethod
+    def _of(cls, data: Mapping[str, Any]) -> AxisState:
+        return cls(
+            time=_number(data["time"]),
+            state=None if data["state"] is None else DriveState(data["state"]),
+            profile=data["profile"],
+            mode=data["mode"],
+            stw1=None if data["stw1"] is None else Word._of(data["stw1"]),
+            zsw1=None if data["zsw1"] is None else Word._of(data["zsw1"]),
+            fault_bit=data["fault_bit"],
+            warning_bit=data["warning_bit"],
+            connected=data["connected"],
+            speed_set=None if data["speed_set"] is None else Quantity._of(data["speed_set"]),
+            speed_actual=None if data["speed_actual"] is None else Quantity._of(data["speed_actual"]),
+            target=None if data["target"] is None else Quantity._of(data["target"]),
+            position=None if data["position"] is None else Quantity._of(data["position"]),
+            following_error=None if data["following_error"] is None else Quantity._of(data["following_error"]),
+        )
+
+
 __all__ = [
     "Action",
+    "AxisState",
     "Controller",
     "DriveState",
     "Fault",
     "FaultsReport",
+    "Frames",
     "LoadStatus",
     "LogEntry",
     "LossReaction",
+    "MotionReport",
+    "MoveReport",
     "Parameter",
     "ParameterContent",
     "ParameterError",
     "ParametersReport",
+    "PutBack",
     "Quantity",
     "SettingChange",
     "StatusNote",
     "StatusReport",
+    "StopReport",
     "Warning",
     "Word",
     "WriteReport",

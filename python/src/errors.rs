@@ -1,11 +1,17 @@
 //! Errors of the library as exceptions of `profidrive.errors`.
 
 use ::plant::WorldError;
-use client::{Error, ErrorKind};
-use profidrive::Explained;
+use client::{Error, ErrorKind, LossAction, Rule};
+use network::system::Error as SystemError;
+use profidrive::motion::MotionError;
+use profidrive::report::{Fault, Quantity, Wording as _};
+use profidrive::{DriveError, Explained, OpenError};
 use profile::value::ParameterProblem;
 use pyo3::prelude::*;
 use serde_json::{Value, json};
+
+use crate::time::seconds;
+use crate::words::Calls;
 
 /// An error on its way to Python.
 #[derive(Debug)]
@@ -52,10 +58,17 @@ impl Failure {
         self
     }
 
-    /// Returns the error with attributes.
+    /// Returns the error with more attributes. One that is null stays as its class has it.
     pub fn with(mut self, fields: Value) -> Self {
-        self.fields = fields;
+        if let (Value::Object(own), Value::Object(more)) = (&mut self.fields, fields) {
+            own.extend(more.into_iter().filter(|(_, value)| !value.is_null()));
+        }
         self
+    }
+
+    /// Returns the error with the drive that it is about.
+    pub fn about(self, drive: &str) -> Self {
+        self.with(json!({ "drive": drive }))
     }
 }
 
@@ -63,7 +76,7 @@ impl Failure {
 pub fn explained(error: &dyn Explained) -> Failure {
     let advice = error.advice();
     Failure {
-        hint: (!advice.is_empty()).then(|| advice.to_string()),
+        hint: (!advice.is_empty()).then(|| Calls.advice(&advice)),
         ..Failure::new(error.kind(), error.message())
     }
 }
@@ -95,12 +108,15 @@ pub fn of_world(error: &WorldError) -> Failure {
     }
 }
 
-/// An error of a client about a parameter, with the numbers of a refusal.
-pub fn of_parameter(error: &Error, drive: &str) -> Failure {
-    let failure = explained(error);
+/// An error of a client: its rule, the numbers of a refusal, what a drive does without its controller.
+pub fn of_client(error: &Error) -> Failure {
+    let failure = explained(error).with(json!({
+        "rule": error.rule().map(Rule::id),
+        "owner": error.owner(),
+    }));
     match error {
-        Error::Refused { refusal, .. } => failure.with(json!({
-            "drive": drive,
+        Error::Closed => closed("the network is closed"),
+        Error::Refused { drive, refusal } => failure.about(drive).with(json!({
             "parameter": refusal.shown.to_string(),
             "pnu": refusal.shown.pnu,
             "index": refusal.shown.index,
@@ -109,9 +125,86 @@ pub fn of_parameter(error: &Error, drive: &str) -> Failure {
         })),
         Error::Parameter(ParameterProblem::Unknown { nearest, .. }) => failure
             .of_class("UnknownParameter")
-            .with(json!({ "drive": drive, "nearest": nearest })),
-        _ => failure.with(json!({ "drive": drive })),
+            .with(json!({ "nearest": nearest })),
+        Error::ConnectionLost { drive, .. }
+        | Error::CarrierLost { drive, .. }
+        | Error::LineSilent { drive, .. } => match error.loss_reaction() {
+            Some(reaction) => failure.about(drive).with(json!({
+                "after": reaction.after.map(seconds),
+                "drive_continues": continues(reaction.action),
+            })),
+            None => failure.about(drive),
+        },
+        Error::SpeedNotReached {
+            drive,
+            wanted,
+            highest,
+            unit,
+            ..
+        } => failure.about(drive).with(json!({
+            "target": Quantity::new(*wanted, *unit),
+            "actual": highest.map(|speed| Quantity::new(speed, *unit)),
+        })),
+        Error::Held { error, .. } => Failure {
+            fields: of_client(error).fields,
+            ..failure
+        },
+        _ => failure,
     }
+}
+
+/// `None` where it is not known.
+const fn continues(action: LossAction) -> Option<bool> {
+    match action {
+        LossAction::KeepsTurning => Some(true),
+        LossAction::Unknown => None,
+        _ => Some(false),
+    }
+}
+
+/// An error of a motion, with what the motion was like and with the first fault of the drive.
+pub fn of_motion(error: &MotionError) -> Failure {
+    let inner = error.client().map(of_client);
+    let mut failure = explained(error);
+    if let Some(inner) = inner {
+        failure = Failure {
+            class: inner.class,
+            ..failure.with(inner.fields)
+        };
+    }
+    if let Some(rule) = error.rule() {
+        failure = failure.with(json!({ "rule": rule.id() }));
+    }
+    if let Some(fault) = error.faults().first() {
+        failure = failure.with(json!({ "fault": Fault::from(fault) }));
+    }
+    if let Some(report) = error.report() {
+        failure = failure.with(json!({ "motion": report }));
+    }
+    failure
+}
+
+/// An error of a drive that is not found.
+pub fn of_drive(error: &DriveError) -> Failure {
+    match error {
+        DriveError::Client(error) => of_client(error),
+        DriveError::Open(error) => of_open(error),
+        other => explained(other),
+    }
+}
+
+/// An error of a network that cannot be opened.
+pub fn of_open(error: &OpenError) -> Failure {
+    let failure = explained(error);
+    match error {
+        OpenError::Network(SystemError::NoPermission { .. }) => failure.of_class("PermissionMissing"),
+        _ => failure,
+    }
+}
+
+/// An object that cannot be used any more, or not from there.
+pub fn closed(message: &str) -> Failure {
+    Failure::usage(message).of_class("MisuseError")
 }
 
 impl From<Failure> for PyErr {

@@ -3,12 +3,15 @@
 //! Only the Python files beside it use it. Documents travel as JSON in the form of docs/schema, samples as Arrow columns,
 //! times as seconds or as people write them (`400ms`). Errors become the classes of `profidrive.errors`.
 
+mod attention;
+mod axis;
 mod errors;
 mod network;
 mod plant;
 mod table;
 mod time;
 mod trace;
+mod words;
 mod world;
 
 use pyo3::prelude::*;
@@ -44,6 +47,9 @@ fn _profidrive(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(states, module)?)?;
     module.add_class::<plant::Plant>()?;
     module.add_class::<world::World>()?;
+    module.add_function(wrap_pyfunction!(network::open, module)?)?;
+    module.add_function(wrap_pyfunction!(network::leave_all, module)?)?;
+    module.add_class::<axis::Axis>()?;
     module.add_class::<network::Network>()?;
     module.add_class::<trace::Trace>()?;
     module.add_class::<table::Table>()?;

@@ -1,7 +1,7 @@
 //! A plant in virtual time.
 
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
+use std::sync::{Arc, Mutex, Weak};
 use std::time::{Duration, Instant as Clock};
 
 use ::plant::{Observed as _, ObservedQuantity, PlantEvent, PlantPlan, Trace as Kept, WorldError};
@@ -11,16 +11,15 @@ use profidrive::{Instant, Running};
 use pyo3::prelude::*;
 use serde_json::json;
 
+use crate::attention::LOOK;
 use crate::errors::{Failure, explained, of_world};
-use crate::network::{Joined, Network};
+use crate::network::{Joined, Network, locked};
 use crate::table::unwritten;
 use crate::time::{Span, seconds};
 use crate::trace::{Cell, Trace, event, fill, inline, lost, results};
 
 /// Virtual time that passes at least between two looks at the signals of Python.
 const STRIDE: Duration = Duration::from_millis(100);
-/// Time of this computer between two looks.
-const LOOK: Duration = Duration::from_millis(50);
 
 /// A plant that runs, with those who look at it.
 pub struct Held {
@@ -28,7 +27,7 @@ pub struct Held {
     /// The trace that was handed out last, as long as somebody has it.
     newest: Mutex<Weak<Cell>>,
     /// The network that has joined it, from the first use on.
-    joined: Mutex<Option<Joined>>,
+    joined: Mutex<Option<Arc<Joined>>>,
 }
 
 impl Held {
@@ -40,14 +39,13 @@ impl Held {
         }
     }
 
-    /// Calls `work` with the network of the plant, which joins it first where it has not.
-    pub fn joined<T>(&self, work: impl FnOnce(&mut Joined) -> PyResult<T>) -> PyResult<T> {
+    /// Returns the network of the plant, which joins it first where it has not.
+    pub fn joined(&self) -> Result<Arc<Joined>, Failure> {
         let mut joined = locked(&self.joined);
-        if joined.is_none() {
-            *joined = Some(Joined::new(self)?);
+        if let Some(joined) = &*joined {
+            return Ok(Arc::clone(joined));
         }
-        let joined = joined.as_mut();
-        work(joined.ok_or_else(|| Failure::internal(&"the network is not there"))?)
+        Ok(Arc::clone(joined.insert(Joined::in_plant(self)?)))
     }
 
     fn passed(&self) -> Duration {
@@ -56,7 +54,8 @@ impl Held {
 
     /// Lets the plant go on, not longer than Python waits for its signals; returns whether it is at the end.
     fn advance(&self, end: Instant) -> PyResult<bool> {
-        if let Some(joined) = &mut *locked(&self.joined) {
+        let joined = locked(&self.joined).clone();
+        if let Some(joined) = joined.filter(|joined| joined.is_open()) {
             // what has joined is carried along; it looks at the signals itself
             joined.pass(end - self.running.with_world(|world| world.now()))?;
             return Ok(true);
@@ -73,10 +72,6 @@ impl Held {
             false
         }))
     }
-}
-
-fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// A plant that runs when a program waits.
@@ -252,7 +247,7 @@ impl World {
 
     /// The network of the plant.
     fn network(&self) -> Network {
-        Network::new(Arc::clone(&self.held))
+        Network::of_plant(Arc::clone(&self.held))
     }
 
     /// Ends the checks of the expectations of the plant file; returns each result as JSON with its text.

@@ -199,9 +199,10 @@ fn attended(mut session: Live, stop: &Stop, hurried: &'static str, output: &Outp
     session.follow_routes(move |drive, notice| details.detail(&clean(&format!("{drive}: {notice}"))));
     let reader = output.clone();
     session.interrupt_with(move || flag.is_stopped() || reader.is_closed());
+    let mut said = false;
     session.hurry_with(move || {
         let now = urgent.is_urgent();
-        if now {
+        if now && !std::mem::replace(&mut said, true) {
             printer.say(hurried);
         }
         now

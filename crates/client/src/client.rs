@@ -450,6 +450,7 @@ impl Client {
             stays_away: axis.control.stays_away(),
             at_rest: axis.control.is_at_rest(),
             quick_stop: axis.control.stops_quickly(),
+            hurried: axis.control.was_hurried(),
             turns: axis.seen.is_some_and(|seen| axis.control.turns(seen)),
             accepted: axis.control.is_accepted(),
             held: axis.control.held(),

@@ -4,6 +4,7 @@ mod hint;
 mod kind;
 mod problem;
 mod refusal;
+mod rule;
 mod text;
 
 use std::net::Ipv4Addr;
@@ -22,6 +23,7 @@ use profile::value::ParameterProblem;
 
 pub use kind::ErrorKind;
 pub use refusal::{ChannelCause, ChannelRefusal, NotCarried, Refusal};
+pub use rule::Rule;
 pub use text::describe;
 pub(crate) use text::mode_words;
 use text::{
@@ -333,6 +335,12 @@ pub enum Error {
         drive: String,
         /// Who.
         by: LocalControl,
+    },
+    /// This program has the axis under control already: another connection would end that one. Nothing was sent.
+    #[error("{drive}: this program has its axis under control already")]
+    UnderControl {
+        /// The drive.
+        drive: String,
     },
     /// The drive is in operation though no controller commands it; nothing was sent.
     #[error(

@@ -50,7 +50,9 @@ pub use bound::{BoundedDrive, SpeedBound};
 pub use client::{AxisView, Client, Connection, Link};
 pub use drive::Drive;
 pub use engine::{Driver, Engine, Wait, Wire, World};
-pub use error::{ChannelCause, ChannelRefusal, Error, ErrorKind, NotCarried, Refusal, WireFailure, describe};
+pub use error::{
+    ChannelCause, ChannelRefusal, Error, ErrorKind, NotCarried, Refusal, Rule, WireFailure, describe,
+};
 pub use identity::Identity;
 pub use line::LineConfig;
 pub use loss::{LossAction, LossReaction, Remedy};

@@ -43,6 +43,7 @@
 //! | run a plant in memory, look at it, and join it later | `Running` |
 //! | open a network and find a drive, in one call | [`Opening::drive`] |
 //! | end waiting calls and stop axes by Ctrl-C | [`Stop`] with [`Opening::stopped_by`] |
+//! | end the calls of one caller and stop its axes | [`StopRequests`] with [`Caller::obey`] |
 //! | check whether both sides can reach each other | [`reach`](reach()) |
 //! | find, read, write | [`Network`], which is a [`client::Session`] |
 //! | share a network between threads or the clients of a server | [`Caller`], a clone of what a [`Network`] is |
@@ -113,7 +114,7 @@ pub use description::{DescriptionError, describe};
 pub use drive::{DriveError, FindEvent, FindObserver};
 pub use explained::Explained;
 pub use listed::listed;
-pub use network::system::{ForcedExit, Stop};
+pub use network::system::{ForcedExit, Stop, StopRequests};
 pub use open::{Access, Caller, Network, OpenError, Opening, Transport, interface, open, open_line};
 pub use outcome::{Outcome, Reported};
 /// Plants of virtual drives: their file, and what happens to them.

@@ -7,7 +7,7 @@ use std::time::{SystemTime, UNIX_EPOCH};
 use client::{BoundedDrive, Client, ErrorKind, LineAddress, LineConfig, Session};
 use network::ethernet::{self, PacketMedium};
 use network::serial::{self, Line, Port};
-use network::system::{Error as NetworkError, InterfaceInfo, ServerPort, Stop, UdpMedium};
+use network::system::{Error as NetworkError, InterfaceInfo, ServerPort, Stop, StopRequests, UdpMedium};
 use profile::model::Model;
 use profinet::controller::ControllerConfig;
 use profinet::{IpSuite, MacAddress};
@@ -98,6 +98,14 @@ impl Network {
 }
 
 impl Caller {
+    /// Lets requests to stop end the calls of this caller and of the clones that are made of it from now on, and make the stop of
+    /// an axis a quick one.
+    pub fn obey(&mut self, requests: &StopRequests) {
+        let (flag, urgent) = (requests.clone(), requests.clone());
+        self.interrupt_with(move || flag.is_stopped());
+        self.hurry_with(move || urgent.is_urgent());
+    }
+
     /// Returns what carries the network.
     #[must_use]
     pub const fn transport(&self) -> &Transport {

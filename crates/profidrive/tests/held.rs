@@ -5,9 +5,9 @@
 use std::time::Duration;
 
 use client::axis::{Jog as Setpoint, Move as Order};
-use client::{Drive, Error, ErrorKind};
+use client::{Drive, Error, ErrorKind, Rule, StopWay};
 use profidrive::motion::{self, Control, HeldAxis, Hold, MotionError, Observer};
-use profidrive::{Caller, Network, Transport, Wait, open_plan, parameters};
+use profidrive::{Caller, Network, StopRequests, Transport, Wait, open_plan, parameters};
 use profile::notation::Position;
 
 const MS: Duration = Duration::from_millis(1);
@@ -184,4 +184,213 @@ fn dropping_it_or_a_panic_of_its_thread_stops_it_and_puts_the_mode_back() {
         let mode = network.read_one(&mut drive, &mode).wait().unwrap();
         assert_eq!(mode.number(), Some(1.0), "velocity mode again");
     }
+}
+
+#[test]
+fn a_whole_motion_enables_the_axis_and_leaves_it_holding() {
+    let (mut network, mut drive) = plant();
+    let observer = Observer::default();
+    let hold = Hold::for_present_mode(&mut network, &mut drive).wait().unwrap();
+    assert_eq!(hold.purpose, Hold::for_speed().purpose, "as it is delivered");
+    let mut axis = motion::hold(&mut network, &mut drive, &hold, &observer)
+        .wait()
+        .unwrap();
+    assert!(!truth(&network).1, "nothing is enabled yet");
+    let turned = axis.turn(600.0, Some(500 * MS)).wait().unwrap();
+    assert!(turned.result.reached && turned.result.time_at_speed.is_some_and(|time| time >= 0.5));
+    assert_eq!(turned.rest, client::Rest::Stands);
+    let (speed, enabled) = truth(&network);
+    assert!(speed.abs() < 1.0 && enabled, "halted: {speed} rpm");
+    let turned = axis.turn(-600.0, None).wait().unwrap();
+    assert_eq!(turned.rest, client::Rest::Runs);
+    assert!(truth(&network).0 < -580.0, "it goes on");
+    // of this motion, not of the one before
+    assert!(turned.result.highest_speed.is_some_and(|speed| speed.value < 0.0));
+    assert!(axis.turn(4000.0, None).wait().is_err());
+    assert!(truth(&network).0 < -580.0, "a refused motion changes nothing");
+    axis.release().wait().unwrap();
+    let (speed, enabled) = truth(&network);
+    assert!(speed.abs() < 1.0 && !enabled);
+
+    let mut axis = motion::hold(&mut network, &mut drive, &for_position(), &observer)
+        .wait()
+        .unwrap();
+    let order = Order::to(Position::Turns(2.0), 600.0);
+    let error = axis.travel(&order, None).wait().unwrap_err();
+    assert_eq!(error.rule(), Some(Rule::Move), "not homed: {error}");
+    assert!(!truth(&network).1);
+    let homed = axis.find_home(10_000 * MS).wait().unwrap();
+    assert_eq!(homed.result.homed, Some(true));
+    let moved = axis.travel(&order, None).wait().unwrap();
+    let position = moved.result.position.unwrap().value;
+    assert!(moved.result.reached && (position - 2.0).abs() < 0.01);
+    let jogged = axis.jog_for(Some(-60.0), 1000 * MS).wait().unwrap();
+    assert!(jogged.result.distance.unwrap().value < -0.8);
+    assert_eq!(jogged.rest, client::Rest::Stands);
+    axis.set_out(&Order::by(Position::Turns(5.0), 60.0))
+        .wait()
+        .unwrap();
+    axis.pass(500 * MS).wait().unwrap();
+    assert!(truth(&network).0 > 50.0, "under way");
+    axis.bring_to_rest(true).wait().unwrap();
+    assert!(!truth(&network).1);
+    axis.find_home(10_000 * MS).wait().unwrap();
+    axis.release().wait().unwrap();
+}
+
+#[test]
+fn an_axis_without_calls_is_stopped_and_the_next_call_says_why() {
+    let (mut network, mut drive) = plant();
+    let wanted = Hold {
+        lease: 1000 * MS,
+        ..Hold::for_speed()
+    };
+    let hold = async |network: &mut Network, drive: &mut Drive| {
+        let mut axis = motion::hold(network, drive, &wanted, &Observer::default())
+            .await
+            .unwrap();
+        axis.turn(100.0, None).await.unwrap();
+        network.pass(3000 * MS).await.unwrap();
+        axis
+    };
+    let mut axis = hold(&mut network, &mut drive).wait();
+    assert!(!truth(&network).1);
+    let error = axis.turn(100.0, None).wait().unwrap_err();
+    assert_eq!(
+        (error.kind(), error.rule()),
+        (ErrorKind::Safety, Some(Rule::Lease)),
+        "{error}"
+    );
+    assert!(!truth(&network).1, "it is not started again");
+    axis.turn(100.0, None).wait().unwrap();
+    axis.keep_alive().wait().unwrap();
+    axis.release().wait().unwrap();
+    // where there is no other call the release says it
+    let error = hold(&mut network, &mut drive)
+        .wait()
+        .release()
+        .wait()
+        .unwrap_err();
+    assert_eq!(error.rule(), Some(Rule::Lease), "{error}");
+    let mut axis = hold(&mut network, &mut drive).wait();
+    let error = axis.keep_alive().wait().unwrap_err();
+    assert_eq!(error.rule(), Some(Rule::Lease), "{error}");
+}
+
+#[test]
+fn a_stop_from_elsewhere_ends_a_motion_and_is_no_error_of_the_release() {
+    for quick in [false, true] {
+        let (mut network, mut drive) = plant();
+        write(&mut network, &mut drive, "DRV.DEC=100rpm/s");
+        let mut axis = held(&mut network, &mut drive, &Hold::for_speed());
+        axis.turn(300.0, None).wait().unwrap();
+        let handle = axis.stop_handle();
+        if quick {
+            handle.quick_stop();
+        } else {
+            handle.stop();
+        }
+        network.pass(500 * MS).wait().unwrap();
+        assert_eq!(truth(&network).0 < 1.0, quick, "{} rpm", truth(&network).0);
+        let error = axis.turn(300.0, None).wait().unwrap_err();
+        assert_eq!(error.kind(), ErrorKind::Interrupted, "{error}");
+        axis.release().wait().unwrap();
+        assert!(!truth(&network).1);
+    }
+}
+
+#[test]
+fn requests_to_stop_end_a_motion_at_rest_and_are_forgotten_before_the_next() {
+    let (mut network, mut drive) = plant();
+    let requests = StopRequests::default();
+    network.obey(&requests);
+    let (asked, mut looks) = (requests.clone(), 0);
+    let observer = Observer::new(move |event| {
+        looks += i32::from(matches!(event, motion::Event::Sample(status) if status.view.operated));
+        if looks == 40 {
+            asked.request();
+        }
+    });
+    let mut axis = motion::hold(&mut network, &mut drive, &Hold::for_speed(), &observer)
+        .wait()
+        .unwrap();
+    let error = axis.turn(300.0, Some(60_000 * MS)).wait().unwrap_err();
+    assert!(matches!(error, MotionError::Stopped { .. }), "{error}");
+    assert!(error.report().unwrap().result.reached, "{error:?}");
+    assert!(!truth(&network).1);
+    requests.clear();
+    axis.turn(300.0, Some(100 * MS)).wait().unwrap();
+    axis.release().wait().unwrap();
+}
+
+#[test]
+fn a_lost_connection_says_what_the_drive_does() {
+    let (mut network, mut drive) = plant();
+    let mut axis = held(&mut network, &mut drive, &Hold::for_speed());
+    axis.turn(300.0, None).wait().unwrap();
+    let cable = |network: &Network, cable: &str| {
+        let Transport::Plant(plant) = network.transport() else {
+            panic!("it is a plant");
+        };
+        let action = format!("cable={cable}").parse().unwrap();
+        plant
+            .with_world(|world| world.inject("akd-1", action, None))
+            .unwrap();
+    };
+    cable(&network, "pulled");
+    // its checks read parameters before anything else
+    let error = axis.turn(200.0, None).wait().unwrap_err();
+    assert_eq!(error.kind(), ErrorKind::Lost, "{error}");
+    let reaction = error.client().and_then(Error::loss_reaction).unwrap();
+    assert!(reaction.action.stops(), "{reaction}");
+    let again = axis.turn(200.0, None).wait().unwrap_err();
+    assert_eq!(again.kind(), ErrorKind::Lost, "{again}");
+    assert_eq!(axis.release().wait().unwrap_err().kind(), ErrorKind::Lost);
+    cable(&network, "plugged");
+    network.pass(1000 * MS).wait().unwrap();
+    motion::acknowledge(
+        &mut network,
+        &mut drive,
+        &Control::default(),
+        &Observer::default(),
+    )
+    .wait()
+    .unwrap();
+    let mut axis = held(&mut network, &mut drive, &Hold::for_speed());
+    axis.turn(200.0, Some(100 * MS)).wait().unwrap();
+    axis.release().wait().unwrap();
+}
+
+/// Of its own axis this program is the controller, which no parameter has to stop beside.
+#[test]
+fn a_drive_under_control_of_this_program_is_stopped_by_its_control_word() {
+    let (mut network, mut drive) = plant();
+    let mut axis = held(&mut network, &mut drive, &Hold::for_speed());
+    axis.turn(300.0, None).wait().unwrap();
+    let stopped = motion::stop(&mut network, &mut drive, StopWay::Stop, 5000 * MS)
+        .wait()
+        .unwrap();
+    assert_eq!(stopped.check().map_err(|error| error.to_string()), Ok(()));
+    assert_eq!(stopped.sent, Some("OFF1 (control word)"));
+    let (speed, enabled) = truth(&network);
+    assert!(speed.abs() < 1.0 && !enabled);
+    assert_eq!(
+        axis.keep_alive().wait().unwrap_err().kind(),
+        ErrorKind::Interrupted
+    );
+    axis.release().wait().unwrap();
+}
+
+#[test]
+fn a_drive_that_runs_on_alone_is_not_taken_without_consent() {
+    let plant =
+        "[[drive]]\nname = \"vlt-1\"\nmodel = \"vlt\"\nip = \"10.0.0.1/24\"\nparameters = { \"8-04\" = 0 }";
+    let mut network = open_plan(plant.parse().unwrap()).unwrap();
+    let mut drive = network.find(&"vlt-1".parse().unwrap()).wait().unwrap();
+    let observer = Observer::default();
+    let hold = Hold::for_present_mode(&mut network, &mut drive).wait().unwrap();
+    let error = motion::hold(&mut network, &mut drive, &hold, &observer)
+        .wait()
+        .unwrap_err();
+    assert_eq!(error.rule(), Some(Rule::ControllerLoss), "{error}");
 }

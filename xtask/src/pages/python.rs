@@ -12,7 +12,15 @@ pub const FILES: [(&str, &[&str]); 2] = [
     ("python/profidrive/events.py", &["Event", "ExpectationResult"]),
     (
         "python/profidrive/reports.py",
-        &["ParametersReport", "StatusReport", "FaultsReport", "WriteReport"],
+        &[
+            "ParametersReport",
+            "StatusReport",
+            "FaultsReport",
+            "WriteReport",
+            "StopReport",
+            "MotionReport",
+            "AxisState",
+        ],
     ),
 ];
 
@@ -195,6 +203,7 @@ impl Writer<'_> {
             "\n@dataclass(frozen=True, slots=True)\nclass {name}:\n    \"\"\"{doc}\"\"\"\n"
         )?;
         for (field, doc, kind) in &rows {
+            let field = attribute(field);
             writeln!(self.text, "    {field}: {}\n    \"\"\"{doc}\"\"\"", kind.name)?;
         }
         writeln!(
@@ -203,6 +212,7 @@ impl Writer<'_> {
         )?;
         for (field, _, kind) in &rows {
             let made = (kind.made)(&format!("data[{field:?}]"));
+            let field = attribute(field);
             writeln!(self.text, "            {field}={made},")?;
         }
         writeln!(self.text, "        )\n")?;
@@ -258,6 +268,14 @@ impl Writer<'_> {
             });
         }
         basic(text(&schema["type"]), true)
+    }
+}
+
+/// The name of a field in Python, in which these are words of the language.
+fn attribute(field: &str) -> String {
+    match field {
+        "from" | "in" | "is" | "for" | "not" | "class" | "import" => format!("{field}_"),
+        other => other.to_owned(),
     }
 }
 

@@ -53,6 +53,8 @@ pub struct AxisControl {
     controlled_since: Instant,
     was_in_operation: bool,
     quick: bool,
+    /// The quick stop was requested, so it is no sign of a ramp stop that failed.
+    hurried: bool,
     /// ON was sent and the drive has not reported since that the pulses are off.
     may_turn: bool,
     /// First trouble since the last goal set by the caller.
@@ -97,6 +99,7 @@ impl AxisControl {
             controlled_since: Instant::ZERO,
             was_in_operation: false,
             quick: false,
+            hurried: false,
             may_turn: false,
             trouble: None,
             phase: Phase::Begin,
@@ -155,6 +158,7 @@ impl AxisControl {
         if !same_stop {
             self.since = now;
             self.quick = false;
+            self.hurried = false;
         }
     }
 
@@ -167,7 +171,11 @@ impl AxisControl {
 
     /// Turns a ramp stop under way into a quick stop (OFF3).
     pub fn hurry(&mut self, now: Instant) {
-        if self.goal == Goal::Stop && self.progress == Progress::Pursuing && !self.quick {
+        if self.goal != Goal::Stop || self.progress != Progress::Pursuing {
+            return;
+        }
+        self.hurried = true;
+        if !self.quick {
             self.quick = true;
             self.since = now;
         }
@@ -316,6 +324,7 @@ impl AxisControl {
         self.progress = Progress::Pursuing;
         self.since = now;
         self.quick = false;
+        self.hurried = false;
     }
 
     fn choose(&mut self, now: Instant, seen: Seen) -> Command {
@@ -523,9 +532,14 @@ impl AxisControl {
         self.astray.is_some()
     }
 
-    /// Returns whether the ramp stop has been given up for a quick stop.
+    /// Returns whether the axis stops by its quick stop.
     pub(crate) const fn stops_quickly(&self) -> bool {
         self.quick
+    }
+
+    /// Returns whether that was requested.
+    pub(crate) const fn was_hurried(&self) -> bool {
+        self.hurried
     }
 
     /// Returns true if the axis certainly moves, independent of the goal. Without speed and standstill bit in the

@@ -92,8 +92,10 @@ pub struct AxisView {
     pub answered: Stw1,
     /// True when the axis stands with the pulses off.
     pub at_rest: bool,
-    /// True when a quick stop was commanded because the ramp stop took too long.
+    /// True when a quick stop was commanded: it was requested, or the ramp stop took too long.
     pub quick_stop: bool,
+    /// True when that was requested.
+    pub hurried: bool,
     /// True when the drive reports that the axis moves, whether it is driven or not.
     pub turns: bool,
     /// True while the axis stands where its task does not end.

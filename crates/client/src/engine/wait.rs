@@ -2,10 +2,11 @@
 
 use std::cell::{Cell, RefCell};
 use std::future::Future;
-use std::pin::pin;
+use std::pin::{Pin, pin};
 use std::sync::{Arc, Weak};
 use std::task::{Context, Poll, Wake, Waker};
 use std::thread::Thread;
+use std::time::Duration;
 
 use super::Driver;
 
@@ -62,30 +63,55 @@ pub trait Wait: Future + Sized {
     /// Waits for the result.
     fn wait(self) -> Self::Output {
         let mut call = pin!(self);
-        let waker = Waker::from(Arc::new(Sleeper(std::thread::current())));
-        let mut context = Context::from_waker(&waker);
-        let _turning = Turning::begin();
-        let before = DRIVERS.take();
-        let result = loop {
-            if let Poll::Ready(result) = call.as_mut().poll(&mut context) {
-                break result;
+        loop {
+            if let Some(result) = until(call.as_mut(), FOREVER, || false) {
+                return result;
             }
-            // of several calls that are one future only those are looked at that were woken: their drivers stay known
-            let drivers = DRIVERS.with_borrow(Clone::clone);
-            let mut turned = false;
-            for driver in drivers.iter().filter_map(Weak::upgrade) {
-                turned |= driver.turn();
-            }
-            if !turned {
-                std::thread::park();
-            }
-        };
-        DRIVERS.set(before);
-        result
+        }
+    }
+
+    /// Waits for the result unless it is given up, and asks that at least every so often, in this thread: there it can look at
+    /// signals, for example. A call that is given up is dropped, which is safe as for every future here: an axis is brought to
+    /// rest without it.
+    fn wait_unless(self, every: Duration, given_up: impl FnMut() -> bool) -> Option<Self::Output> {
+        until(pin!(self), every, given_up)
     }
 }
 
 impl<F: Future> Wait for F {}
+
+/// Longer than any wait.
+const FOREVER: Duration = Duration::from_secs(365 * 24 * 3600);
+
+fn until<F: Future>(
+    mut call: Pin<&mut F>,
+    every: Duration,
+    mut given_up: impl FnMut() -> bool,
+) -> Option<F::Output> {
+    let waker = Waker::from(Arc::new(Sleeper(std::thread::current())));
+    let mut context = Context::from_waker(&waker);
+    let _turning = Turning::begin();
+    let before = DRIVERS.take();
+    let result = loop {
+        if let Poll::Ready(result) = call.as_mut().poll(&mut context) {
+            break Some(result);
+        }
+        if given_up() {
+            break None;
+        }
+        // of several calls that are one future only those are looked at that were woken: their drivers stay known
+        let drivers = DRIVERS.with_borrow(Clone::clone);
+        let mut turned = false;
+        for driver in drivers.iter().filter_map(Weak::upgrade) {
+            turned |= driver.turn();
+        }
+        if !turned {
+            std::thread::park_timeout(every);
+        }
+    };
+    DRIVERS.set(before);
+    result
+}
 
 /// A thread that waits.
 struct Sleeper(Thread);

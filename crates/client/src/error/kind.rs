@@ -128,6 +128,7 @@ impl Error {
             | Self::Misuse(_) => ErrorKind::Usage,
             Self::AtWork { .. }
             | Self::LocalOperation { .. }
+            | Self::UnderControl { .. }
             | Self::Ownerless { .. }
             | Self::RunsOn { .. }
             | Self::MovesWhenLost { .. }

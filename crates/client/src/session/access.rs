@@ -70,6 +70,13 @@ impl Records {
         own.any(|axis| axis.is_ending() || closing && !axis.is_done())
     }
 
+    /// Returns the connection of the axis of this drive that this program has.
+    pub(super) fn own_axis(&mut self, drive: &Drive) -> Option<Link> {
+        self.forget_ended();
+        let mut own = self.axes.iter().filter(|axis| axis.is_of(drive));
+        own.find_map(Place::held)
+    }
+
     fn forget_ended(&mut self) {
         self.axes.retain(|axis| !axis.is_over());
         self.temporary.retain(|work| !work.is_done());

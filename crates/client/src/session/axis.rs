@@ -18,7 +18,7 @@ use super::warnings::Warnings;
 use super::{GLANCE, Session};
 use crate::axis::{
     Evidence, Goal, Limits, MotionFacts, Move, MovePlan, Progress, Purpose, Seen, SpeedScale, SpeedUnit,
-    Strained, Trouble,
+    Strained,
 };
 use crate::client::AxisView;
 use crate::{Connection, Drive, Error, Link, LossReaction};
@@ -395,6 +395,7 @@ impl Axis {
     pub async fn enable(&mut self) -> Result<Enabled<'_>, Error> {
         // an axis of `Purpose::Control` is taken without this check
         self.loss.permit(&self.drive, self.settings.may_run_on)?;
+        // an axis that stopped by itself is not started again before the caller knows
         self.check_reported().await?;
         self.target = None;
         self.reach(Goal::Enabled).await?;
@@ -440,8 +441,23 @@ impl Axis {
     /// # Errors
     /// When the axis does not come to a standstill or the connection is lost.
     pub async fn stop(&mut self) -> Result<(), Error> {
+        self.stop_by(false).await
+    }
+
+    /// Quick stop (OFF3), likewise.
+    ///
+    /// # Errors
+    /// As [`stop`](Self::stop).
+    pub async fn quick_stop(&mut self) -> Result<(), Error> {
+        self.stop_by(true).await
+    }
+
+    async fn stop_by(&mut self, quick: bool) -> Result<(), Error> {
         let _meanwhile = self.session.unstoppable();
-        self.reach(Goal::Stop).await
+        self.begin_stop_by(quick);
+        self.arrive(None, "", |status| status.view.progress == Progress::Reached)
+            .await
+            .map(|_| ())
     }
 
     /// True when the axis turns with its power stage off and was so before control was taken: it coasts, or something
@@ -493,8 +509,11 @@ impl Axis {
         self.session.client().pursue(now, self.link, goal);
     }
 
-    /// An axis that stopped by itself meanwhile is not started again before the caller knows.
-    async fn check_reported(&mut self) -> Result<(), Error> {
+    /// Returns the trouble that ended the last motion, where no call has returned it yet: the axis stopped by itself meanwhile.
+    ///
+    /// # Errors
+    /// That trouble, and a connection that is lost.
+    pub async fn check_reported(&mut self) -> Result<(), Error> {
         if self.reported {
             return Ok(());
         }
@@ -518,15 +537,8 @@ impl Axis {
         let _meanwhile = self.session.unstoppable();
         let stops = |view: &AxisView| view.goal == Goal::Stop && !view.at_rest;
         while self.status().is_some_and(|status| stops(&status.view)) && self.lost().is_none() {
-            let stopped = self.look().await;
-            if !matches!(
-                stopped,
-                Ok(_)
-                    | Err(Error::Axis {
-                        trouble: Trouble::QuickStopUsed,
-                        ..
-                    })
-            ) {
+            // the trouble that began the stop is no end of it
+            if !matches!(self.look().await, Ok(_) | Err(Error::Axis { .. })) {
                 return Ok(());
             }
             self.session.look_again().await?;
@@ -594,8 +606,14 @@ impl Axis {
 
     /// Returns the axis in operation, where it was left there: see [`Enabled::leave`].
     pub fn operation(&mut self) -> Option<Enabled<'_>> {
+        self.operates().then(|| Enabled::new(self))
+    }
+
+    /// Returns whether the axis is in operation, or on the way there.
+    #[must_use]
+    pub fn operates(&self) -> bool {
         let operates = |status: AxisStatus| status.view.goal.operates() && !status.lost;
-        self.status().is_some_and(operates).then(|| Enabled::new(self))
+        self.status().is_some_and(operates)
     }
 
     /// Calls the watcher and returns the trouble of the axis.
@@ -635,8 +653,9 @@ impl Axis {
         &self.loss
     }
 
-    /// The error of a connection that is gone.
-    pub(super) fn lost(&self) -> Option<Error> {
+    /// Returns the error of a connection that is gone, with what the drive does without it.
+    #[must_use]
+    pub fn lost(&self) -> Option<Error> {
         rest::lost(&self.drive, self.connection(), &self.loss)
     }
 

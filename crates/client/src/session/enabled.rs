@@ -360,7 +360,14 @@ impl<'a> Enabled<'a> {
     /// # Errors
     /// When the axis does not come to a standstill, or is not enabled any more.
     pub async fn halt(&mut self) -> Result<(), Error> {
-        self.reach(Goal::Enabled, None, "").await
+        let speed = self.axis.status().and_then(|status| status.speed_actual);
+        let limit = self.axis.ending.stop_limit(speed, self.axis.deceleration);
+        self.reach(Goal::Enabled, None, "").await?;
+        // in velocity mode the goal is reached with its setpoint, before the ramp ends
+        self.axis
+            .arrive(Some(limit), "coming to a standstill", |status| !status.view.turns)
+            .await
+            .map(|_| ())
     }
 
     /// Ramp stop (OFF1) and the end of operation.

@@ -115,7 +115,7 @@ pub struct Session {
     /// Asks whether the caller requests a stop.
     interrupted: Arc<Mutex<Question>>,
     /// Asks whether the caller requests a quick stop of an axis.
-    hurry: Arc<Mutex<Hurry>>,
+    hurry: Arc<Mutex<Question>>,
     /// Follows the steps on the ways to records.
     route_follower: Arc<Mutex<RouteFollower>>,
     /// How its requests are carried out at present.
@@ -132,19 +132,6 @@ pub struct Session {
 
 /// Asks the caller something, now and then while a call waits.
 type Question = Box<dyn FnMut() -> bool + Send>;
-
-/// The wish for a quick stop, which holds once it was there.
-struct Hurry {
-    question: Question,
-    requested: bool,
-}
-
-impl Hurry {
-    fn is_requested(&mut self) -> bool {
-        self.requested = self.requested || (self.question)();
-        self.requested
-    }
-}
 
 /// A caller that waits for an answer.
 struct Silence {
@@ -194,10 +181,7 @@ impl Session {
         Self {
             engine,
             interrupted: shared(Box::new(|| false)),
-            hurry: shared(Hurry {
-                question: Box::new(|| false),
-                requested: false,
-            }),
+            hurry: shared(Box::new(|| false)),
             route_follower: shared(Box::new(|_, _| {})),
             manner: Arc::default(),
             silence: None,
@@ -214,13 +198,10 @@ impl Session {
         self.interrupted = shared(Box::new(interrupted));
     }
 
-    /// Calls `hurry` while an axis stops along its ramp, until it returns true: what remains is a quick stop (OFF3). It holds
+    /// Calls `hurry` while an axis stops along its ramp; once it returns true what remains is a quick stop (OFF3). It holds
     /// for this session and the clones that are made of it from now on.
     pub fn hurry_with(&mut self, hurry: impl FnMut() -> bool + Send + 'static) {
-        self.hurry = shared(Hurry {
-            question: Box::new(hurry),
-            requested: false,
-        });
+        self.hurry = shared(Box::new(hurry));
     }
 
     /// Makes a ramp stop a quick one once the caller requests it.
@@ -229,21 +210,16 @@ impl Session {
         if !ramp {
             return;
         }
-        if locked(&self.hurry).is_requested() {
+        if self.hurry_requested() {
             let now = self.now();
             self.client().hurry(now, link);
         }
     }
 
-    /// Returns true once the caller requests that what takes its time is cut short ([`hurry_with`](Self::hurry_with)).
+    /// Returns true when the caller requests that what takes its time is cut short ([`hurry_with`](Self::hurry_with)).
     #[must_use]
     pub fn hurry_requested(&self) -> bool {
-        locked(&self.hurry).is_requested()
-    }
-
-    /// True once the caller requested a quick stop.
-    fn has_hurried(&self) -> bool {
-        locked(&self.hurry).requested
+        (locked(&self.hurry))()
     }
 
     /// Brings every axis to rest and closes every connection.

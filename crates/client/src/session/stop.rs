@@ -8,7 +8,7 @@ use profile::notation::fixed;
 use super::unread::SILENCE;
 use super::{AxisSettings, AxisStatus, Rest, STANDS, Session};
 use crate::axis::{Purpose, Seen};
-use crate::{Authority, Drive, Error, LocalControl, WriteMode};
+use crate::{Authority, Drive, Error, Link, LocalControl, WriteMode};
 use profile::value::Assignment;
 
 /// What the control word commands.
@@ -133,10 +133,22 @@ impl Session {
         way: StopWay,
         limit: Duration,
     ) -> Result<StopOutcome, Error> {
-        let _meanwhile = self.tolerant();
-        let stopped = self.stop_by_means(drive, way, limit).await;
-        let unread = self.unread();
-        Ok(StopOutcome { unread, ..stopped? })
+        self.stop_by_means(drive, way, limit, None).await
+    }
+
+    /// The same, also for an axis that this program has under control itself: that is stopped as by its
+    /// [`StopHandle`](crate::StopHandle).
+    ///
+    /// # Errors
+    /// As [`stop_drive`](Self::stop_drive).
+    pub async fn stop_own_or_drive(
+        &mut self,
+        drive: &mut Drive,
+        way: StopWay,
+        limit: Duration,
+    ) -> Result<StopOutcome, Error> {
+        let own = self.engine.records().own_axis(drive);
+        self.stop_by_means(drive, way, limit, own).await
     }
 
     async fn stop_by_means(
@@ -144,9 +156,13 @@ impl Session {
         drive: &mut Drive,
         way: StopWay,
         limit: Duration,
+        own: Option<Link>,
     ) -> Result<StopOutcome, Error> {
+        let _meanwhile = self.tolerant();
         let mut last = None;
-        let stopped = self.stop_and_look(drive, way, limit, &mut last).await;
+        let stopped = self.stop_and_look(drive, way, limit, own, &mut last).await;
+        let unread = self.unread();
+        let stopped = stopped.map(|stopped| StopOutcome { unread, ..stopped });
         stopped.map_err(|error| match error {
             Error::Interrupted => Error::StopInterrupted {
                 drive: drive.label(),
@@ -162,10 +178,11 @@ impl Session {
         drive: &mut Drive,
         way: StopWay,
         limit: Duration,
+        own: Option<Link>,
         last: &mut Option<StopOutcome>,
     ) -> Result<StopOutcome, Error> {
         // a stop by the control word always ends with the power stage off
-        let way = if way.parameter(drive).is_none() {
+        let way = if own.is_some() || way.parameter(drive).is_none() {
             StopWay::Disable
         } else {
             way
@@ -179,7 +196,9 @@ impl Session {
         let sent = unseen || before.enabled != Some(false);
         *last = Some(before.clone());
         let mut by_word = None;
-        if sent {
+        if let Some(link) = own.filter(|_| sent) {
+            self.stop_own(link, limit);
+        } else if sent {
             match self.stop_means(drive, way).await? {
                 StopMeans::Parameter(command) => {
                     by_word = self.stop_by_parameter(drive, command, limit).await?;
@@ -210,12 +229,23 @@ impl Session {
                     sent,
                     speed_before: before.speed,
                     percent_before: before.percent,
-                    by_word: by_word.is_some(),
+                    by_word: own.is_some() || by_word.is_some(),
                     ..seen
                 });
             }
             self.pass(LOOK).await?;
         }
+    }
+
+    /// Begins the stop of an axis that this program moves.
+    fn stop_own(&self, link: Link, limit: Duration) {
+        let now = self.now();
+        {
+            let mut client = self.client();
+            client.allow_stop(link, limit);
+            client.stop_now(now, Some(link), false);
+        }
+        self.engine.stir();
     }
 
     /// Takes the control word over as it is, ramps down by OFF1 and gives it back. Returns how the axis was then.

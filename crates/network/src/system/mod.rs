@@ -40,7 +40,7 @@ pub use medium::{ServerPort, UdpMedium};
 pub use os::{free_memory, now, thread_time};
 pub(crate) use os::{wait_for_octets, wait_for_room};
 pub(crate) use stop::Calls;
-pub use stop::{Bell, ForcedExit, Stop};
+pub use stop::{Bell, ForcedExit, Stop, StopRequests};
 
 /// Processor time of a thread.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

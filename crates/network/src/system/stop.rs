@@ -1,14 +1,85 @@
 //! Ending a blocking program: Ctrl-C, or another thread.
 
 use std::io;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
 
 use super::os::Event;
 
 /// A signal again within this time, ms, means the same as the one before: a hasty Ctrl-C, a program that ends its whole
 /// group.
 pub(super) const SAME_SIGNAL: u64 = 1000;
+
+/// Requests to stop, from any thread: the first one ends what waits and stops an axis along its ramp, the second makes that a
+/// quick stop, the third ends the wait for it. Requests within a second count as one. Clones count together.
+///
+/// ```
+/// use profidrive_network::system::StopRequests;
+/// let requests = StopRequests::default();
+/// requests.request();
+/// requests.request(); // a hasty one
+/// assert!(requests.is_stopped() && !requests.is_urgent());
+/// requests.clear();
+/// assert!(!requests.is_stopped());
+/// ```
+#[derive(Debug, Clone, Default)]
+pub struct StopRequests {
+    counted: Arc<Mutex<Counted>>,
+}
+
+#[derive(Debug, Default)]
+struct Counted {
+    count: u32,
+    last: Option<Instant>,
+}
+
+impl StopRequests {
+    fn counted(&self) -> MutexGuard<'_, Counted> {
+        self.counted.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn count(&self) -> u32 {
+        self.counted().count
+    }
+
+    /// Requests a stop.
+    pub fn request(&self) {
+        self.request_at(Instant::now());
+    }
+
+    fn request_at(&self, now: Instant) {
+        let mut counted = self.counted();
+        let again = |last| now.saturating_duration_since(last) <= Duration::from_millis(SAME_SIGNAL);
+        if !counted.last.is_some_and(again) {
+            counted.count += 1;
+            counted.last = Some(now);
+        }
+    }
+
+    /// Forgets all requests, before something else begins.
+    pub fn clear(&self) {
+        *self.counted() = Counted::default();
+    }
+
+    /// Returns true once a stop is requested.
+    #[must_use]
+    pub fn is_stopped(&self) -> bool {
+        self.count() > 0
+    }
+
+    /// Returns true from the second request on: what takes its time is to be cut short.
+    #[must_use]
+    pub fn is_urgent(&self) -> bool {
+        self.count() > 1
+    }
+
+    /// Returns true from the third request on: the caller waits no longer.
+    #[must_use]
+    pub fn is_final(&self) -> bool {
+        self.count() > 2
+    }
+}
 
 /// A stop flag that wakes the runner or medium it was given to. Clones are the same flag.
 ///
@@ -175,6 +246,19 @@ impl Stop {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn requests_within_a_second_count_as_one() {
+        let requests = StopRequests::default();
+        let begin = Instant::now();
+        let mut counted = Vec::new();
+        for millis in [0, 900, 1100, 2000, 2200] {
+            requests.clone().request_at(begin + Duration::from_millis(millis));
+            counted.push((requests.is_stopped(), requests.is_urgent(), requests.is_final()));
+        }
+        let (one, two, three) = ((true, false, false), (true, true, false), (true, true, true));
+        assert_eq!(counted, [one, one, two, two, three]);
+    }
 
     #[test]
     fn a_bell_wakes_once_for_any_number_of_rings() {

@@ -3,7 +3,7 @@
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-use client::axis::{Goal, MotionFacts, SpeedUnit};
+use client::axis::{Goal, MotionFacts, Seen, SpeedUnit};
 use client::{Axis, AxisStatus, Drive, Enabled, Error, Released, Rest, Session};
 
 use super::Control;
@@ -222,6 +222,34 @@ impl Taken {
         motion: impl AsyncFnOnce(&mut Enabled<'_>) -> Result<(), Error>,
     ) -> Result<(), Error> {
         motion(&mut self.axis.enable().await?).await
+    }
+
+    /// What follows is measured as a motion of its own.
+    pub(super) fn begin_course(&self) {
+        let mut course = locked(&self.course);
+        *course = Course {
+            time: course.time,
+            ..Course::default()
+        };
+    }
+
+    /// Returns what the motion was like until now; the axis is kept.
+    pub(super) fn report(&self, found: MotionResult) -> Report {
+        let view = self.axis.status().filter(|status| !status.lost);
+        let view = view.map(|status| status.view);
+        let rest = match view {
+            None => Rest::Unknown,
+            Some(view) if !view.turns => Rest::Stands,
+            Some(view) if view.seen.is_some_and(Seen::pulses_off) => Rest::Coasts,
+            Some(_) => Rest::Runs,
+        };
+        Report {
+            rest,
+            coasts: rest == Rest::Coasts,
+            frames: Frames::of(self.axis.statistics()),
+            result: locked(&self.course).complete(found),
+            ..Report::default()
+        }
     }
 
     /// The last speed of the motor that was seen.

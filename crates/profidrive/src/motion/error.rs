@@ -4,7 +4,7 @@ use super::report::Report;
 use crate::machine::SpeedBound;
 use client::axis::Trouble;
 use client::status::{Cause, Diagnosis, Note, Verdict, diagnose, switched_off_beside};
-use client::{Action, Advice, Choice, Drive, Error, ErrorKind, FaultEntry, Session};
+use client::{Action, Advice, Choice, Drive, Error, ErrorKind, FaultEntry, Rule, Session};
 use profile::notation::{NoPosition, UnitMismatch, figures};
 
 /// Why a tap of a motion cannot receive samples.
@@ -53,6 +53,8 @@ pub enum MotionError {
         error: Box<Error>,
         /// What the drive reports: faults, warnings, why it does not run.
         findings: Vec<String>,
+        /// The faults of the drive.
+        faults: Vec<FaultEntry>,
         /// What to do about the findings.
         next: Option<Advice>,
         /// What the motion was like until its end: whether the axis is at rest, whether control was given back.
@@ -220,6 +222,27 @@ impl MotionError {
         }
     }
 
+    /// Returns the rule that an error of the kind [`ErrorKind::Safety`] stands for.
+    #[must_use]
+    pub fn rule(&self) -> Option<Rule> {
+        match self {
+            Self::AboveLimit { .. } | Self::AboveBound { .. } | Self::NotBounded { .. } => {
+                Some(Rule::SpeedLimit)
+            }
+            Self::MovedFromOutside { .. } => Some(Rule::Standstill),
+            other => other.client().and_then(Error::rule),
+        }
+    }
+
+    /// Returns the faults that the drive has, where one ended the motion.
+    #[must_use]
+    pub fn faults(&self) -> &[FaultEntry] {
+        match self {
+            Self::Failed { faults, .. } | Self::FaultsStay { faults, .. } => faults,
+            _ => &[],
+        }
+    }
+
     /// The error of the client, where it is one.
     #[must_use]
     pub fn client(&self) -> Option<&Error> {
@@ -344,7 +367,9 @@ pub(super) async fn explained(
     } else {
         None
     };
+    let mut faults = Vec::new();
     if let Some(status) = status {
+        faults.clone_from(&status.faults);
         findings.extend(status.faults.iter().map(ToString::to_string));
         let warnings = status.warnings.iter();
         findings.extend(warnings.map(|warning| format!("warning {warning}")));
@@ -366,6 +391,7 @@ pub(super) async fn explained(
     MotionError::Failed {
         error: Box::new(error),
         findings,
+        faults,
         next,
         report,
     }

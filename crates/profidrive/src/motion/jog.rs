@@ -438,7 +438,8 @@ async fn prepared(
     Ok(session.read_one(drive, &selection).await?)
 }
 
-async fn keep(
+/// Keeps a jog at this speed.
+pub(super) async fn keep(
     enabled: &mut Enabled<'_>,
     speed: f64,
     time: Duration,

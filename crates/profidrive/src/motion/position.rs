@@ -168,7 +168,12 @@ async fn travel(
     Ok(taken.finish(result, found).await)
 }
 
-async fn reach(enabled: &mut Enabled<'_>, wanted: &Move, last: &mut Option<AxisStatus>) -> Result<(), Error> {
+/// Starts the move and waits for its target.
+pub(super) async fn reach(
+    enabled: &mut Enabled<'_>,
+    wanted: &Move,
+    last: &mut Option<AxisStatus>,
+) -> Result<(), Error> {
     // with the present contents of the telegram
     let plan = enabled.plan(&wanted.order).await?;
     enabled.start(&plan).await?;
@@ -177,7 +182,7 @@ async fn reach(enabled: &mut Enabled<'_>, wanted: &Move, last: &mut Option<AxisS
 }
 
 /// Waits for ZSW1 bit 10; `last` is how the axis was when it came, before anything else happens.
-async fn arrive(
+pub(super) async fn arrive(
     enabled: &mut Enabled<'_>,
     limit: Duration,
     last: &mut Option<AxisStatus>,

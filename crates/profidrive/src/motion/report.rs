@@ -11,7 +11,11 @@ use crate::report::{Fault, Quantity};
 
 /// A motion that ended, or faults that were acknowledged.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(
+    feature = "schema",
+    derive(schemars::JsonSchema),
+    schemars(rename = "MotionReport")
+)]
 pub struct Report {
     /// Control of the axis was taken and given back. False where the connection was lost, and where control was not needed:
     /// there is no fault to acknowledge, or a parameter acknowledges it.

@@ -336,6 +336,17 @@ async fn keep(
     found: &mut MotionResult,
     observer: &Observer,
 ) -> Result<(), Error> {
+    reach(enabled, wanted, found, observer).await?;
+    hold(enabled, wanted.speed, wanted.time.unwrap_or(UNLIMITED), found).await
+}
+
+/// Comes up to the speed.
+pub(super) async fn reach(
+    enabled: &mut Enabled<'_>,
+    wanted: &Run,
+    found: &mut MotionResult,
+    observer: &Observer,
+) -> Result<(), Error> {
     let time = enabled.speed_time(wanted.speed);
     if wanted.time.is_some() && time > LONG_RAMP {
         let named = enabled.drive().named(&[Part::Acceleration, Part::RampUpTime]);
@@ -353,10 +364,18 @@ async fn keep(
     }
     reached?;
     found.reached = true;
+    Ok(())
+}
+
+/// Keeps the speed that was reached.
+pub(super) async fn hold(
+    enabled: &mut Enabled<'_>,
+    speed: f64,
+    time: Duration,
+    found: &mut MotionResult,
+) -> Result<(), Error> {
     let begin = enabled.session().0.now();
-    let kept = enabled
-        .keep_speed(wanted.speed, wanted.time.unwrap_or(UNLIMITED))
-        .await;
+    let kept = enabled.keep_speed(speed, time).await;
     found.time_at_speed = Some((enabled.session().0.now() - begin).as_secs_f64());
     kept
 }

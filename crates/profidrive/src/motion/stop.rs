@@ -51,7 +51,7 @@ enum Failure {
 }
 
 /// Stops a drive and waits for up to `limit` until it is at rest, by the means that it has; see
-/// [`Session::stop_drive`]. Never needs consent.
+/// [`Session::stop_own_or_drive`]. Never needs consent.
 ///
 /// # Errors
 /// When the drive has no means to be stopped from here, or cannot be reached. An axis that is not at rest is a report, and
@@ -63,7 +63,7 @@ pub async fn stop(
     limit: Duration,
 ) -> Result<StopReport, MotionError> {
     // the command first: everything else can be read while it slows down
-    let outcome = session.stop_drive(drive, way, limit).await?;
+    let outcome = session.stop_own_or_drive(drive, way, limit).await?;
     let owner = session.owner(drive).await?;
     let command = outcome.command(way, drive);
     Ok(StopReport {

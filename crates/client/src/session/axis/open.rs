@@ -78,7 +78,7 @@ impl Session {
     ///
     /// # Errors
     /// When the model is not known, no telegram does, the drive is in another mode, cannot be reached, is
-    /// in local operation ([`Error::LocalOperation`]), it is in operation without a controller ([`Error::Ownerless`]), it
+    /// in local operation ([`Error::LocalOperation`]), this program has its axis already ([`Error::UnderControl`]), it is in operation without a controller ([`Error::Ownerless`]), it
     /// may run on when its controller is lost and that is not consented to ([`Error::RunsOn`]), it is to be observed and its
     /// status word is not readable ([`Error::StatusUnread`]) or it may move when the connection is lost
     /// ([`Error::MovesWhenLost`]), another controller owns it, the session carries UDP only ([`Error::NeedsRawFrames`]), or another program has the port on which the drive calls
@@ -89,6 +89,10 @@ impl Session {
         drive.check_able(settings.purpose.mode())?;
         self.check_carrier(drive)?;
         self.ended(drive).await?;
+        // what stops a drive takes the control word from whoever has it
+        if settings.purpose != Purpose::Control && self.engine.records().own_axis(drive).is_some() {
+            return Err(Error::UnderControl { drive: drive.label() });
+        }
         self.read_scaling(drive).await?;
         let Prepared {
             mode,
@@ -332,7 +336,7 @@ impl Axis {
 
     /// Where it is, for those who come after it.
     fn place(&self) -> Place {
-        Place::new(&self.drive, &self.ending)
+        Place::new(&self.drive, self.link, &self.ending)
     }
 
     /// The one who ends this axis.

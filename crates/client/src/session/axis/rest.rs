@@ -85,7 +85,7 @@ impl Ending {
     }
 
     /// How long a ramp stop from this speed may take, where the speed is not known from the fastest one requested.
-    pub(super) fn stop_limit(&self, speed: Option<f64>, deceleration: Option<f64>) -> Duration {
+    pub(in crate::session) fn stop_limit(&self, speed: Option<f64>, deceleration: Option<f64>) -> Duration {
         let open = self.open();
         let speed = speed.map_or(open.fastest, f64::abs);
         let ramp = deceleration
@@ -99,19 +99,27 @@ impl Ending {
 #[derive(Debug)]
 pub(in crate::session) struct Place {
     at: At,
+    link: Link,
     ending: Weak<Ending>,
 }
 
 impl Place {
-    pub(super) fn new(drive: &Drive, ending: &Arc<Ending>) -> Self {
+    pub(super) fn new(drive: &Drive, link: Link, ending: &Arc<Ending>) -> Self {
         Self {
             at: at(drive),
+            link,
             ending: Arc::downgrade(ending),
         }
     }
 
     pub(in crate::session) fn is_of(&self, drive: &Drive) -> bool {
         self.at == at(drive)
+    }
+
+    /// Its connection, as long as its owner has it.
+    pub(in crate::session) fn held(&self) -> Option<Link> {
+        let ending = self.ending.upgrade()?;
+        (!ending.is_reported()).then_some(self.link)
     }
 
     /// It is on the way to its rest.
@@ -142,7 +150,7 @@ pub(super) struct Closer {
     pub kept: Vec<Reading>,
     pub loss: Box<LossReaction>,
     pub ending: Arc<Ending>,
-    /// A quick stop ended what should have been a ramp stop.
+    /// A quick stop that nobody requested ended what should have been a ramp stop.
     pub quick: bool,
 }
 
@@ -239,7 +247,7 @@ impl Closer {
         if faulted {
             return Err(self.trouble(Trouble::Fault));
         }
-        if self.quick && !self.session.has_hurried() {
+        if self.quick {
             return Err(self.trouble(Trouble::QuickStopUsed));
         }
         if self.view().is_some_and(|view| view.operated && view.turns) {
@@ -258,7 +266,7 @@ impl Closer {
         loop {
             let view = self.view();
             // a quick stop that took over is waited for as well, and reported with the release
-            self.quick |= view.is_some_and(|view| view.quick_stop);
+            self.quick |= view.is_some_and(|view| view.quick_stop && !view.hurried);
             if let Some(error) = self.lost(self.session.connection(self.link)) {
                 return Err(error);
             }
@@ -353,6 +361,11 @@ impl Axis {
 
     /// Begins a ramp stop; what is called next waits for its end.
     pub(in crate::session) fn begin_stop(&mut self) {
+        self.begin_stop_by(false);
+    }
+
+    /// The same, or a quick stop.
+    pub(in crate::session) fn begin_stop_by(&mut self, quick: bool) {
         let speed = self.status().and_then(|status| status.speed_actual);
         let limit = self.ending.stop_limit(speed, self.deceleration);
         let now = self.session.now();
@@ -360,6 +373,9 @@ impl Axis {
             let mut client = self.session.client();
             client.allow_stop(self.link, limit);
             client.pursue(now, self.link, Goal::Stop);
+            if quick {
+                client.hurry(now, self.link);
+            }
         }
         self.reported = false;
         self.session.engine().stir();

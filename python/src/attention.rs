@@ -1,0 +1,60 @@
+//! Waiting for the library in a thread of Python, which has its signals meanwhile.
+
+use std::future::Future;
+use std::time::{Duration, Instant as Clock};
+
+use client::ErrorKind;
+use profidrive::{StopRequests, Wait as _};
+use pyo3::prelude::*;
+
+use crate::errors::Failure;
+
+/// Time of this computer between two looks at the signals of Python.
+pub const LOOK: Duration = Duration::from_millis(50);
+
+/// What signals raised while a call waited: each is a request to stop.
+pub struct Signals<'r> {
+    requests: &'r StopRequests,
+    looked: Clock,
+    raised: Option<PyErr>,
+}
+
+impl<'r> Signals<'r> {
+    pub fn new(requests: &'r StopRequests) -> Self {
+        Self {
+            requests,
+            looked: Clock::now(),
+            raised: None,
+        }
+    }
+
+    /// Looks at them where that is due. Python handles signals in its main thread only.
+    pub fn look(&mut self) {
+        if self.looked.elapsed() < LOOK {
+            return;
+        }
+        self.looked = Clock::now();
+        if let Err(raised) = Python::attach(|py| py.check_signals()) {
+            self.raised.get_or_insert(raised);
+            self.requests.request();
+        }
+    }
+
+    /// Fails with what the first one raised.
+    pub fn raised(self) -> PyResult<()> {
+        self.raised.map_or(Ok(()), Err)
+    }
+}
+
+/// Waits for a call, detached from Python. A signal requests a stop; the third one ends the wait at once.
+pub fn wait<T>(requests: &StopRequests, call: impl Future<Output = Result<T, Failure>>) -> PyResult<T> {
+    let mut signals = Signals::new(requests);
+    let result = call.wait_unless(LOOK, || {
+        signals.look();
+        requests.is_final()
+    });
+    // the error of an interrupted call is that of the signal
+    signals.raised()?;
+    let given_up = || Failure::new(ErrorKind::Interrupted, "the call was given up");
+    Ok(result.ok_or_else(given_up)??)
+}

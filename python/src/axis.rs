@@ -1,0 +1,313 @@
+//! An axis under control.
+
+use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
+use std::time::Duration;
+
+use client::{AxisStatus, Drive, StopHandle};
+use profidrive::motion::{
+    self, AxisState, Control, Event, HeldAxis, Hold, MotionError, Observer, Report, Speed,
+};
+use profidrive::{Caller, StopRequests};
+use profile::notation::Quantity;
+use profile::state::Mode;
+use pyo3::prelude::*;
+
+use crate::attention::{LOOK, wait};
+use crate::errors::{Failure, closed, of_motion};
+use crate::network::{Place, locked};
+use crate::time::Span;
+use crate::trace::document;
+
+/// How an axis is taken.
+pub struct Wanted {
+    pub limit: Speed,
+    pub mode: Option<Mode>,
+    pub telegram: Option<u16>,
+    pub cycle: Option<Duration>,
+    pub lease: Duration,
+    pub set_mode: bool,
+    pub may_run_on: bool,
+}
+
+impl Wanted {
+    pub fn speed(text: &str) -> Result<Speed, Failure> {
+        Speed::of(&quantity(text)?, "speed").map_err(|error| of_motion(&error))
+    }
+
+    pub fn mode(name: &str) -> Result<Mode, Failure> {
+        match name {
+            "velocity" => Ok(Mode::Velocity),
+            "position" => Ok(Mode::Position),
+            other => Err(Failure::usage(format!(
+                "`{other}` is not a mode; there are `velocity` and `position`"
+            ))),
+        }
+    }
+
+    async fn hold(&self, caller: &mut Caller, drive: &mut Drive) -> Result<Hold, MotionError> {
+        let hold = match self.mode {
+            Some(Mode::Velocity) => Hold::for_speed(),
+            Some(Mode::Position) => Hold::for_position(),
+            None => Hold::for_present_mode(caller, drive).await?,
+        };
+        Ok(Hold {
+            limit: self
+                .limit
+                .in_rpm(caller, drive, &Observer::default())
+                .await?
+                .abs(),
+            telegram: self.telegram,
+            lease: self.lease,
+            control: Control {
+                cycle: self.cycle,
+                may_run_on: self.may_run_on,
+                set_mode: self.set_mode,
+                ..Control::default()
+            },
+            ..hold
+        })
+    }
+}
+
+fn quantity(text: &str) -> Result<Quantity, Failure> {
+    text.parse()
+        .map_err(|error| Failure::usage(format!("{text}: {error}")))
+}
+
+/// An axis under control of this program.
+#[pyclass(frozen, module = "profidrive._profidrive")]
+pub struct Axis {
+    place: Place,
+    held: Mutex<Option<HeldAxis>>,
+    /// Locked while a call is at work with it: others only look.
+    at_work: Mutex<()>,
+    /// For stops from other threads.
+    stop: StopHandle,
+    requests: StopRequests,
+    /// What was seen last, for those who look while it moves.
+    seen: Arc<Mutex<Option<AxisStatus>>>,
+}
+
+impl Axis {
+    pub async fn take(
+        place: Place,
+        requests: StopRequests,
+        caller: &mut Caller,
+        drive: &mut Drive,
+        wanted: &Wanted,
+    ) -> Result<Self, Failure> {
+        let seen = Arc::new(Mutex::new(None));
+        let shown = Arc::clone(&seen);
+        let observer = Observer::new(move |event| {
+            if let Event::Sample(status) = event {
+                *locked(&shown) = Some(*status);
+            }
+        });
+        let hold = wanted.hold(caller, drive).await;
+        let hold = hold.map_err(|error| of_motion(&error))?;
+        let held = motion::hold(caller, drive, &hold, &observer).await;
+        let held = held.map_err(|error| of_motion(&error))?;
+        *locked(&seen) = held.status();
+        Ok(Self {
+            place,
+            stop: held.stop_handle(),
+            held: Mutex::new(Some(held)),
+            at_work: Mutex::new(()),
+            requests,
+            seen,
+        })
+    }
+
+    /// Returns the axis for a call that is at work with it.
+    fn work(&self) -> Result<(MutexGuard<'_, ()>, MutexGuard<'_, Option<HeldAxis>>), Failure> {
+        self.place.joined.usable()?;
+        let at_work = free(&self.at_work)
+            .ok_or_else(|| closed("another thread moves this axis; only `stop` may be called meanwhile"))?;
+        // one who only looks does not take long
+        Ok((at_work, locked(&self.held)))
+    }
+
+    fn call<T: Send>(
+        &self,
+        py: Python<'_>,
+        work: impl AsyncFnOnce(&mut HeldAxis) -> Result<T, MotionError> + Send,
+    ) -> PyResult<T> {
+        py.detach(|| {
+            let (_at_work, mut held) = self.work()?;
+            let held = held.as_mut().ok_or_else(released)?;
+            self.place.goes_on();
+            self.requests.clear();
+            wait(&self.requests, async {
+                let done = work(held).await;
+                done.map_err(|error| of_motion(&error).about(&held.drive().label()))
+            })
+        })
+    }
+
+    /// Carries out a motion; its report as JSON.
+    fn motion(
+        &self,
+        py: Python<'_>,
+        work: impl AsyncFnOnce(&mut HeldAxis) -> Result<Report, MotionError> + Send,
+    ) -> PyResult<String> {
+        Ok(document(&self.call(py, work)?)?)
+    }
+}
+
+/// Locks, unless another thread has.
+fn free<T>(mutex: &Mutex<T>) -> Option<MutexGuard<'_, T>> {
+    match mutex.try_lock() {
+        Ok(held) => Some(held),
+        Err(TryLockError::Poisoned(held)) => Some(held.into_inner()),
+        Err(TryLockError::WouldBlock) => None,
+    }
+}
+
+fn released() -> Failure {
+    closed("the axis was released")
+}
+
+#[pymethods]
+impl Axis {
+    /// Turns at a speed, for some time or until another call.
+    fn run(&self, py: Python<'_>, speed: &str, lasts: Option<Span>) -> PyResult<String> {
+        let speed = Wanted::speed(speed)?;
+        let lasts = lasts.map(|lasts| lasts.read()).transpose()?;
+        self.motion(py, async move |axis| {
+            let speed = axis.in_rpm(speed).await?;
+            axis.turn(speed, lasts).await
+        })
+    }
+
+    /// Jogs for some time, at the speed of the drive where none is given.
+    fn jog(&self, py: Python<'_>, speed: Option<&str>, lasts: Span) -> PyResult<String> {
+        let speed = speed.map(Wanted::speed).transpose()?;
+        let lasts = lasts.read()?;
+        self.motion(py, async move |axis| {
+            let speed = match speed {
+                Some(speed) => Some(axis.in_rpm(speed).await?),
+                None => None,
+            };
+            axis.jog_for(speed, lasts).await
+        })
+    }
+
+    /// Moves to a position or by a distance. Where it does not wait it returns once the drive has accepted the move.
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "each is an argument of the call in Python"
+    )]
+    fn move_to(
+        &self,
+        py: Python<'_>,
+        target: &str,
+        is_distance: bool,
+        speed: &str,
+        acceleration: Option<&str>,
+        deceleration: Option<&str>,
+        waits: bool,
+        timeout: Option<Span>,
+    ) -> PyResult<String> {
+        let ramps = [acceleration, deceleration].map(|ramp| ramp.map(quantity).transpose());
+        let [acceleration, deceleration] = ramps;
+        let (acceleration, deceleration) = (acceleration?, deceleration?);
+        let wanted = motion::Move::of(&quantity(target)?, is_distance, &quantity(speed)?)
+            .and_then(|wanted| wanted.with_ramps(acceleration.as_ref(), deceleration.as_ref()));
+        let order = wanted.map_err(|error| of_motion(&error))?.order;
+        let timeout = timeout.map(|timeout| timeout.read()).transpose()?;
+        self.motion(py, async move |axis| {
+            if waits {
+                return axis.travel(&order, timeout).await;
+            }
+            axis.set_out(&order).await?;
+            Ok(Report::default())
+        })
+    }
+
+    fn home(&self, py: Python<'_>, timeout: Span) -> PyResult<String> {
+        let timeout = timeout.read()?;
+        self.motion(py, async move |axis| axis.find_home(timeout).await)
+    }
+
+    fn task(&self, py: Python<'_>, number: u16, timeout: Span) -> PyResult<String> {
+        let timeout = timeout.read()?;
+        self.motion(py, async move |axis| axis.carry_out(number, timeout).await)
+    }
+
+    /// Stops it. While another thread moves it, that call ends first.
+    fn stop(&self, py: Python<'_>, quick: bool) -> PyResult<String> {
+        while free(&self.at_work).is_none() {
+            if quick {
+                self.stop.quick_stop();
+            } else {
+                self.stop.stop();
+            }
+            py.detach(|| std::thread::sleep(LOOK));
+            py.check_signals()?;
+        }
+        self.motion(py, async move |axis| axis.bring_to_rest(quick).await)
+    }
+
+    fn ack(&self, py: Python<'_>) -> PyResult<()> {
+        self.call(py, async |axis| Ok(axis.acknowledge().await?))
+    }
+
+    fn keep_alive(&self, py: Python<'_>) -> PyResult<()> {
+        self.call(py, async |axis| Ok(axis.keep_alive().await?))
+    }
+
+    /// Brings it to rest and gives control back; its report as JSON. After an interrupt the next one makes it a quick stop.
+    fn release(&self, py: Python<'_>, is_interrupted: bool) -> PyResult<String> {
+        py.detach(|| {
+            let (_at_work, mut held) = self.work()?;
+            let held = held.take().ok_or_else(released)?;
+            self.place.goes_on();
+            self.requests.clear();
+            if is_interrupted {
+                self.requests.request();
+            }
+            let drive = held.drive().label();
+            let report = wait(&self.requests, async {
+                let done = held.release().await;
+                done.map_err(|error| of_motion(&error).about(&drive))
+            })?;
+            Ok(document(&report)?)
+        })
+    }
+
+    /// Leaves it to the network, which brings it to rest. False where it was released before.
+    fn abandon(&self, py: Python<'_>) -> bool {
+        py.detach(|| {
+            // nobody else can be at work with it
+            locked(&self.held).take().is_some()
+        })
+    }
+
+    /// What the last frame reported; JSON. No I/O.
+    fn status(&self, py: Python<'_>) -> PyResult<Option<String>> {
+        py.detach(|| {
+            let status = match free(&self.held) {
+                Some(held) => held.as_ref().and_then(HeldAxis::status),
+                None => None,
+            };
+            let status = status.or_else(|| *locked(&self.seen));
+            Ok(status
+                .map(|status| document(&AxisState::from(&status)))
+                .transpose()?)
+        })
+    }
+
+    /// Frames of the connection: received, missed.
+    fn frames(&self, py: Python<'_>) -> Option<(u64, u64)> {
+        py.detach(|| {
+            let held = free(&self.held)?;
+            let counts = held.as_ref()?.statistics()?;
+            Some((counts.received, counts.missed))
+        })
+    }
+
+    #[getter]
+    fn is_held(&self, py: Python<'_>) -> bool {
+        py.detach(|| free(&self.held).is_none_or(|held| held.is_some()))
+    }
+}

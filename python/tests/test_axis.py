@@ -1,0 +1,319 @@
+"""An axis under control, in virtual time: motions, and the rules that each of them keeps."""
+
+from __future__ import annotations
+
+import gc
+import threading
+import warnings
+
+import pytest
+
+from profidrive import Drive, Plant, State, World
+from profidrive.errors import (
+    AxisFault,
+    ConnectionLost,
+    InterruptedCall,
+    MisuseError,
+    ProfidriveError,
+    RefusedError,
+    SafetyError,
+    UnsupportedError,
+    UsageError,
+)
+from profidrive.events import ParameterWritten, Released
+
+from .conftest import output_when_interrupted
+
+
+@pytest.fixture
+def world() -> World:
+    return Plant.of("akd", "vlt").start()
+
+
+@pytest.fixture
+def akd(world: World) -> Drive:
+    return world.network["akd-1"]
+
+
+def assert_at_rest(world: World, drive: str = "akd-1") -> None:
+    assert abs(world[drive].speed) < 1
+    assert world[drive].state in (State.S1, State.S2)
+
+
+def test_motions_follow_each_other(world: World, akd: Drive) -> None:
+    with akd.control(max_speed="1000rpm") as axis:
+        assert world["akd-1"].state != State.S4, "taken, not enabled"
+        turned = axis.run("600rpm", for_="500ms")
+        assert turned.reached
+        assert turned.highest_speed is not None
+        assert turned.highest_speed.value == pytest.approx(600, abs=10)
+        assert world["akd-1"].speed == pytest.approx(0, abs=1)
+        assert axis.state == State.S4
+        axis.run(-300)
+        assert world["akd-1"].speed == pytest.approx(-300, abs=10)
+        assert axis.speed == pytest.approx(-300, abs=10)
+        stats = axis.stats
+        assert stats is not None
+        assert (stats.received > 10, stats.missed) == (True, 0)
+        axis.stop()
+        assert_at_rest(world)
+        axis.run("200rpm")
+    assert_at_rest(world)
+    [released] = world.trace.of("akd-1").only(Released)
+    assert released.time > 1
+
+
+def test_positions_need_the_mode_and_put_it_back(world: World, akd: Drive) -> None:
+    with pytest.raises(SafetyError) as wrong, akd.control(max_speed="600rpm", mode="position"):
+        pass
+    assert (wrong.value.rule, wrong.value.drive) == ("mode", "akd-1")
+    with pytest.raises(UsageError, match="mode"):
+        akd.control(max_speed="600rpm", set_mode=True)
+    with akd.control(max_speed="600rpm", mode="position", set_mode=True) as axis:
+        with pytest.raises(SafetyError, match="homed") as unhomed:
+            axis.move_to("3rev", speed="300rpm")
+        assert unhomed.value.rule == "move"
+        assert axis.home().homed
+        moved = axis.move_to("3rev", speed="300rpm", acceleration="3000rpm/s")
+        assert moved.reached
+        assert moved.position is not None
+        assert moved.position.value == pytest.approx(3, abs=0.01)
+        axis.move_by("-1rev", speed=300)
+        assert axis.position == pytest.approx(2, abs=0.01)
+        axis.jog("60rpm", for_=1)
+        axis.move_by("20rev", speed="300rpm", wait=False)
+        world.run(for_="500ms")
+        assert world["akd-1"].speed == pytest.approx(300, abs=10)
+        with pytest.raises((SafetyError, RefusedError, UsageError, UnsupportedError)):
+            axis.task(77)
+        with pytest.raises(SafetyError) as wrong:
+            axis.run(100)
+        assert wrong.value.rule == "mode"
+    assert_at_rest(world)
+    assert akd.read("p930").value == 1
+
+
+def test_rule_1_nothing_moves_without_a_block_and_no_limit_is_assumed(world: World, akd: Drive) -> None:
+    akd.control(max_speed=100)
+    akd.read("p930")
+    world.run(for_=1)
+    assert not world["akd-1"].connected
+    with pytest.raises(TypeError):
+        akd.control()  # type: ignore[call-arg]
+    assert world.trace.of("akd-1").only(ParameterWritten) == ()
+    with akd.control(max_speed="100rpm") as axis:
+        axis.run(100)
+        for speed in (101, -101, "2rps", float("nan"), float("inf")):
+            with pytest.raises((SafetyError, UsageError)) as refused:
+                axis.run(speed)
+            assert getattr(refused.value, "rule", "speed_limit") == "speed_limit"
+        assert world["akd-1"].speed == pytest.approx(100, abs=5), "it goes on as before"
+
+
+@pytest.mark.parametrize("failure", [RuntimeError("in the program"), KeyboardInterrupt(), SystemExit(3)])
+def test_rule_2_however_the_block_ends_the_axis_is_released(world: World, akd: Drive, failure: BaseException) -> None:
+    with pytest.raises(type(failure)), akd.control(max_speed="600rpm") as axis:
+        axis.run("600rpm")
+        raise failure
+    assert_at_rest(world)
+    assert not world["akd-1"].connected
+
+
+def test_rule_3_a_program_without_calls_loses_the_axis(world: World, akd: Drive) -> None:
+    with akd.control(max_speed="600rpm", lease="1s") as axis:
+        axis.run("600rpm")
+        for _ in range(5):
+            world.run(for_="800ms")
+            axis.keep_alive()
+        assert world["akd-1"].speed > 580
+        world.run(for_="2s")
+        assert_at_rest(world)
+        with pytest.raises(SafetyError) as ended:
+            axis.run("600rpm")
+        assert ended.value.rule == "lease"
+        assert_at_rest(world)
+        axis.run("600rpm", for_="5s")  # a call that waits renews it
+    with pytest.raises(SafetyError) as ended, akd.control(max_speed="600rpm", lease="1s") as axis:
+        axis.run("600rpm")
+        world.run(for_="2s")
+    assert ended.value.rule == "lease"
+
+
+def test_rule_4_a_drive_that_runs_on_alone_needs_consent() -> None:
+    plant = Plant.of("vlt").with_changes({"drive.vlt-1.parameters": {"8-04": 0}})
+    world = plant.start()
+    drive = world.network["vlt-1"]
+    with pytest.raises(SafetyError) as alone, drive.control(max_speed=300):
+        pass
+    assert alone.value.rule == "controller_loss"
+    assert "accept_no_timeout=True" in (alone.value.hint or "")
+    with pytest.raises(ConnectionLost) as lost, drive.control(max_speed=300, accept_no_timeout=True) as axis:
+        axis.run(300)
+        world["vlt-1"].inject("cable=pulled")
+        axis.run(200)
+    assert lost.value.drive_continues is True
+    world.run(for_=3)
+    assert world["vlt-1"].speed > 250
+
+
+def test_rule_5_a_forgotten_axis_is_stopped(world: World, akd: Drive) -> None:
+    axis = akd.control(max_speed="600rpm").__enter__()
+    axis.run("600rpm")
+    axes = [axis]
+    del axis
+    with pytest.warns(ResourceWarning, match="akd-1"):
+        axes.clear()
+    gc.collect()
+    world.run(for_=2)
+    assert_at_rest(world)
+    assert not world["akd-1"].connected
+
+
+def test_rule_6_no_attribute_writes_to_a_drive(world: World, akd: Drive) -> None:
+    with akd.control(max_speed="600rpm") as axis:
+        with pytest.raises(AttributeError):
+            axis.velocity = 100  # type: ignore[attr-defined]
+        with pytest.raises(AttributeError):
+            axis.speed = 100  # type: ignore[misc]
+    with pytest.raises(AttributeError):
+        akd.acceleration = 100  # type: ignore[attr-defined]
+
+
+def test_rule_7_after_a_lost_connection_the_drive_is_usable_and_the_axis_is_not(world: World, akd: Drive) -> None:
+    with pytest.raises(ConnectionLost) as lost, akd.control(max_speed="600rpm") as axis:
+        axis.run("600rpm")
+        world["akd-1"].inject("cable=pulled", for_="3s")
+        with pytest.raises(ConnectionLost):
+            axis.run("600rpm", for_="10s")
+        axis.run("600rpm")
+    assert (lost.value.drive, lost.value.drive_continues) == ("akd-1", False)
+    world.run(for_=3)
+    with pytest.raises(MisuseError, match="released"):
+        axis.run("600rpm")
+    assert akd.read("DRV.ACC").value == 3000
+    with akd.control(max_speed="600rpm") as axis:
+        axis.ack()
+        axis.run("600rpm", for_="100ms")
+    assert_at_rest(world)
+
+
+def test_a_fault_is_an_error_with_its_number(world: World, akd: Drive) -> None:
+    with akd.control(max_speed="600rpm") as axis:
+        axis.run("600rpm")
+        world["akd-1"].inject("fault=439")
+        with pytest.raises(AxisFault) as fault:
+            axis.run("300rpm", for_="10s")
+        assert fault.value.fault is not None
+        assert fault.value.fault.number == 439
+        assert fault.value.motion is not None
+        assert not fault.value.motion.reached
+        axis.ack()
+        axis.run("300rpm", for_="100ms")
+    assert_at_rest(world)
+
+
+def test_a_stop_from_another_thread_ends_the_motion(world: World, akd: Drive) -> None:
+    network = world.network
+    for stop in (network.stop_all, lambda: network.stop_all(quick=True), akd.stop):
+        with akd.control(max_speed="600rpm") as axis:
+            axis.run("600rpm")
+            other = threading.Thread(target=stop)
+            other.start()
+            other.join(30)
+            assert not other.is_alive()
+            world.run(for_="500ms")
+            assert_at_rest(world)
+            with pytest.raises(InterruptedCall):
+                axis.keep_alive()
+
+
+def test_an_axis_is_moved_by_one_thread_at_a_time(world: World, akd: Drive) -> None:
+    outcomes: list[object] = []
+    with akd.control(max_speed="600rpm") as axis:
+
+        def move() -> None:
+            try:
+                outcomes.append(axis.run("600rpm", for_=100_000))
+            except ProfidriveError as error:
+                outcomes.append(type(error))
+
+        mover = threading.Thread(target=move)
+        mover.start()
+        while axis.state != State.S4:
+            pass
+        with pytest.raises(MisuseError, match="another thread"):
+            axis.run("300rpm")
+        axis.stop()
+        mover.join(30)
+    assert outcomes == [InterruptedCall]
+    assert_at_rest(world)
+
+
+def test_control_is_for_one_block_and_one_controller(world: World, akd: Drive) -> None:
+    control = akd.control(max_speed=100)
+    with control as axis:
+        with pytest.raises(SafetyError, match="already") as taken, world.network["akd-1"].control(max_speed=100):
+            pass
+        assert taken.value.rule == "control"
+        axis.run(100)
+    with pytest.raises(MisuseError), control:
+        pass
+    with pytest.raises(MisuseError, match="released"):
+        axis.run(100)
+    assert axis.speed == pytest.approx(0, abs=1), "as it was seen last"
+
+
+def test_a_frequency_is_the_speed_of_a_converter(world: World) -> None:
+    with world.network["vlt-1"].control(max_speed="50Hz", accept_no_timeout=True) as axis:
+        axis.run("10Hz")
+        assert world["vlt-1"].speed == pytest.approx(300, abs=15)
+        with pytest.raises(UsageError):
+            axis.run("10A")
+
+
+def test_leaving_a_network_brings_its_axes_to_rest(world: World, akd: Drive) -> None:
+    with world.network as network, warnings.catch_warnings():
+        warnings.simplefilter("ignore", ResourceWarning)
+        axis = network["akd-1"].control(max_speed="600rpm").__enter__()
+        axis.run("600rpm")
+    world.run(for_="10ms")
+    assert_at_rest(world)
+    with pytest.raises(MisuseError, match="closed"):
+        axis.run("600rpm")
+    with pytest.raises(MisuseError, match="closed"):
+        akd.read("DRV.ACC")
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ResourceWarning)
+        del axis
+        gc.collect()
+
+
+CONTROLLED = """
+import threading
+import profidrive
+world = profidrive.Plant.of("akd").start()
+drive = world.network["akd-1"]
+"""
+
+
+def test_ctrl_c_ramps_down_before_it_is_raised() -> None:
+    program = (
+        CONTROLLED
+        + """
+try:
+    with drive.control(max_speed="600rpm") as axis:
+        def watch():
+            while (axis.speed or 0) < 590:
+                pass
+            print("runs", flush=True)
+        threading.Thread(target=watch).start()
+        try:
+            axis.run("600rpm", for_=30_000_000)
+        except KeyboardInterrupt:
+            print(f"{world['akd-1'].speed:.0f}", world["akd-1"].state.name)
+            raise
+except KeyboardInterrupt:
+    print("released", not world["akd-1"].connected)
+"""
+    )
+    assert output_when_interrupted(program).replace("-0 ", "0 ") in ("0 S2\nreleased True\n", "0 S1\nreleased True\n")

@@ -1,0 +1,256 @@
+"""Drives over a cable: a program of Python at one end, `profidrive simulate` at the other."""
+
+from __future__ import annotations
+
+import tempfile
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from profidrive.events import Event, FaultRaised, Released
+
+from .wire import Wire
+
+
+@pytest.fixture
+def wire() -> Iterator[Wire]:
+    # names of sockets are short
+    with tempfile.TemporaryDirectory() as folder, Wire(Path(folder)) as wire:
+        yield wire
+
+
+def is_released(event: Event) -> bool:
+    return isinstance(event, Released)
+
+
+RUNS = """
+with drive.control(max_speed="600rpm", cycle="128ms", lease=2) as axis:
+    axis.run("600rpm")
+    say("runs")
+"""
+SLOW = 'drive.write({"DRV.DEC": "100rpm/s"})\n'
+
+
+def test_a_network_is_opened_read_and_moved_as_a_plant_is(wire: Wire) -> None:
+    simulation = wire.simulate()
+    program = wire.python(
+        """
+from profidrive.types import State
+with network:
+    assert drive.read("DRV.ACC").value == 3000
+    assert drive.write({"DRV.DEC": "5000rpm/s"}).changes[0].written
+    with drive.control(max_speed="600rpm", cycle="128ms") as axis:
+        moved = axis.run("600rpm", for_="300ms")
+        assert moved.reached and axis.stats.received > 3
+        assert axis.state is State.S4
+    try:
+        drive.read("DRV.ACX")
+    except UnknownParameter as error:
+        say(error.nearest[0], threading.active_count())
+try:
+    drive.read("DRV.ACC")
+except MisuseError as error:
+    say(error)
+"""
+    )
+    assert program.end() == (0, ["DRV.ACC 1", "the network is closed"])
+    operation = simulation.wait_for_state(4)
+    simulation.wait_for(is_released, after=operation.time)
+
+
+@pytest.mark.parametrize("signals", [1, 2, 3])
+def test_ctrl_c_ramps_down_then_stops_quickly_then_ends_the_wait(wire: Wire, signals: int) -> None:
+    simulation = wire.simulate()
+    program = wire.python(
+        """
+drive.write({"DRV.DEC": "100rpm/s"})
+
+def watch():
+    while (axis.speed or 0) < 590:
+        time.sleep(0.01)
+    say("runs")
+
+try:
+    with drive.control(max_speed="600rpm", cycle="128ms") as axis:
+        threading.Thread(target=watch).start()
+        try:
+            axis.run("600rpm", for_=60)
+        finally:
+            say(f"{abs(axis.speed):.0f} rpm")
+except KeyboardInterrupt:
+    say("interrupted")
+"""
+    )
+    assert program.line() == "runs"
+    for _ in range(signals):
+        sent = simulation.now()
+        program.interrupt()
+        # requests within a second count as one
+        time.sleep(1.2)
+    assert program.end() == (0, ["0 rpm", "interrupted"])
+    released = simulation.wait_for(is_released)
+    # the ramp takes 6 s, the quick stop far less
+    assert (released.time - sent > 5) == (signals == 1)
+    assert not any(isinstance(event, FaultRaised) for event in simulation.events)
+
+
+def test_a_hung_program_loses_its_axis(wire: Wire) -> None:
+    simulation = wire.simulate()
+    program = wire.python(RUNS + "    time.sleep(60)\n")
+    assert program.line() == "runs"
+    operation = simulation.wait_for_state(4)
+    simulation.wait_for_state(2, after=operation.time)
+    assert program.process.poll() is None
+    # its next call says why
+    program.interrupt()
+    code, _ = program.end()
+    assert code != 0
+    simulation.wait_for(is_released)
+
+
+def test_a_killed_program_leaves_the_stop_to_the_drive(wire: Wire) -> None:
+    simulation = wire.simulate()
+    program = wire.python(RUNS + "    time.sleep(60)\n")
+    assert program.line() == "runs"
+    operation = simulation.wait_for_state(4)
+    program.process.kill()
+    fault = simulation.wait_for(lambda event: isinstance(event, FaultRaised), after=operation.time)
+    assert isinstance(fault, FaultRaised)
+    assert fault.fault.number == 702
+    simulation.wait_for_state(1, after=operation.time)
+
+
+FORGOTTEN = """
+axis = drive.control(max_speed="600rpm", cycle="128ms").__enter__()
+axis.run("600rpm")
+"""
+CRASH = """
+def work():
+    with drive.control(max_speed="600rpm", cycle="128ms") as axis:
+        axis.run("600rpm")
+        raise RuntimeError("in another thread")
+
+threading.excepthook = lambda failed: say(failed.exc_value)
+worker = threading.Thread(target=work)
+worker.start()
+worker.join()
+"""
+
+
+@pytest.mark.parametrize(
+    ("ending", "expected"),
+    [
+        pytest.param(FORGOTTEN, (0, []), id="end"),
+        pytest.param(FORGOTTEN + "sys.exit(3)", (3, []), id="exit"),
+        pytest.param(FORGOTTEN + "raise RuntimeError", (1, []), id="exception"),
+        pytest.param(FORGOTTEN + "network.close()", (0, []), id="close"),
+        pytest.param(CRASH, (0, ["in another thread"]), id="thread"),
+    ],
+)
+def test_however_a_program_ends_the_axis_is_stopped_and_released(wire: Wire, ending: str, expected: tuple[int, list[str]]) -> None:
+    simulation = wire.simulate()
+    program = wire.python(ending)
+    assert program.end() == expected
+    operation = simulation.wait_for_state(4)
+    simulation.wait_for_state(2, after=operation.time)
+    simulation.wait_for(is_released, after=operation.time)
+    assert not any(isinstance(event, FaultRaised) for event in simulation.events)
+
+
+def test_a_stop_comes_from_any_thread_while_another_one_waits(wire: Wire) -> None:
+    wire.simulate()
+    program = wire.python(
+        """
+for stop in (network.stop_all, drive.stop):
+    with drive.control(max_speed="600rpm", cycle="128ms") as axis:
+        other = threading.Timer(2, stop)
+        other.start()
+        try:
+            axis.run("600rpm", for_=60)
+        except InterruptedCall as error:
+            say(abs(axis.speed) < 1, error.motion.reached)
+        other.join()
+"""
+    )
+    assert program.end() == (0, ["True True"] * 2)
+
+
+def test_a_lost_connection_says_what_the_drive_does_and_the_drive_is_usable_again(wire: Wire) -> None:
+    wire.simulate()
+    program = wire.python(
+        """
+try:
+    with drive.control(max_speed="600rpm", cycle="128ms") as axis:
+        axis.run("600rpm")
+        say("runs")
+        axis.run("300rpm", for_=60)
+except ConnectionLost as error:
+    say(error.drive, error.drive_continues)
+sys.stdin.readline()
+deadline = time.monotonic() + 10
+while True:
+    try:
+        say(drive.read("DRV.ACC").value)
+        break
+    except UnreachableError:
+        assert time.monotonic() < deadline
+with drive.control(max_speed="600rpm", cycle="128ms") as axis:
+    axis.ack()
+    say(axis.run("600rpm", for_="100ms").reached)
+"""
+    )
+    assert program.line() == "runs"
+    wire.run("ip", "link", "set", "dev0", "down")
+    assert program.line() == "akd-1 False"
+    wire.run("ip", "link", "set", "dev0", "up")
+    assert program.process.stdin is not None
+    program.process.stdin.write("\n")
+    program.process.stdin.flush()
+    assert program.end() == (0, ["3000.0", "True"])
+
+
+def test_a_copy_of_a_process_has_no_network(wire: Wire) -> None:
+    wire.simulate()
+    program = wire.python(
+        """
+with drive.control(max_speed="600rpm", cycle="128ms") as axis:
+    axis.run("600rpm")
+    child = os.fork()
+    if child == 0:
+        for call in (lambda: drive.read("DRV.ACC"), axis.stop, network.close, lambda: axis.run(1)):
+            try:
+                call()
+            except MisuseError:
+                pass
+            else:
+                os._exit(1)
+        os._exit(7)
+    assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 7
+    say(axis.run("300rpm", for_="100ms").reached)
+"""
+    )
+    assert program.end() == (0, ["True"])
+
+
+def test_raw_sockets_need_a_permission_and_udp_alone_does_not(wire: Wire) -> None:
+    wire.simulate()
+    program = """
+import profidrive
+from profidrive.errors import PermissionMissing, UnsupportedError, UnreachableError
+try:
+    profidrive.open("ctl0")
+except PermissionMissing as error:
+    print(isinstance(error, PermissionError), "CAP_NET_RAW" in str(error.hint) or "cap_net_raw" in str(error.hint))
+with profidrive.open(ip=True) as network:
+    drive = network["192.168.77.50"]
+    print(drive.read("DRV.ACC").value)
+    try:
+        with drive.control(max_speed=100):
+            pass
+    except UnreachableError as error:
+        print("raw Ethernet" in str(error))
+"""
+    output, _ = wire.start(["unshare", "--user", "python", "-c", program]).communicate(timeout=30)
+    assert output.splitlines() == ["True True", "3000.0", "True"]
