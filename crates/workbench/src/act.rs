@@ -20,6 +20,8 @@ pub(crate) struct Intent {
     pub drive: Option<String>,
     /// With which values.
     pub value: Option<String>,
+    /// Each value that is changed, in one line.
+    pub changes: Vec<String>,
 }
 
 impl Intent {
@@ -31,6 +33,7 @@ impl Intent {
             name: drive.and_then(|id| shared.board.name(id)),
             action: self.action,
             value: self.value.clone(),
+            changes: self.changes.clone(),
             result: None,
         }
     }
@@ -46,27 +49,49 @@ pub(crate) async fn carry_out<T: Send + 'static>(
     intent: Intent,
     work: impl Future<Output = Result<T, Problem>> + Send + 'static,
 ) -> Result<T, Problem> {
+    let work = async move { work.await.map(|done| (done, Outcome::default())) };
+    carry_out_noted(shared, caller, intent, work).await
+}
+
+/// What became of something, for the log.
+#[derive(Debug, Default)]
+pub(crate) struct Outcome {
+    /// In one sentence; nothing where it was done as wanted.
+    pub text: Option<String>,
+    /// Each value that was changed, and what became of it.
+    pub changes: Vec<String>,
+}
+
+/// The same with words for what became of it.
+///
+/// # Errors
+/// As [`carry_out`].
+pub(crate) async fn carry_out_noted<T: Send + 'static>(
+    shared: Arc<Shared>,
+    caller: &Caller,
+    intent: Intent,
+    work: impl Future<Output = Result<(T, Outcome), Problem>> + Send + 'static,
+) -> Result<T, Problem> {
     let record = intent.record(&shared, caller);
     let done = tokio::spawn(async move {
         write(&shared, record.clone())
             .await
             .map_err(|error| unlogged(&error))?;
         let result = work.await;
-        let text = match &result {
-            Ok(_) => "done".to_owned(),
-            Err(problem) => problem.message().to_owned(),
+        let (result, outcome) = match result {
+            Ok((done, outcome)) => (Ok(done), outcome),
+            Err(problem) => {
+                let text = Some(problem.message().to_owned());
+                let changes = Vec::new();
+                (Err(problem), Outcome { text, changes })
+            }
         };
-        noted(&shared, record, text).await;
+        let text = outcome.text.unwrap_or_else(|| "done".to_owned());
+        let changes = outcome.changes;
+        noted(&shared, Record { changes, ..record }, text).await;
         result
     });
-    done.await.unwrap_or_else(|_| {
-        let detail = "the work ended by a defect of the server";
-        Err(Problem::new(
-            StatusCode::INTERNAL_SERVER_ERROR,
-            "internal",
-            detail,
-        ))
-    })
+    done.await.unwrap_or_else(|_| Err(Problem::defect()))
 }
 
 /// Writes what was done without an intent, and reports it to all pages.

@@ -1,7 +1,7 @@
 //! The workbench: PROFIdrive drives in the browser. A local HTTP server with its page.
 //!
 //! It composes `profidrive` and owns no protocol, no rule of the drive profile and no safety rule. This version acknowledges
-//! faults, writes no parameter and moves no axis.
+//! faults and changes parameters; it moves no axis.
 //!
 //! ```
 //! use profidrive_workbench::{Server, Settings, Source};
@@ -21,8 +21,11 @@ mod act;
 mod api;
 mod assets;
 mod audit;
+mod backups;
 mod board;
+mod jobs;
 mod live;
+mod plan;
 mod problem;
 mod serve;
 mod settings;

@@ -27,6 +27,7 @@ use crate::api::{nothing, router};
 use crate::assets;
 use crate::audit::Audit;
 use crate::board::Board;
+use crate::jobs::Jobs;
 use crate::live::{Hub, produce};
 use crate::settings::{Settings, Source};
 use crate::shared::Shared;
@@ -144,6 +145,8 @@ impl Server {
             cookie: format!("profidrive_{}", address.port()),
             source,
             name,
+            backups: log.as_ref().map(|log| log.join("backups")),
+            jobs: Jobs::default(),
             audit: Arc::new(Audit::new(log, boot.clone())),
             boot,
             stops: AtomicU64::new(0),

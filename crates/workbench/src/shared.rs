@@ -1,5 +1,6 @@
 //! What the requests of a server share.
 
+use std::path::PathBuf;
 use std::sync::atomic::AtomicU64;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
@@ -11,6 +12,7 @@ use tokio::sync::Semaphore;
 use crate::access::{Attempts, Once, Places, Role, Sessions, Tokens};
 use crate::audit::Audit;
 use crate::board::Board;
+use crate::jobs::Jobs;
 use crate::live::Hub;
 use crate::problem::Problem;
 use crate::settings::Source;
@@ -36,6 +38,9 @@ pub(crate) struct Shared {
     pub board: Arc<Board>,
     pub hub: Hub,
     pub audit: Arc<Audit>,
+    /// The folder with the settings of drives; `None` where there is none.
+    pub backups: Option<PathBuf>,
+    pub jobs: Jobs,
     /// Room for sockets.
     pub sockets: Arc<Semaphore>,
     pub sessions: Mutex<Sessions>,

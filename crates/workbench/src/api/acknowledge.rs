@@ -54,6 +54,7 @@ pub(super) async fn acknowledge(
         action: "acknowledge",
         drive: Some(id.to_lowercase()),
         value: None,
+        changes: Vec::new(),
     };
     let work = async move {
         let observer = Observer::default();

@@ -93,6 +93,7 @@ pub(super) async fn stop(
         action: "stop",
         drive: None,
         value: None,
+        changes: Vec::new(),
     };
     // a stop is logged after it was done, whether that succeeds or not
     note(

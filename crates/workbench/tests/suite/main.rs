@@ -5,3 +5,4 @@ mod access;
 mod change;
 mod live;
 mod server;
+mod settings;

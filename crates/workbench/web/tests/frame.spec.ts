@@ -19,6 +19,9 @@ async function screens(page: Page): Promise<[string, string][]> {
     ["overview-none", "/drives/none/overview"],
     ["faults", `/drives/${named("axis-2")}/faults`],
     ["faults-none", "/drives/none/faults"],
+    ["parameters", `/drives/${named("axis-1")}/parameters`],
+    ["parameters-none", "/drives/none/parameters"],
+    ["compare", `/drives/${named("axis-1")}/compare`],
     ["virtual", "/virtual"],
   ];
 }
@@ -125,7 +128,7 @@ for (const theme of ["light", "dark"] as const) {
           await page.goto(path + lang);
           await expect(page.locator("main h1")).toBeVisible();
           await expect(page.getByText("Reading the drive ..")).toHaveCount(0);
-          await expect(page.getByRole("option").filter({ hasText: "axis-1" })).toBeAttached();
+          await expect(page.getByRole("option").filter({ hasText: "axis-1" }).first()).toBeAttached();
           await page.screenshot({ path: join(pictures, `${name}-${theme}${lang ? "-long" : ""}-${width}.png`) });
           // by the protocol of the browser, which the policy of the page does not bind
           await page.evaluate(axe);

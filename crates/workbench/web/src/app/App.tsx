@@ -6,10 +6,12 @@ import { access, server, silent } from "../store/store";
 import { t } from "../text";
 import { Frame } from "./Frame";
 import { useKeys } from "./keys";
-import { screenOf, selectedId } from "./selected";
+import { address, screenOf, selectedId } from "./selected";
 import { type Theme, theme } from "./theme";
 
 const Overview = lazy(() => import("../screens/screens").then((screens) => screens.Overview));
+const Parameters = lazy(() => import("../screens/screens").then((screens) => screens.Parameters));
+const Compare = lazy(() => import("../screens/screens").then((screens) => screens.Compare));
 const Faults = lazy(() => import("../screens/screens").then((screens) => screens.Faults));
 const Virtual = lazy(() => import("../screens/screens").then((screens) => screens.Virtual));
 
@@ -32,8 +34,10 @@ function Navigation() {
   return (
     <nav aria-label={t("nav.label")}>
       <Link href="/network" icon="network" text={t("nav.network")} />
-      <Link href={`/drives/${encodeURIComponent(id ?? "none")}/overview`} icon="overview" text={t("nav.overview")} />
-      <Link href={`/drives/${encodeURIComponent(id ?? "none")}/faults`} icon="triangle" text={t("nav.faults")} />
+      <Link href={address(id, "overview")} icon="overview" text={t("nav.overview")} />
+      <Link href={address(id, "parameters")} icon="parameters" text={t("nav.parameters")} />
+      <Link href={address(id, "faults")} icon="triangle" text={t("nav.faults")} />
+      <Link href={address(id, "compare")} icon="compare" text={t("nav.compare")} />
       {server.value?.simulation && <Link href="/virtual" icon="virtual" text={t("nav.virtual")} />}
       <label class="theme">
         <span>{t("theme.label")}</span>
@@ -72,7 +76,9 @@ function Shell() {
               <Route path="/" component={Network} />
               <Route path="/network" component={Network} />
               <Route path="/drives/:id/overview" component={Overview} />
+              <Route path="/drives/:id/parameters" component={Parameters} />
               <Route path="/drives/:id/faults" component={Faults} />
+              <Route path="/drives/:id/compare" component={Compare} />
               <Route path="/virtual" component={Virtual} />
               <Route default component={Network} />
             </Router>

@@ -6,7 +6,7 @@ import { owner, ownerName, State } from "../parts/Reason";
 import { stop } from "../store/live";
 import { aged, type Happening, happened, server, silent, stations } from "../store/store";
 import { age, t } from "../text";
-import { screenOf, selected, selectedId } from "./selected";
+import { address, OF_DRIVE, screenOf, selected, selectedId } from "./selected";
 
 /** What became of the last STOP. */
 const stopped = signal("");
@@ -40,11 +40,11 @@ function Selector() {
       <span class="muted">{t("frame.drive")}</span>
       <select
         value={id}
-        onChange={(event) =>
-          route(
-            `/drives/${encodeURIComponent(event.currentTarget.value)}/${screenOf(path) === "faults" ? "faults" : "overview"}${location.search}`,
-          )
-        }
+        onChange={(event) => {
+          const here = screenOf(path);
+          const screen = OF_DRIVE.find((one) => one === here) ?? "overview";
+          route(address(event.currentTarget.value, screen) + location.search);
+        }}
       >
         <option value="" disabled hidden>
           {t("frame.none")}

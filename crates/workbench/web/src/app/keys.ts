@@ -2,7 +2,7 @@ import { useEffect } from "preact/hooks";
 import { useLocation } from "preact-iso";
 import { server } from "../store/store";
 import { pressStop } from "./Frame";
-import { selectedId } from "./selected";
+import { address, selectedId } from "./selected";
 
 /** Two keys of a sequence come within this time, in ms. */
 const SEQUENCE = 1000;
@@ -28,10 +28,15 @@ export function useKeys(): void {
       if (typing || event.ctrlKey || event.altKey || event.metaKey || last !== "g") {
         return;
       }
-      const id = encodeURIComponent(selectedId(path) ?? "none");
-      const screen = { n: "/network", o: `/drives/${id}/overview`, f: `/drives/${id}/faults`, v: "/virtual" }[
-        event.key
-      ];
+      const id = selectedId(path);
+      const screen = {
+        n: "/network",
+        o: address(id, "overview"),
+        p: address(id, "parameters"),
+        f: address(id, "faults"),
+        d: address(id, "compare"),
+        v: "/virtual",
+      }[event.key];
       if (screen !== undefined && (event.key !== "v" || server.value?.simulation)) {
         route(screen + location.search);
       }
