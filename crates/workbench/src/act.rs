@@ -4,9 +4,11 @@ use std::future::Future;
 use std::sync::Arc;
 
 use axum::http::StatusCode;
+use profidrive::listed;
 
 use crate::access::Caller;
 use crate::audit::{AuditError, Record};
+use crate::control::Stopping;
 use crate::live::Event;
 use crate::problem::Problem;
 use crate::shared::Shared;
@@ -94,6 +96,50 @@ pub(crate) async fn carry_out_noted<T: Send + 'static>(
     done.await.unwrap_or_else(|_| Err(Problem::defect()))
 }
 
+/// Writes the intent of something that is carried out next.
+///
+/// # Errors
+/// When it cannot be written: then nothing may be done.
+pub(crate) async fn begin(shared: &Shared, caller: &Caller, intent: &Intent) -> Result<(), Problem> {
+    let written = write(shared, intent.record(shared, caller)).await;
+    written.map_err(|error| unlogged(&error))
+}
+
+/// Writes what became of something that is no news for other pages: what moves an axis is shown by its values.
+pub(crate) async fn noted_quietly(shared: &Shared, caller: &Caller, intent: &Intent, result: String) {
+    let record = Record {
+        result: Some(result),
+        ..intent.record(shared, caller)
+    };
+    written(shared, record).await;
+}
+
+/// Writes a STOP, and reports it to all pages, after it was carried out.
+pub(crate) async fn note_stop(shared: &Shared, caller: &Caller, stopping: &Stopping) {
+    let intent = Intent {
+        action: "stop",
+        drive: None,
+        value: None,
+        changes: Vec::new(),
+    };
+    let names: Vec<String> = stopping
+        .drives
+        .iter()
+        .map(|id| shared.board.name(id).unwrap_or_else(|| id.clone()))
+        .collect();
+    let axes = match names.as_slice() {
+        [] => "no axis is under control".to_owned(),
+        names => listed(names),
+    };
+    note(
+        shared,
+        caller,
+        &intent,
+        format!("STOP {}: {axes}", stopping.epoch),
+    )
+    .await;
+}
+
 /// Writes what was done without an intent, and reports it to all pages.
 pub(crate) async fn note(shared: &Shared, caller: &Caller, intent: &Intent, result: String) {
     noted(shared, intent.record(shared, caller), result).await;
@@ -113,6 +159,10 @@ async fn noted(shared: &Shared, record: Record, result: String) {
         result: Some(result),
         ..record
     };
+    written(shared, record).await;
+}
+
+async fn written(shared: &Shared, record: Record) {
     // it was done: that it is not in the log is to be seen
     if let Err(error) = write(shared, record).await {
         shared.hub.report(&Event {

@@ -23,6 +23,7 @@ mod assets;
 mod audit;
 mod backups;
 mod board;
+mod control;
 mod jobs;
 mod live;
 mod plan;

@@ -11,6 +11,7 @@ mod session;
 mod stations;
 mod virtual_drives;
 
+pub(crate) use drives::find;
 pub(crate) use stations::StationsReport;
 pub(crate) use virtual_drives::VirtualDrives;
 
@@ -27,6 +28,7 @@ use utoipa::OpenApi;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
+use crate::control;
 use crate::jobs::JobReport;
 use crate::live;
 use crate::problem::{self, Problem};
@@ -67,6 +69,7 @@ fn routes() -> OpenApiRouter<Arc<Shared>> {
         .routes(routes!(inject::inject))
         .routes(routes!(virtual_drives::drives))
         .routes(routes!(live::live))
+        .routes(routes!(control::control))
 }
 
 /// Returns the routes of the interface.

@@ -67,7 +67,10 @@ mod tests {
         for second in 0..40_000_u32 {
             // the page is slower by 100 parts in a million: 4 s in that time
             let page = f64::from(second) * 999.9;
-            assert!(freshness.is_fresh(Duration::from_secs(second.into()), page), "{second}");
+            assert!(
+                freshness.is_fresh(Duration::from_secs(second.into()), page),
+                "{second}"
+            );
         }
     }
 }

@@ -43,7 +43,9 @@ pub(crate) enum Denied {
     Stopped,
     #[error("this command came before another one and is not carried out")]
     Replayed,
-    #[error("{speed} rpm is above {limit} rpm: the first motion is limited to a tenth until its direction is confirmed")]
+    #[error(
+        "{speed} rpm is above {limit} rpm: the first motion is limited to a tenth until its direction is confirmed"
+    )]
     Unconfirmed { speed: f64, limit: f64 },
     #[error("{speed} rpm is above the limit of this page, {limit} rpm")]
     Limit { speed: f64, limit: f64 },
@@ -78,11 +80,6 @@ impl Ledger {
     /// Returns whether a stop is to be reset before anything moves.
     pub const fn is_stopped(&self) -> bool {
         self.stopped
-    }
-
-    /// Returns who has an axis.
-    pub fn holder(&self, drive: &str) -> Option<&Holder> {
-        self.held.get(drive).map(|held| &held.holder)
     }
 
     /// Gives an axis to a page. Returns the lease.
@@ -214,15 +211,28 @@ mod tests {
         let taken = Denied::Taken { who: "1".to_owned() };
         assert_eq!(ledger.take("a", page(2), 100.0), Err(taken.clone()));
         assert_eq!(ledger.take("a", page(1), 100.0), Err(taken), "nor twice");
-        assert_eq!(ledger.permit_enable("a", stamp(2, lease, 0, 1)), Err(Denied::NotHeld));
-        assert_eq!(ledger.permit_enable("b", stamp(1, lease, 0, 1)), Err(Denied::NotHeld));
+        assert_eq!(
+            ledger.permit_enable("a", stamp(2, lease, 0, 1)),
+            Err(Denied::NotHeld)
+        );
+        assert_eq!(
+            ledger.permit_enable("b", stamp(1, lease, 0, 1)),
+            Err(Denied::NotHeld)
+        );
         ledger.permit_enable("a", stamp(1, lease, 0, 1)).unwrap();
-        assert_eq!(ledger.permit_enable("a", stamp(1, lease, 0, 1)), Err(Denied::Replayed));
+        assert_eq!(
+            ledger.permit_enable("a", stamp(1, lease, 0, 1)),
+            Err(Denied::Replayed)
+        );
         ledger.give_back("a", lease + 1);
-        assert!(ledger.holder("a").is_some(), "of another lease");
+        assert!(ledger.take("a", page(2), 100.0).is_err(), "of another lease");
         ledger.give_back("a", lease);
         let again = ledger.take("a", page(1), 100.0).unwrap();
-        assert_eq!(ledger.permit("a", stamp(1, lease, 0, 9)), Err(Denied::NotHeld), "an old lease");
+        assert_eq!(
+            ledger.permit("a", stamp(1, lease, 0, 9)),
+            Err(Denied::NotHeld),
+            "an old lease"
+        );
         ledger.permit("a", stamp(1, again, 0, 1)).unwrap();
     }
 
@@ -237,9 +247,15 @@ mod tests {
         assert_eq!(ledger.permit_motion("a", late, Some(1.0)), Err(Denied::Outdated));
         let seen = stamp(1, lease, 1, 2);
         assert_eq!(ledger.permit_motion("a", seen, Some(1.0)), Err(Denied::Stopped));
-        assert_eq!(ledger.reset(0), Err(Denied::Outdated), "by a page that has not seen it");
+        assert_eq!(
+            ledger.reset(0),
+            Err(Denied::Outdated),
+            "by a page that has not seen it"
+        );
         ledger.reset(1).unwrap();
-        ledger.permit_motion("a", stamp(1, lease, 1, 3), Some(1.0)).unwrap();
+        ledger
+            .permit_motion("a", stamp(1, lease, 1, 3), Some(1.0))
+            .unwrap();
         // what ends a motion is permitted at any time
         ledger.stop();
         ledger.permit("a", stamp(1, lease, 0, 4)).unwrap();
@@ -254,9 +270,15 @@ mod tests {
             number += 1;
             ledger.permit_motion("a", stamp(1, lease, 0, number), speed)
         };
-        assert!(matches!(at(&mut ledger, Some(10.1)), Err(Denied::Unconfirmed { .. })));
+        assert!(matches!(
+            at(&mut ledger, Some(10.1)),
+            Err(Denied::Unconfirmed { .. })
+        ));
         at(&mut ledger, Some(-10.0)).unwrap();
-        assert!(matches!(at(&mut ledger, Some(f64::NAN)), Err(Denied::Limit { .. })));
+        assert!(matches!(
+            at(&mut ledger, Some(f64::NAN)),
+            Err(Denied::Limit { .. })
+        ));
         ledger.confirm("a", stamp(1, lease, 0, 50)).unwrap();
         number = 50;
         let mut at = |ledger: &mut Ledger, speed| {

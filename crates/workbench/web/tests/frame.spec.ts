@@ -19,6 +19,8 @@ async function screens(page: Page): Promise<[string, string][]> {
     ["overview-none", "/drives/none/overview"],
     ["faults", `/drives/${named("axis-2")}/faults`],
     ["faults-none", "/drives/none/faults"],
+    ["control", `/drives/${named("axis-1")}/control`],
+    ["control-none", "/drives/none/control"],
     ["parameters", `/drives/${named("axis-1")}/parameters`],
     ["parameters-none", "/drives/none/parameters"],
     ["compare", `/drives/${named("axis-1")}/compare`],

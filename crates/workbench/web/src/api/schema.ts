@@ -56,6 +56,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/control": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Opens the control socket: a page takes an axis by it, keeps a motion going by beats, and stops. Each session may open it, and only
+         *     STOP is for all of them.
+         */
+        get: operations["control"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/drives/{id}/acknowledge": {
         parameters: {
             query?: never;
@@ -414,8 +434,8 @@ export interface paths {
         get?: never;
         put?: never;
         /**
-         * Stops every axis that this server controls. This version controls none, so none is stopped: drives under a controller or
-         *     without one are not touched.
+         * Stops every axis that this server controls by its quick stop (OFF3). Nothing is enabled or moved afterwards before the STOP is reset
+         *     by a page with control. Drives under another controller or without one are not touched.
          */
         post: operations["stop"];
         delete?: never;
@@ -1426,7 +1446,7 @@ export interface components {
         ServerReport: {
             /** @description Distinguishes this start from others. */
             boot: string;
-            /** @description The axes that this server controls. */
+            /** @description The axes that this server controls, as they are called in paths. */
             controlled: string[];
             /** @description The network interface. */
             interface: string | null;
@@ -1702,7 +1722,7 @@ export interface components {
         };
         /** @description What a stop did. */
         StoppedReport: {
-            /** @description The axes that are stopped: all that this server controls. */
+            /** @description The axes that are stopped, as they are called in paths: all that this server controls. */
             axes: string[];
             /**
              * Format: uint64
@@ -2004,6 +2024,60 @@ export interface operations {
             };
             /** @description A drive does not answer */
             504: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    control: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description A WebSocket with the protocol `profidrive.control.1` */
+            101: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description No session */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Another origin */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description No WebSocket, or another protocol */
+            426: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many sockets */
+            429: {
                 headers: {
                     [name: string]: unknown;
                 };

@@ -1,5 +1,6 @@
 import { useEffect } from "preact/hooks";
 import { useLocation } from "preact-iso";
+import { leases } from "../store/control";
 import { server } from "../store/store";
 import { pressStop } from "./Frame";
 import { address, selectedId } from "./selected";
@@ -24,6 +25,13 @@ export function useKeys(): void {
         return;
       }
       const target = event.target;
+      // while this page has an axis the space bar is STOP, except where somebody writes
+      const writes = target instanceof HTMLElement && target.matches("input:not([type=checkbox]), textarea, select");
+      if (event.code === "Space" && leases.value.size > 0 && !writes) {
+        event.preventDefault();
+        void pressStop();
+        return;
+      }
       const typing = target instanceof HTMLElement && target.matches("input, textarea, select");
       if (typing || event.ctrlKey || event.altKey || event.metaKey || last !== "g") {
         return;
@@ -32,6 +40,7 @@ export function useKeys(): void {
       const screen = {
         n: "/network",
         o: address(id, "overview"),
+        c: address(id, "control"),
         p: address(id, "parameters"),
         f: address(id, "faults"),
         d: address(id, "compare"),

@@ -312,6 +312,7 @@ export function Compare() {
           <bdi>{sentence(failure.value)}</bdi>
         </p>
       )}
+      {compared.value === null && work.value === null && <p class="muted">{t("compare.empty")}</p>}
       {compared.value && <Differences {...compared.value} />}
       {planned && (
         <section class="review" aria-label={t("plan.title")}>

@@ -148,7 +148,6 @@ function Space({ rows }: { rows: number }) {
     <tr>
       <td
         class="space"
-        colSpan={7}
         ref={(cell) => {
           if (cell !== null) cell.style.height = `${rows * ROW}px`;
         }}
@@ -227,7 +226,7 @@ function Table({ rows }: { rows: readonly edit.Line[] }) {
           <Space rows={rows.length - last} />
           {rows.length === 0 && (
             <tr>
-              <td class="empty" colSpan={7}>
+              <td class="empty" colSpan={5}>
                 {t("parameters.nothing")}
               </td>
             </tr>
