@@ -1,7 +1,7 @@
 //! The workbench: PROFIdrive drives in the browser. A local HTTP server with its page.
 //!
-//! It composes `profidrive` and owns no protocol, no rule of the drive profile and no safety rule. This version acknowledges
-//! faults and changes parameters; it moves no axis.
+//! It composes `profidrive` and owns no protocol, no rule of the drive profile and no safety rule. It changes
+//! parameters as plans that are shown first, and moves axes as long as a page is there.
 //!
 //! ```
 //! use profidrive_workbench::{Server, Settings, Source};

@@ -340,7 +340,6 @@ impl Page {
             _ if self.shared.read_only => Some("read_only"),
             (_, Role::View) => Some("view"),
             (Source::Addresses(_), _) => Some("addresses"),
-            (Source::Interface(_), _) => Some("simulation"),
             _ => None,
         }
     }
@@ -549,7 +548,6 @@ impl Page {
                     "drives that are given by their addresses have parameters only: control needs an interface",
                 );
             }
-            Some("simulation") => return refused("this version moves virtual drives only"),
             Some(_) => return refused("this session only looks and stops"),
             None => {}
         }

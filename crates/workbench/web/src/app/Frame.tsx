@@ -155,6 +155,7 @@ function Stop({ station }: { station: Station | undefined }) {
     <>
       <p class="line why" id="stop-why">
         <bdi>{why}</bdi> <span class="small">{t("stop.safety")}</span>
+        {leases.value.size > 0 && <span class="small">{t("frame.control.keys")}</span>}
       </p>
       <button type="button" class="stop" aria-describedby="stop-why" onClick={() => void pressStop()}>
         {text}
@@ -176,52 +177,55 @@ export function Frame() {
           ? "view"
           : "write";
   return (
-    <header class="top">
-      <div class="frame">
-        <Selector />
-        {station ? <Facts station={station} /> : <p class="line muted">{t("frame.select")}</p>}
-        <p class="badges">
-          {server.value?.name && <bdi class="muted">{foreign(server.value.name)}</bdi>}
-          {simulation && <span class="badge simulation">{t("frame.simulation")}</span>}
-          <span class={`badge ${mode}`}>{t(`frame.${mode}`)}</span>
+    <>
+      <header class="top">
+        <div class="frame">
+          <Selector />
+          {station ? <Facts station={station} /> : <p class="line muted">{t("frame.select")}</p>}
+          <p class="badges">
+            {server.value?.name && <bdi class="muted">{foreign(server.value.name)}</bdi>}
+            {simulation && <span class="badge simulation">{t("frame.simulation")}</span>}
+            <span class={`badge ${mode}`}>{t(`frame.${mode}`)}</span>
+          </p>
+          <Stop station={station} />
+        </div>
+        {simulation && (
+          <p class="band simulation">
+            <span>{t("frame.simulation.band")}</span>
+          </p>
+        )}
+      </header>
+      <div class="notices">
+        <p class="band stopped" role="alert" hidden={became() === ""}>
+          {became()}
         </p>
-        <Stop station={station} />
+        {isStopped.value && (
+          <p class="band reset">
+            <bdi>{pressed()}</bdi>
+            <button type="button" disabled={refusal.value !== null} onClick={() => reset()}>
+              {t("frame.reset")}
+            </button>
+          </p>
+        )}
+        {happened.value !== null && happened.value.n !== shown.value && (
+          <p class="band happened">
+            <bdi role="status">{event(happened.value)}</bdi>
+            <button
+              type="button"
+              onClick={() => {
+                shown.value = happened.value?.n ?? -1;
+              }}
+            >
+              {t("frame.event.hide")}
+            </button>
+          </p>
+        )}
+        {silent.value !== null && (
+          <p class="band lost" role="alert">
+            {t("frame.lost", { age: age(silent.value) })}
+          </p>
+        )}
       </div>
-      {simulation && (
-        <p class="band simulation">
-          <span>{t("frame.simulation.band")}</span>
-        </p>
-      )}
-      <p class="band stopped" role="alert" hidden={became() === ""}>
-        {became()}
-      </p>
-      {leases.value.size > 0 && <p class="band keys">{t("frame.control.keys")}</p>}
-      {isStopped.value && (
-        <p class="band reset">
-          <bdi>{pressed()}</bdi>
-          <button type="button" disabled={refusal.value !== null} onClick={() => reset()}>
-            {t("frame.reset")}
-          </button>
-        </p>
-      )}
-      {happened.value !== null && happened.value.n !== shown.value && (
-        <p class="band happened">
-          <bdi role="status">{event(happened.value)}</bdi>
-          <button
-            type="button"
-            onClick={() => {
-              shown.value = happened.value?.n ?? -1;
-            }}
-          >
-            {t("frame.event.hide")}
-          </button>
-        </p>
-      )}
-      {silent.value !== null && (
-        <p class="band lost" role="alert">
-          {t("frame.lost", { age: age(silent.value) })}
-        </p>
-      )}
-    </header>
+    </>
   );
 }

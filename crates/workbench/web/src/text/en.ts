@@ -237,7 +237,6 @@ export const en = {
   "control.select": "Select a drive to take control of it.",
   "control.lost": "The connection for control is not open.",
   "control.view": "This session only looks and stops: it takes no control.",
-  "control.simulation": "This version moves virtual drives only.",
   "control.addresses": "The drives were given by their addresses: control needs a network interface (serve -i).",
   "control.taken": "Session {who} has control of this drive.",
   "control.owner": "Present controller: {name}",

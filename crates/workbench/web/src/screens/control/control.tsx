@@ -77,7 +77,6 @@ function obstacle(station: Station): string | null {
   const refusal = control.refusal.value;
   if (silent.value !== null || !control.connected.value) return t("control.lost");
   if (refusal === "view" || refusal === "read_only") return t("control.view");
-  if (refusal === "simulation") return t("control.simulation");
   if (refusal === "addresses") return t("control.addresses");
   const other = control.axes.value.find((axis) => axis.drive === station.id);
   if (other && control.own(station.id) === undefined && !control.leases.value.has(station.id)) {
@@ -363,26 +362,28 @@ function Values({ id }: { id: string }) {
   const axis = control.own(id);
   return (
     <section class="control-values" aria-label={t("overview.values")}>
-      <div class="value">
-        <dt>{t("value.speed")}</dt>
-        <dd>
-          <span class="main number">{shown(axis?.speed ?? null, 1)}</span>{" "}
-          <span class="unit">{axis?.unit ?? "rpm"}</span>
-        </dd>
-      </div>
-      <div class="value">
-        <dt>{t("value.set")}</dt>
-        <dd>
-          <span class="number big">{shown(axis?.speed_set ?? null, 1)}</span>{" "}
-          <span class="unit">{axis?.unit ?? "rpm"}</span>
-        </dd>
-      </div>
-      <div class="value">
-        <dt>{t("value.position")}</dt>
-        <dd>
-          <span class="number big">{shown(axis?.position ?? null, 3)}</span> <span class="unit">rev</span>
-        </dd>
-      </div>
+      <dl>
+        <div class="value">
+          <dt>{t("value.speed")}</dt>
+          <dd>
+            <span class="main number">{shown(axis?.speed ?? null, 1)}</span>{" "}
+            <span class="unit">{axis?.unit ?? "rpm"}</span>
+          </dd>
+        </div>
+        <div class="value">
+          <dt>{t("value.set")}</dt>
+          <dd>
+            <span class="number big">{shown(axis?.speed_set ?? null, 1)}</span>{" "}
+            <span class="unit">{axis?.unit ?? "rpm"}</span>
+          </dd>
+        </div>
+        <div class="value">
+          <dt>{t("value.position")}</dt>
+          <dd>
+            <span class="number big">{shown(axis?.position ?? null, 3)}</span> <span class="unit">rev</span>
+          </dd>
+        </div>
+      </dl>
       {server.value?.simulation && <Shaft id={id} />}
       <Plot unit={axis?.unit ?? "rpm"} />
       <p class="muted small number">
