@@ -282,6 +282,14 @@ impl Explained for ParameterError {
         }
     }
 
+    fn details(&self) -> Vec<String> {
+        match self {
+            Self::Outdated { changes, .. } => changes.clone(),
+            Self::Client(error) => Explained::details(error),
+            _ => Vec::new(),
+        }
+    }
+
     fn advice(&self) -> Advice {
         match self {
             Self::Client(error) => Explained::advice(error),

@@ -4,9 +4,11 @@ use std::future::Future;
 use std::sync::Arc;
 
 use axum::http::StatusCode;
+use profidrive::listed;
 
 use crate::access::Caller;
 use crate::audit::{AuditError, Record};
+use crate::control::Stopping;
 use crate::live::Event;
 use crate::problem::Problem;
 use crate::shared::Shared;
@@ -20,6 +22,8 @@ pub(crate) struct Intent {
     pub drive: Option<String>,
     /// With which values.
     pub value: Option<String>,
+    /// Each value that is changed, in one line.
+    pub changes: Vec<String>,
 }
 
 impl Intent {
@@ -31,6 +35,7 @@ impl Intent {
             name: drive.and_then(|id| shared.board.name(id)),
             action: self.action,
             value: self.value.clone(),
+            changes: self.changes.clone(),
             result: None,
         }
     }
@@ -46,27 +51,93 @@ pub(crate) async fn carry_out<T: Send + 'static>(
     intent: Intent,
     work: impl Future<Output = Result<T, Problem>> + Send + 'static,
 ) -> Result<T, Problem> {
+    let work = async move { work.await.map(|done| (done, Outcome::default())) };
+    carry_out_noted(shared, caller, intent, work).await
+}
+
+/// What became of something, for the log.
+#[derive(Debug, Default)]
+pub(crate) struct Outcome {
+    /// In one sentence; nothing where it was done as wanted.
+    pub text: Option<String>,
+    /// Each value that was changed, and what became of it.
+    pub changes: Vec<String>,
+}
+
+/// The same with words for what became of it.
+///
+/// # Errors
+/// As [`carry_out`].
+pub(crate) async fn carry_out_noted<T: Send + 'static>(
+    shared: Arc<Shared>,
+    caller: &Caller,
+    intent: Intent,
+    work: impl Future<Output = Result<(T, Outcome), Problem>> + Send + 'static,
+) -> Result<T, Problem> {
     let record = intent.record(&shared, caller);
     let done = tokio::spawn(async move {
         write(&shared, record.clone())
             .await
             .map_err(|error| unlogged(&error))?;
         let result = work.await;
-        let text = match &result {
-            Ok(_) => "done".to_owned(),
-            Err(problem) => problem.message().to_owned(),
+        let (result, outcome) = match result {
+            Ok((done, outcome)) => (Ok(done), outcome),
+            Err(problem) => {
+                let text = Some(problem.message().to_owned());
+                let changes = Vec::new();
+                (Err(problem), Outcome { text, changes })
+            }
         };
-        noted(&shared, record, text).await;
+        let text = outcome.text.unwrap_or_else(|| "done".to_owned());
+        let changes = outcome.changes;
+        noted(&shared, Record { changes, ..record }, text).await;
         result
     });
-    done.await.unwrap_or_else(|_| {
-        let detail = "the work ended by a defect of the server";
-        Err(Problem::new(
-            StatusCode::INTERNAL_SERVER_ERROR,
-            "internal",
-            detail,
-        ))
-    })
+    done.await.unwrap_or_else(|_| Err(Problem::defect()))
+}
+
+/// Writes the intent of something that is carried out next.
+///
+/// # Errors
+/// When it cannot be written: then nothing may be done.
+pub(crate) async fn begin(shared: &Shared, caller: &Caller, intent: &Intent) -> Result<(), Problem> {
+    let written = write(shared, intent.record(shared, caller)).await;
+    written.map_err(|error| unlogged(&error))
+}
+
+/// Writes what became of something that is no news for other pages: what moves an axis is shown by its values.
+pub(crate) async fn noted_quietly(shared: &Shared, caller: &Caller, intent: &Intent, result: String) {
+    let record = Record {
+        result: Some(result),
+        ..intent.record(shared, caller)
+    };
+    written(shared, record).await;
+}
+
+/// Writes a STOP, and reports it to all pages, after it was carried out.
+pub(crate) async fn note_stop(shared: &Shared, caller: &Caller, stopping: &Stopping) {
+    let intent = Intent {
+        action: "stop",
+        drive: None,
+        value: None,
+        changes: Vec::new(),
+    };
+    let names: Vec<String> = stopping
+        .drives
+        .iter()
+        .map(|id| shared.board.name(id).unwrap_or_else(|| id.clone()))
+        .collect();
+    let axes = match names.as_slice() {
+        [] => "no axis is under control".to_owned(),
+        names => listed(names),
+    };
+    note(
+        shared,
+        caller,
+        &intent,
+        format!("STOP {}: {axes}", stopping.epoch),
+    )
+    .await;
 }
 
 /// Writes what was done without an intent, and reports it to all pages.
@@ -88,6 +159,10 @@ async fn noted(shared: &Shared, record: Record, result: String) {
         result: Some(result),
         ..record
     };
+    written(shared, record).await;
+}
+
+async fn written(shared: &Shared, record: Record) {
     // it was done: that it is not in the log is to be seen
     if let Err(error) = write(shared, record).await {
         shared.hub.report(&Event {

@@ -29,10 +29,13 @@ pub(crate) struct Record {
     pub drive: Option<String>,
     /// What the drive is called.
     pub name: Option<String>,
-    /// What is done: `acknowledge`, `inject`, `stop`.
+    /// What is done: `acknowledge`, `inject`, `write`, `restore`, `undo`, `stop`.
     pub action: &'static str,
     /// With which values.
     pub value: Option<String>,
+    /// Each value that is or was changed, in one line: before, after, and in a result how far it came.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub changes: Vec<String>,
     /// What became of it; null for an intent.
     pub result: Option<String>,
 }
@@ -89,6 +92,7 @@ impl Audit {
         let record = Record {
             value: record.value.as_deref().map(cut),
             result: record.result.as_deref().map(cut),
+            changes: record.changes.iter().map(|change| cut(change)).collect(),
             ..record.clone()
         };
         let time = DateTime::<Utc>::from(now);

@@ -1,7 +1,7 @@
 //! The workbench: PROFIdrive drives in the browser. A local HTTP server with its page.
 //!
-//! It composes `profidrive` and owns no protocol, no rule of the drive profile and no safety rule. This version acknowledges
-//! faults, writes no parameter and moves no axis.
+//! It composes `profidrive` and owns no protocol, no rule of the drive profile and no safety rule. It changes
+//! parameters as plans that are shown first, and moves axes as long as a page is there.
 //!
 //! ```
 //! use profidrive_workbench::{Server, Settings, Source};
@@ -21,8 +21,12 @@ mod act;
 mod api;
 mod assets;
 mod audit;
+mod backups;
 mod board;
+mod control;
+mod jobs;
 mod live;
+mod plan;
 mod problem;
 mod serve;
 mod settings;

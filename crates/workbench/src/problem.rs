@@ -59,6 +59,17 @@ impl Problem {
         Self::new(error.status(), "body", &error.body_text())
     }
 
+    /// Returns the problem of a panic, which was printed.
+    pub fn defect() -> Self {
+        let detail = "the work ended by a defect of the server";
+        Self::new(StatusCode::INTERNAL_SERVER_ERROR, "internal", detail)
+    }
+
+    /// Returns what it is without its status.
+    pub const fn error(&self) -> &Error {
+        &self.error
+    }
+
     /// Returns what was tried and what came back.
     pub fn message(&self) -> &str {
         &self.error.message

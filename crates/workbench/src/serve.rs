@@ -2,7 +2,6 @@
 
 use std::io;
 use std::net::{SocketAddr, TcpListener as Listener};
-use std::sync::atomic::AtomicU64;
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
@@ -27,6 +26,8 @@ use crate::api::{nothing, router};
 use crate::assets;
 use crate::audit::Audit;
 use crate::board::Board;
+use crate::control::Control;
+use crate::jobs::Jobs;
 use crate::live::{Hub, produce};
 use crate::settings::{Settings, Source};
 use crate::shared::Shared;
@@ -144,13 +145,16 @@ impl Server {
             cookie: format!("profidrive_{}", address.port()),
             source,
             name,
+            backups: log.as_ref().map(|log| log.join("backups")),
+            jobs: Jobs::default(),
             audit: Arc::new(Audit::new(log, boot.clone())),
             boot,
-            stops: AtomicU64::new(0),
+            control: Control::new(),
             network: network.clone(),
             board: Arc::new(Board::new(opening, addresses, now)),
             hub: Hub::new(now),
             sockets: Arc::new(Semaphore::new(SOCKETS)),
+            control_sockets: Arc::new(Semaphore::new(SOCKETS)),
             sessions: Mutex::new(Sessions::default()),
             attempts: Mutex::new(Attempts::new(now)),
         };

@@ -1,6 +1,6 @@
 //! What the requests of a server share.
 
-use std::sync::atomic::AtomicU64;
+use std::path::PathBuf;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
@@ -11,6 +11,8 @@ use tokio::sync::Semaphore;
 use crate::access::{Attempts, Once, Places, Role, Sessions, Tokens};
 use crate::audit::Audit;
 use crate::board::Board;
+use crate::control::Control;
+use crate::jobs::Jobs;
 use crate::live::Hub;
 use crate::problem::Problem;
 use crate::settings::Source;
@@ -30,14 +32,19 @@ pub(crate) struct Shared {
     pub name: Option<String>,
     /// Distinguishes this start from others.
     pub boot: String,
-    /// Counts the stops that were requested.
-    pub stops: AtomicU64,
+    /// What this server controls.
+    pub control: Control,
     pub network: Network,
     pub board: Arc<Board>,
     pub hub: Hub,
     pub audit: Arc<Audit>,
+    /// The folder with the settings of drives; `None` where there is none.
+    pub backups: Option<PathBuf>,
+    pub jobs: Jobs,
     /// Room for sockets.
     pub sockets: Arc<Semaphore>,
+    /// Room for sockets that control: no socket that only shows takes the place of one that stops.
+    pub control_sockets: Arc<Semaphore>,
     pub sessions: Mutex<Sessions>,
     pub attempts: Mutex<Attempts>,
 }

@@ -1,12 +1,14 @@
 import { defineConfig } from "@playwright/test";
 
 export default defineConfig({
-  testDir: "tests",
+  testDir: process.env.BENCH ? "tests/bench" : "tests",
+  // measurements are no tests: tools/web-bench
+  testIgnore: process.env.BENCH ? [] : "**/bench/**",
   outputDir: "../../../target/workbench/results",
   // one browser at a time, and a whole run in bounded time
   workers: 1,
   timeout: 60_000,
-  globalTimeout: 300_000,
+  globalTimeout: process.env.BENCH ? 1_500_000 : 360_000,
   expect: { timeout: 10_000 },
   reporter: [["list"]],
   use: {

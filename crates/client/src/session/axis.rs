@@ -25,7 +25,7 @@ use crate::{Connection, Drive, Error, Link, LossReaction};
 use profile::value::{Beyond, is_other_value, is_rounding};
 use rest::Ending;
 
-pub use beside::{Samples, StopHandle};
+pub use beside::{BeatHandle, Samples, StopHandle};
 pub(super) use rest::Place;
 
 /// How to run an axis.

@@ -55,7 +55,8 @@ pub(crate) use access::Records;
 
 pub(crate) use authority::power_is_on;
 pub use axis::{
-    Axis, AxisPlan, AxisSettings, AxisStatus, Released, Rest, Samples, StopHandle, WarningWatcher, Watcher,
+    Axis, AxisPlan, AxisSettings, AxisStatus, BeatHandle, Released, Rest, Samples, StopHandle,
+    WarningWatcher, Watcher,
 };
 pub use change::{Keep, WriteMode};
 pub use describe::{Described, ReportedLimits};

@@ -3,7 +3,9 @@
 use std::time::Duration;
 
 use client::axis::{Jog as Setpoint, Move as Order, MovePlan, Purpose, SpeedUnit};
-use client::{AxisSettings, AxisStatus, Drive, Enabled, Error, ModeChange, Samples, Session, StopHandle};
+use client::{
+    AxisSettings, AxisStatus, BeatHandle, Drive, Enabled, Error, ModeChange, Samples, Session, StopHandle,
+};
 use profile::state::Mode;
 use profinet::cyclic::CyclicStatistics;
 
@@ -620,6 +622,12 @@ impl HeldAxis {
     #[must_use]
     pub fn statistics(&self) -> Option<CyclicStatistics> {
         self.taken.axis.statistics()
+    }
+
+    /// Returns what keeps a motion going, and renews the lease, from any thread: also while a call for the axis waits.
+    #[must_use]
+    pub fn beat_handle(&self) -> BeatHandle {
+        self.taken.axis.beat_handle()
     }
 
     /// Returns the axis as its last inputs show it; `None` once the connection is closed.

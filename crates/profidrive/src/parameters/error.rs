@@ -38,6 +38,14 @@ pub enum ParameterError {
         /// The parameter.
         parameter: String,
     },
+    /// The drive has other values than when the changes were planned. Nothing was written.
+    #[error("nothing was written to {drive}: values have changed since this was planned")]
+    Outdated {
+        /// The drive.
+        drive: String,
+        /// Each parameter with the value of then and of now.
+        changes: Vec<String>,
+    },
     /// The drive cannot be reached, or refuses.
     #[error(transparent)]
     Client(#[from] Error),
@@ -50,6 +58,7 @@ impl ParameterError {
         match self {
             Self::NoMatch { .. } | Self::HighHalf { .. } | Self::Undescribed { .. } => ErrorKind::Unsupported,
             Self::Differs { .. } => ErrorKind::Difference,
+            Self::Outdated { .. } => ErrorKind::Refused,
             Self::Client(error) => error.kind(),
         }
     }
@@ -68,6 +77,7 @@ impl ParameterError {
             Self::Differs { .. } => {
                 Advice::from("the drive may round, limit or change it by itself; read it again")
             }
+            Self::Outdated { .. } => Advice::from("plan the changes again, with the values of now"),
             Self::Client(error) => error.advice().unwrap_or_default(),
         }
     }

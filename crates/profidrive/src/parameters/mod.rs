@@ -38,7 +38,7 @@ pub use describe::{Description, describe};
 pub use error::ParameterError;
 pub use limits::Limits;
 pub use list::{List, list, matching};
-pub use write::{Write, Written, carry_out, plan, write};
+pub use write::{Write, Written, carry_out, carry_out_agreed, objections, plan, undo, write};
 
 /// Values that were read, in the order of the request.
 #[derive(Debug, Clone, PartialEq)]

@@ -2,7 +2,8 @@
 
 use client::change::{Change, ChangeSet, Step};
 use client::{AtWork, Drive, Error, Session};
-use profile::value::Assignment;
+use dissect::value;
+use profile::value::{Assignment, Reading};
 
 use super::{ParameterError, remark};
 use crate::report::{Controller, Wording, WriteReport};
@@ -154,11 +155,7 @@ pub async fn plan(
     assignments: &[Assignment],
     wanted: Write,
 ) -> Result<Written, Error> {
-    let controller = session.owner(drive).await?;
-    let alone = match controller {
-        Some(None) => session.motion(drive).await?,
-        _ => None,
-    };
+    let (controller, alone) = commanded(session, drive).await?;
     Ok(Written {
         controller,
         alone,
@@ -166,6 +163,19 @@ pub async fn plan(
         wanted,
         assignments: assignments.to_vec(),
     })
+}
+
+/// Reads who commands a drive, and what its axis does where nobody does.
+async fn commanded(
+    session: &mut Session,
+    drive: &mut Drive,
+) -> Result<(Option<Option<String>>, Option<AtWork>), Error> {
+    let controller = session.owner(drive).await?;
+    let alone = match controller {
+        Some(None) => session.motion(drive).await?,
+        _ => None,
+    };
+    Ok((controller, alone))
 }
 
 /// Writes what was planned, and reads it back: see [`write()`].
@@ -179,4 +189,80 @@ pub async fn carry_out(
 ) -> Result<Written, Error> {
     session.apply(drive, &mut planned.set).await?;
     Ok(planned)
+}
+
+/// Checks each assignment by itself, where [`plan()`] has refused all of them together. Returns the place and the reason of each
+/// that is wrong, in their order. Nothing is written.
+///
+/// # Errors
+/// When the drive cannot be reached.
+pub async fn objections(
+    session: &mut Session,
+    drive: &mut Drive,
+    assignments: &[Assignment],
+) -> Result<Vec<(usize, Error)>, Error> {
+    let mut wrong = Vec::new();
+    for (place, assignment) in assignments.iter().enumerate() {
+        match session
+            .plan_write(drive, std::slice::from_ref(assignment), false)
+            .await
+        {
+            Ok(_) => {}
+            Err(error @ Error::Parameter(_)) => wrong.push((place, error)),
+            Err(error) => return Err(error),
+        }
+    }
+    Ok(wrong)
+}
+
+/// As [`carry_out`], where a person has agreed to a plan: nothing is written when the drive has other values now than the plan
+/// has as the old ones.
+///
+/// # Errors
+/// [`ParameterError::Outdated`] with the values of then and of now, else as [`carry_out`].
+pub async fn carry_out_agreed(
+    session: &mut Session,
+    drive: &mut Drive,
+    planned: Written,
+) -> Result<Written, ParameterError> {
+    let now = plan(session, drive, &planned.assignments, planned.wanted).await?;
+    let pairs = planned.set.changes().iter().zip(now.set.changes());
+    let changes: Vec<String> = pairs.filter_map(|(then, now)| outdated(then, now)).collect();
+    if !changes.is_empty() {
+        let drive = drive.label();
+        return Err(ParameterError::Outdated { drive, changes });
+    }
+    Ok(carry_out(session, drive, now).await?)
+}
+
+/// Returns how the old value of a change is another one now.
+fn outdated(then: &Change, now: &Change) -> Option<String> {
+    let old = |change: &Change| change.old.clone().and_then(Result::ok);
+    let (before, present) = (old(then), old(now));
+    let octets = |reading: &Option<Reading>| reading.as_ref().map(|reading| reading.octets.clone());
+    (octets(&before) != octets(&present)).then(|| {
+        let text = |reading: Option<Reading>| {
+            reading
+                .as_ref()
+                .map_or_else(|| "not readable".to_owned(), value::full)
+        };
+        format!("{} was {}, is {}", then.label(), text(before), text(present))
+    })
+}
+
+/// Writes the values before, as far as they are known, and reads them back. A wish to stop does not interrupt it.
+///
+/// # Errors
+/// When the drive cannot be reached. What it refuses is in [`Written::problems`].
+pub async fn undo(session: &mut Session, drive: &mut Drive, written: &Written) -> Result<Written, Error> {
+    let set = session.undo(drive, &written.set).await?;
+    let (controller, alone) = commanded(session, drive).await?;
+    Ok(Written {
+        set,
+        controller,
+        alone,
+        wanted: written.wanted,
+        // values of the drive itself: nobody wrote them as text
+        assignments: Vec::new(),
+    })
 }

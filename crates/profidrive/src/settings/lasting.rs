@@ -1,7 +1,8 @@
 //! Which new values outlive the power of the drive.
 
-use client::change::{Change, ChangeSet, Kept, Persistence};
+use client::change::{Change, ChangeSet, Kept, Persistence, Step};
 use client::{Action, Choice};
+use dissect::value;
 
 use crate::{Remark, listed};
 
@@ -47,6 +48,29 @@ pub fn lasting(set: &ChangeSet) -> Vec<Remark> {
         });
     }
     remarks
+}
+
+/// Returns each change in one line, as for a log: `DRV.ACC (p2108): 3000 rpm/s -> 8000 rpm/s`, behind it how far it is where that is
+/// more than planned.
+#[must_use]
+pub fn in_lines(set: &ChangeSet) -> Vec<String> {
+    let reached = |step: &Step| match step {
+        Step::NotWritten => String::new(),
+        other => format!(", {other}"),
+    };
+    let line = |change: &Change| {
+        let (new, reached) = (value::full(&change.new), reached(&change.step));
+        match &change.old {
+            Some(Ok(old)) => format!("{}: {} -> {new}{reached}", change.label(), value::full(old)),
+            _ => format!("{}: {new}{reached}", change.label()),
+        }
+    };
+    let changes = set.changes().iter().chain(set.save_command()).map(line);
+    let tasks = set
+        .tasks()
+        .iter()
+        .map(|task| format!("MT[{}]: another task{}", task.number, reached(&task.step)));
+    changes.chain(tasks).collect()
 }
 
 /// What becomes of the values that the drive can save; `only`: there are no others.

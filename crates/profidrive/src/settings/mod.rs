@@ -40,7 +40,7 @@ use network::files::StateFile;
 pub use backup::{Missing, MissingSettings, backup, missing, outcome};
 pub use comparison::{CompareError, Comparison, as_in};
 pub use file::{BackupFile, FileError, file_in, make_folder, read, without_drive};
-pub use lasting::lasting;
+pub use lasting::{in_lines, lasting};
 pub use shortfall::{Shortfall, shortfall};
 
 /// Most ways back beside one file.

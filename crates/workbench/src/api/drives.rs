@@ -14,7 +14,7 @@ use crate::shared::Shared;
 use crate::words::PageWords;
 
 /// Finds a drive for a call of its own.
-pub(super) async fn find(shared: &Shared, id: &str) -> Result<(profidrive::Caller, Drive), Problem> {
+pub(crate) async fn find(shared: &Shared, id: &str) -> Result<(profidrive::Caller, Drive), Problem> {
     let id = id.to_lowercase();
     if !shared.board.look(|stations| stations.known.contains_key(&id)) {
         let detail = "no such drive has answered; /api/v1/stations lists those that did";

@@ -158,6 +158,7 @@ pub(super) async fn inject(
             Some(seconds) => format!("{event} for {seconds} s"),
             None => event.to_string(),
         }),
+        changes: Vec::new(),
     };
     let work = async move {
         let happened = plant.with_world(|world| {

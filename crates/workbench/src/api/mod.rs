@@ -1,13 +1,17 @@
 //! The interface for the page and for programs: `/api/v1`, described by `openapi.json`.
 
 mod acknowledge;
+mod backups;
 mod drives;
 mod inject;
+mod parameters;
+mod plans;
 mod server;
 mod session;
 mod stations;
 mod virtual_drives;
 
+pub(crate) use drives::find;
 pub(crate) use stations::StationsReport;
 pub(crate) use virtual_drives::VirtualDrives;
 
@@ -15,13 +19,17 @@ use std::sync::Arc;
 
 use axum::Router;
 use axum::http::StatusCode;
-use profidrive::report::{FaultsReport, InfoReport, StatusReport};
+use profidrive::report::{
+    DescribeReport, FaultsReport, InfoReport, ListReport, ParametersReport, StatusReport,
+};
 use schemars::generate::SchemaSettings;
 use serde_json::Value;
 use utoipa::OpenApi;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
+use crate::control;
+use crate::jobs::JobReport;
 use crate::live;
 use crate::problem::{self, Problem};
 use crate::shared::Shared;
@@ -45,11 +53,23 @@ fn routes() -> OpenApiRouter<Arc<Shared>> {
         .routes(routes!(drives::status))
         .routes(routes!(drives::info))
         .routes(routes!(drives::faults))
+        .routes(routes!(parameters::parameters))
+        .routes(routes!(parameters::describe))
+        .routes(routes!(parameters::values))
+        .routes(routes!(plans::plan))
+        .routes(routes!(plans::apply))
+        .routes(routes!(plans::undo))
+        .routes(routes!(backups::kept, backups::upload))
+        .routes(routes!(backups::backup))
+        .routes(routes!(backups::back_up))
+        .routes(routes!(backups::compare))
+        .routes(routes!(backups::job))
         .routes(routes!(acknowledge::acknowledge))
         .routes(routes!(inject::events))
         .routes(routes!(inject::inject))
         .routes(routes!(virtual_drives::drives))
         .routes(routes!(live::live))
+        .routes(routes!(control::control))
 }
 
 /// Returns the routes of the interface.
@@ -73,6 +93,15 @@ pub fn openapi() -> String {
     generator.subschema_for::<StatusReport>();
     generator.subschema_for::<InfoReport>();
     generator.subschema_for::<FaultsReport>();
+    generator.subschema_for::<ListReport>();
+    generator.subschema_for::<DescribeReport>();
+    generator.subschema_for::<ParametersReport>();
+    generator.subschema_for::<plans::NewPlan>();
+    generator.subschema_for::<JobReport>();
+    generator.subschema_for::<backups::BackupsReport>();
+    generator.subschema_for::<backups::NewBackup>();
+    generator.subschema_for::<backups::BackupName>();
+    generator.subschema_for::<backups::Compare>();
     generator.subschema_for::<acknowledge::Acknowledge>();
     generator.subschema_for::<profidrive::motion::Report>();
     generator.subschema_for::<VirtualDrives>();

@@ -1,7 +1,6 @@
 //! What this server is, and STOP.
 
 use std::sync::Arc;
-use std::sync::atomic::Ordering;
 
 use axum::extract::State;
 use axum::{Extension, Json};
@@ -9,7 +8,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::access::{Caller, Role};
-use crate::act::{Intent, note};
+use crate::act::note_stop;
 use crate::settings::Source;
 use crate::shared::Shared;
 
@@ -34,7 +33,7 @@ pub(super) struct ServerReport {
     role: Role,
     /// Whether nobody may do more than look and stop.
     read_only: bool,
-    /// The axes that this server controls.
+    /// The axes that this server controls, as they are called in paths.
     controlled: Vec<String>,
     /// How often a stop was requested.
     stops: u64,
@@ -63,8 +62,8 @@ pub(super) async fn server(
         searches: shared.board.searches(),
         role: caller.role,
         read_only: shared.read_only,
-        controlled: Vec::new(),
-        stops: shared.stops.load(Ordering::SeqCst),
+        controlled: shared.control.drives(),
+        stops: shared.control.stops(),
     })
 }
 
@@ -73,12 +72,12 @@ pub(super) async fn server(
 pub(super) struct StoppedReport {
     /// How often a stop was requested.
     stops: u64,
-    /// The axes that are stopped: all that this server controls.
+    /// The axes that are stopped, as they are called in paths: all that this server controls.
     axes: Vec<String>,
 }
 
-/// Stops every axis that this server controls. This version controls none, so none is stopped: drives under a controller or
-/// without one are not touched.
+/// Stops every axis that this server controls by its quick stop (OFF3). Nothing is enabled or moved afterwards before the STOP is reset
+/// by a page with control. Drives under another controller or without one are not touched.
 #[utoipa::path(post, path = "/api/v1/stop", responses(
     (status = 200, description = "The axes that are stopped", body = ref("#/components/schemas/StoppedReport")),
     (status = 401, description = "No session", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
@@ -88,22 +87,11 @@ pub(super) async fn stop(
     State(shared): State<Arc<Shared>>,
     Extension(caller): Extension<Caller>,
 ) -> Json<StoppedReport> {
-    let stops = shared.stops.fetch_add(1, Ordering::SeqCst) + 1;
-    let intent = Intent {
-        action: "stop",
-        drive: None,
-        value: None,
-    };
+    let stopping = shared.control.stop(&caller.who);
     // a stop is logged after it was done, whether that succeeds or not
-    note(
-        &shared,
-        &caller,
-        &intent,
-        format!("STOP {stops}: no axis is under control"),
-    )
-    .await;
+    note_stop(&shared, &caller, &stopping).await;
     Json(StoppedReport {
-        stops,
-        axes: Vec::new(),
+        stops: stopping.epoch,
+        axes: stopping.drives,
     })
 }

@@ -13,7 +13,16 @@ fn routes() -> Vec<(String, String)> {
     let description: Value = serde_json::from_str(&openapi()).unwrap();
     let paths = description["paths"].as_object().unwrap();
     let routes = paths.iter().flat_map(|(path, methods)| {
-        let path = path.replace("{id}", "02:00:00:00:00:01");
+        // of a drive, and the number of a plan or a job
+        let id = match path.contains("/plans/{id}") || path.contains("/jobs/") {
+            true => "1",
+            false => "02:00:00:00:00:01",
+        };
+        let path = path
+            .replace("{id}", id)
+            .replace("{reference}", "922")
+            .replace("{references}", "922");
+        let path = path.replace("{file}", "a.backup");
         let methods = methods.as_object().unwrap().keys();
         methods.map(move |method| (method.to_uppercase(), path.clone()))
     });

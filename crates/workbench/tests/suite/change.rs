@@ -16,7 +16,7 @@ fn present(server: &Running, id: &str) -> Vec<u64> {
 }
 
 /// Waits until the drive of this name was read.
-fn known(server: &Running, name: &str) -> String {
+pub fn known(server: &Running, name: &str) -> String {
     let id = server.id(name);
     eventually(server, "/api/v1/stations", |all| {
         let mut stations = all["stations"].as_array().unwrap().iter();

@@ -15,11 +15,16 @@ use crate::server::Running;
 const PROTOCOL: &str = "profidrive.live.1";
 
 /// The socket of one page.
-struct Page(WebSocket<TcpStream>);
+pub struct Page(WebSocket<TcpStream>);
 
 /// Opens a socket with these headers, each as `Name: value`; returns the status of the answer where there is none.
 fn open(server: &Running, headers: &str, protocol: Option<&str>) -> Result<Page, u16> {
-    let url = format!("ws://{}/api/v1/live", server.address);
+    open_at(server, "/api/v1/live", headers, protocol)
+}
+
+/// The same for another socket.
+pub fn open_at(server: &Running, path: &str, headers: &str, protocol: Option<&str>) -> Result<Page, u16> {
+    let url = format!("ws://{}{path}", server.address);
     let mut request = url.into_client_request().unwrap();
     let headers = headers.replace("{address}", &server.address.to_string());
     for line in headers.lines() {
@@ -56,16 +61,38 @@ impl Page {
         open(server, &session, Some(PROTOCOL)).unwrap_or_else(|status| panic!("{status}"))
     }
 
-    fn send(&mut self, message: &Value) {
-        self.0.send(Message::text(message.to_string())).unwrap();
+    pub fn send(&mut self, message: &Value) {
+        self.text(&message.to_string());
+    }
+
+    pub fn text(&mut self, text: &str) {
+        // a socket that was closed by the other side is seen by whoever reads
+        let _ = self.0.send(Message::text(text));
+    }
+
+    /// Sets how long a read waits.
+    pub fn patience(&mut self, time: Duration) {
+        self.0.get_ref().set_read_timeout(Some(time)).unwrap();
+    }
+
+    /// Returns the next message, if one comes soon.
+    pub fn poll(&mut self) -> Option<Value> {
+        match self.0.read() {
+            Ok(Message::Text(text)) => Some(serde_json::from_str(&text).unwrap()),
+            _ => None,
+        }
     }
 
     /// Returns the next message of this type.
-    fn next(&mut self, kind: &str) -> Value {
+    pub fn next(&mut self, kind: &str) -> Value {
         let begin = Instant::now();
         loop {
             assert!(begin.elapsed() < Duration::from_secs(60), "no {kind}");
-            if let Message::Text(text) = self.0.read().unwrap() {
+            let message = match self.0.read() {
+                Err(Error::Io(error)) if error.kind() == ErrorKind::WouldBlock => continue,
+                message => message.unwrap(),
+            };
+            if let Message::Text(text) = message {
                 let message: Value = serde_json::from_str(&text).unwrap();
                 if message["type"] == kind {
                     return message;
@@ -76,11 +103,12 @@ impl Page {
 
     /// Waits until the server closes the socket, and returns the code of its reason; `None` where the connection was cut, as
     /// by octets that the server does not read.
-    fn closed(&mut self) -> Option<u16> {
+    pub fn closed(&mut self) -> Option<u16> {
         loop {
             match self.0.read() {
                 Ok(Message::Close(Some(frame))) => return Some(frame.code.into()),
                 Ok(_) => {}
+                Err(Error::Io(error)) if error.kind() == ErrorKind::WouldBlock => {}
                 Err(Error::Io(error)) if CUT.contains(&error.kind()) => return None,
                 Err(error) => panic!("{error}"),
             }

@@ -3,5 +3,7 @@
 
 mod access;
 mod change;
+mod control;
 mod live;
 mod server;
+mod settings;

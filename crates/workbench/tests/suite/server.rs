@@ -105,7 +105,11 @@ impl Running {
     pub fn log(&self) -> Vec<Value> {
         let mut records = Vec::new();
         for file in self.folder.read_dir().into_iter().flatten() {
-            let text = std::fs::read_to_string(file.unwrap().path()).unwrap();
+            let path = file.unwrap().path();
+            if path.is_dir() {
+                continue;
+            }
+            let text = std::fs::read_to_string(path).unwrap();
             records.extend(
                 text.lines()
                     .map(|line| serde_json::from_str::<Value>(line).unwrap()),

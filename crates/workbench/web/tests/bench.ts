@@ -99,3 +99,10 @@ export async function idOf(page: Page, name: string): Promise<string> {
   const { drives } = (await answer.json()) as { drives: { id: string; name: string }[] };
   return drives.find((drive) => drive.name === name)?.id ?? "";
 }
+
+/** Returns what the station of this name is called in paths, on any server. */
+export async function idOfStation(page: Page, name: string): Promise<string> {
+  const answer = await page.request.get(new URL("/api/v1/stations", page.url()).href);
+  const { stations } = (await answer.json()) as { stations: { id: string; name: string | null }[] };
+  return stations.find((station) => station.name === name)?.id ?? "";
+}

@@ -1,6 +1,7 @@
 //! Operations on an axis that another handle moves: stop it, record it.
 
 use std::sync::Arc;
+use std::time::Duration;
 
 use profile::telegram::{Field, signal};
 
@@ -40,6 +41,34 @@ impl StopHandle {
             client.allow_stop(self.link, limit);
             client.stop_now(now, Some(self.link), quick);
         }
+        self.engine.stir();
+    }
+}
+
+/// Keeps the motion of an axis going from any thread, whatever its owner waits for: see [`Axis::beat`].
+///
+/// Clones are of the same axis. Nothing happens once it was given back.
+#[derive(Debug, Clone)]
+pub struct BeatHandle {
+    engine: Engine,
+    link: Link,
+    lease: Duration,
+}
+
+impl BeatHandle {
+    /// Keeps a motion going for this time from now on, as [`Axis::beat`] does, and renews the lease of the axis.
+    pub fn beat(&self, time: Duration) {
+        let now = self.engine.now();
+        let mut client = self.engine.quietly();
+        client.set_beat(self.link, Some(now + time));
+        client.set_deadline(self.link, Some(now + self.lease));
+    }
+
+    /// Ends the motion that the beats keep going: it is halted along its ramp, and the axis stays in operation. The lease goes on
+    /// as it was.
+    pub fn end(&self) {
+        let now = self.engine.now();
+        self.engine.client().set_beat(self.link, Some(now));
         self.engine.stir();
     }
 }
@@ -111,6 +140,16 @@ impl Axis {
             link: self.link,
             ending: Arc::clone(&self.ending),
             deceleration: self.deceleration,
+        }
+    }
+
+    /// Returns a handle that keeps a motion of this axis going from any thread.
+    #[must_use]
+    pub fn beat_handle(&self) -> BeatHandle {
+        BeatHandle {
+            engine: self.session.engine().clone(),
+            link: self.link,
+            lease: self.settings.lease,
         }
     }
 

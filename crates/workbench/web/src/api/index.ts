@@ -11,6 +11,14 @@ export type Quantity = Schemas["Quantity"];
 export type Fault = Schemas["Fault"];
 export type FaultsTopic = Schemas["FaultsTopic"];
 export type Possible = Schemas["Possible"];
+export type List = Schemas["ListReport"];
+export type Description = Schemas["ParameterDescription"];
+export type Value = Schemas["Parameter"];
+export type Values = Schemas["ParametersReport"];
+export type Job = Schemas["JobReport"];
+export type SettingChange = Schemas["SettingChange"];
+export type Backups = Schemas["BackupsReport"];
+export type Difference = Schemas["Difference"];
 type Problem = Schemas["Problem"];
 
 /** Time for an answer, in ms. */
@@ -31,7 +39,11 @@ export async function request<T>(path: string, options: RequestInit = {}): Promi
   const answer = await fetch(`/api/v1/${path}`, { signal: AbortSignal.timeout(LIMIT), ...options });
   if (!answer.ok) {
     const problem = (await answer.json().catch(() => null)) as Problem | null;
-    throw new Refused(answer.status, problem?.detail ?? answer.statusText);
+    const details = problem?.details ?? [];
+    throw new Refused(
+      answer.status,
+      [problem?.detail ?? answer.statusText, details.join("; ")].filter(Boolean).join(": "),
+    );
   }
   return (await answer.json()) as T;
 }

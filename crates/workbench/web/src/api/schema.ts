@@ -4,6 +4,78 @@
  */
 
 export interface paths {
+    "/api/v1/backups": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** Lists the files with settings that this server keeps. */
+        get: operations["kept"];
+        put?: never;
+        /** Keeps a file that somebody has, under a name that this server makes. */
+        post: operations["upload"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/backups/{file}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** Returns a file as it is. */
+        get: operations["backup"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/compare": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /** Compares the settings of drives and files. */
+        post: operations["compare"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/control": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Opens the control socket: a page takes an axis by it, keeps a motion going by beats, and stops. Each session may open it, and only
+         *     STOP is for all of them.
+         */
+        get: operations["control"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/drives/{id}/acknowledge": {
         parameters: {
             query?: never;
@@ -15,6 +87,23 @@ export interface paths {
         put?: never;
         /** Acknowledges the faults of a drive. It is not enabled, and nothing moves. */
         post: operations["acknowledge"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/drives/{id}/backups": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /** Saves all settings of a drive in a file. */
+        post: operations["back_up"];
         delete?: never;
         options?: never;
         head?: never;
@@ -55,6 +144,57 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/drives/{id}/parameters": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** Lists the parameters of a drive as the tables of its model have them. A drive without tables lists its numbers. */
+        get: operations["parameters"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/drives/{id}/parameters/{reference}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** Reads everything that is known of one parameter, and its values. */
+        get: operations["describe"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/drives/{id}/plans": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /** Plans changes. Nothing is written before the plan is applied. */
+        post: operations["plan"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/drives/{id}/status": {
         parameters: {
             query?: never;
@@ -64,6 +204,40 @@ export interface paths {
         };
         /** Reads how a drive is, and in one sentence why it does not run. */
         get: operations["status"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/drives/{id}/values/{references}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** Reads values. What the drive refuses has its reason in its place. */
+        get: operations["values"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/jobs/{id}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** Returns how far a job is. */
+        get: operations["job"];
         put?: never;
         post?: never;
         delete?: never;
@@ -83,6 +257,43 @@ export interface paths {
         get: operations["live"];
         put?: never;
         post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/plans/{id}/apply": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Carries a plan out: writes its values, reads them back, and where that was planned lets the drive save them. Nothing is
+         *     written where the drive has other values now than the plan has as the old ones.
+         */
+        post: operations["apply"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/plans/{id}/undo": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /** Writes the values before again, as far as they are known, and reads them back. */
+        post: operations["undo"];
         delete?: never;
         options?: never;
         head?: never;
@@ -223,8 +434,8 @@ export interface paths {
         get?: never;
         put?: never;
         /**
-         * Stops every axis that this server controls. This version controls none, so none is stopped: drives under a controller or
-         *     without one are not touched.
+         * Stops every axis that this server controls by its quick stop (OFF3). Nothing is enabled or moved afterwards before the STOP is reset
+         *     by a page with control. Drives under another controller or without one are not touched.
          */
         post: operations["stop"];
         delete?: never;
@@ -250,14 +461,80 @@ export interface components {
             /** @description The call that does it; null where it is a choice of the call that was made. */
             command: string | null;
         };
+        /** @description The name of a file. */
+        BackupName: {
+            file: string;
+        };
+        /** @description The files with settings. */
+        BackupsReport: {
+            /** @description The newest first. */
+            files: components["schemas"]["KeptBackup"][];
+        };
         /** @description By what faults are acknowledged. */
         By: "control_word" | "parameter";
+        /** @description What is compared. Of a drive beside a file only what the file has is read. */
+        Compare: {
+            left: components["schemas"]["Source"];
+            right: components["schemas"]["Source"];
+        };
         /** @description Who has the cyclic connection of a drive. */
         Controller: {
             /** @description Whether a controller is connected. */
             connected: boolean;
             /** @description Its name, where it has one. */
             name: string | null;
+        };
+        /** @description One parameter in full. */
+        DescribeReport: {
+            /** @description The drive. */
+            drive: string;
+            /** @description Name of its model. */
+            model: string;
+            /** @description The parameter as the tables have it; null where they do not. */
+            parameter: components["schemas"]["ParameterDescription"] | null;
+            /** @description How the drive describes it; null where it does not. */
+            reported: components["schemas"]["ReportedDescription"] | null;
+            /**
+             * @description What lets the drive save the value over a power cycle: `nothing`, `every-write`, `request` (a write that requests it) or
+             *     `command` (for all values at once); null where it is in no table.
+             */
+            saved_by: string | null;
+            /** @description How the number that travels becomes a value: `raw 1000 = 1 rpm/s`. */
+            scaling: string | null;
+            /** @description Its values now. */
+            values: components["schemas"]["Parameter"][];
+        };
+        /** @description What differs between two sets of settings. */
+        DiffReport: {
+            /** @description The settings that differ. */
+            differences: components["schemas"]["Difference"][];
+            /** @description File or drive on the left. */
+            left: string;
+            /** @description File or drive on the right. */
+            right: string;
+            /** @description The motion tasks that differ. */
+            tasks: components["schemas"]["TaskDifference"][];
+        };
+        /** @description A setting that differs. */
+        Difference: {
+            /** @description Whether a controller decides it by connecting: telegram, mapping, command source, address. */
+            connection: boolean;
+            /**
+             * Format: uint16
+             * @description Element of an array.
+             */
+            index: number | null;
+            /** @description The value on the left; null where it is missing. */
+            left: components["schemas"]["Parameter"] | null;
+            /** @description The vendor's name. */
+            name: string | null;
+            /**
+             * Format: uint16
+             * @description Parameter number.
+             */
+            pnu: number | null;
+            /** @description The value on the right; null where it is missing. */
+            right: components["schemas"]["Parameter"] | null;
         };
         /** @description One axis, or another object, of a drive unit. */
         DriveObject: {
@@ -518,6 +795,59 @@ export interface components {
             /** @description What ends it; null for what has no end of its own. */
             undo: string | null;
         };
+        /** @description A job: how far it is, and what came of it. */
+        JobReport: {
+            /** @description What differs. */
+            differences: components["schemas"]["DiffReport"] | null;
+            /**
+             * Format: uint
+             * @description How much of the work is done.
+             */
+            done: number;
+            /** @description The drive, as it is called in paths; null where it is about files. */
+            drive: string | null;
+            /** @description The file that was made. */
+            file: string | null;
+            /**
+             * Format: uint64
+             * @description What it is called in paths.
+             */
+            id: number;
+            /** @description How far it is. */
+            phase: components["schemas"]["Phase"];
+            /** @description The changes of a plan. */
+            plan: components["schemas"]["PlanReport"] | null;
+            /** @description The problem that ended it. */
+            problem: components["schemas"]["Error"] | null;
+            /** @description What a person is to know of it. */
+            remarks: string[];
+            /**
+             * Format: uint
+             * @description How much there is; 0 where that is not known.
+             */
+            total: number;
+        };
+        /** @description A file with settings. */
+        KeptBackup: {
+            /** @description Whether it has the values before a restore. */
+            before: boolean;
+            /** @description The name of station of the drive; empty where the file does not have it. */
+            drive: string;
+            /** @description Its name. */
+            file: string;
+            /** @description The model of the drive. */
+            model: string;
+            /**
+             * Format: uint
+             * @description How many settings it has.
+             */
+            settings: number;
+            /**
+             * Format: double
+             * @description When it was made, in seconds since 1970-01-01 UTC.
+             */
+            time: number;
+        };
         /** @description A station. */
         KnownStation: {
             /**
@@ -580,6 +910,19 @@ export interface components {
              * @description VendorID.
              */
             vendor_id: number;
+        };
+        /** @description The parameters of a drive. */
+        ListReport: {
+            /** @description The drive. */
+            drive: string;
+            /** @description Name of its model. */
+            model: string;
+            /** @description Their numbers alone, for a drive without tables. */
+            numbers: number[];
+            /** @description The parameters as the tables have them. */
+            parameters: components["schemas"]["ParameterDescription"][];
+            /** @description Their values instead, where they were requested. */
+            values: components["schemas"]["Parameter"][];
         };
         /** @description Where the load of a drive is and how fast it goes, in the unit that the machine file has for it. */
         LoadStatus: {
@@ -651,6 +994,29 @@ export interface components {
             /** @description Its submodules. */
             submodules: components["schemas"]["Submodule"][];
         };
+        /** @description A motion task of the drive's own table. */
+        MotionTask: {
+            /** @description Whether it has no values. */
+            empty: boolean;
+            /** @description Its values. */
+            values: components["schemas"]["Parameter"][];
+        };
+        /** @description A motion task that is changed. */
+        MotionTaskChange: {
+            /** @description Why it was not written. */
+            error: components["schemas"]["ParameterError"] | null;
+            /** @description The task that the drive is to have. */
+            new: components["schemas"]["MotionTask"];
+            /**
+             * Format: uint16
+             * @description Number of the task.
+             */
+            number: number;
+            /** @description The task before. */
+            old: components["schemas"]["MotionTask"];
+            /** @description How far it is, as for a setting. */
+            step: string;
+        };
         /** @description A move as it travels, with everything that speaks against it. */
         MoveReport: {
             /** @description Acceleration as the drive takes it. */
@@ -714,6 +1080,31 @@ export interface components {
             /** @description Name of the neighbour. */
             station: string | null;
         };
+        /** @description A file that somebody has. */
+        NewBackup: {
+            /** @description Its content. */
+            text: string;
+        };
+        /** @description What is planned: values, or the settings of a file. */
+        NewPlan: {
+            /**
+             * @description The values, in the order of writing; empty for those of a file.
+             * @default []
+             */
+            changes: components["schemas"]["Wanted"][];
+            /**
+             * @description The file with the settings to restore, as `/api/v1/backups` calls it.
+             * @default null
+             */
+            file: string | null;
+            /** @description Whether the drive saves the new values over a power cycle. */
+            save: boolean;
+            /**
+             * @description Only these settings of the file: numbers, names or patterns (`DRV.*`); empty for all.
+             * @default []
+             */
+            settings: string[];
+        };
         /** @description One value of a parameter, or why it was not read. */
         Parameter: {
             /** @description `>` or `<` where a measured value may be higher or lower: its signal has no number beyond. */
@@ -758,6 +1149,71 @@ export interface components {
         };
         /** @description What a parameter contains. */
         ParameterContent: number | string;
+        /** @description A parameter as the tables of a model have it. */
+        ParameterDescription: {
+            /** @description `read`, `read, write` or `command`. */
+            access: string;
+            /** @description The bits of a word. */
+            bits: components["schemas"]["ValueText"][];
+            /** @description The values of a list. */
+            choices: components["schemas"]["ValueText"][];
+            /** @description Names that mean the same on the drives of every vendor: `ramp-up`. */
+            common_names: string[];
+            /**
+             * Format: double
+             * @description Value as delivered.
+             */
+            default: number | null;
+            /** @description What it is. */
+            description: string;
+            /**
+             * Format: uint16
+             * @description Number of elements.
+             */
+            elements: number;
+            /**
+             * Format: uint16
+             * @description Parameter number of the high half of a 64-bit value.
+             */
+            high: number | null;
+            /**
+             * Format: uint16
+             * @description Element of a number that collects parameters.
+             */
+            index: number | null;
+            /**
+             * Format: double
+             * @description Highest value; null where only the data type limits it.
+             */
+            maximum: number | null;
+            /**
+             * Format: double
+             * @description Lowest value; null where only the data type limits it.
+             */
+            minimum: number | null;
+            /** @description The vendor's name. */
+            name: string;
+            /** @description The number as the vendor writes it: `p2108`, `1-20`, `ID 103`. */
+            number: string;
+            /**
+             * Format: uint
+             * @description Octets of one element.
+             */
+            octets: number;
+            /**
+             * Format: uint16
+             * @description Parameter number.
+             */
+            pnu: number;
+            /** @description Whether the drive can keep the value over a power cycle. */
+            saved: boolean;
+            /** @description Whether the number has a sign. */
+            signed: boolean;
+            /** @description Where this is from: manual and section. */
+            source: string;
+            /** @description Unit of the value, empty for none. */
+            unit: string;
+        };
         /** @description Why a parameter was not read or written. */
         ParameterError: {
             /** @description Channel that the parameter was requested on: `records`, `fc` or `uss`. */
@@ -778,6 +1234,42 @@ export interface components {
             remedy: string | null;
             /** @description False where the channel cannot carry the parameter and nothing was sent. */
             sent: boolean;
+        };
+        /** @description Values of parameters. */
+        ParametersReport: {
+            /** @description The drive. */
+            drive: string;
+            /** @description The values, in the order of the request. */
+            parameters: components["schemas"]["Parameter"][];
+        };
+        /** @description How far a job is. */
+        Phase: "working" | "planned" | "applied" | "undone" | "done" | "failed";
+        /** @description What is changed, and how far it is. */
+        PlanReport: {
+            /** @description The file with the values before. */
+            before: string | null;
+            /** @description The values, in the order of writing. */
+            changes: components["schemas"]["SettingChange"][];
+            /** @description The name of the controller for whose motion the new values count at once. */
+            controller: string | null;
+            /** @description The file with the settings to restore. */
+            file: string | null;
+            /** @description Whether there is something to write, and nothing that keeps it from being written. */
+            ready: boolean;
+            /** @description The values that cannot be written. With one of them nothing is written. */
+            refusals: components["schemas"]["Refusal"][];
+            /** @description Whether the drive saves the new values. */
+            saves: boolean;
+            /** @description What is in the file and is not written. */
+            skipped: components["schemas"]["SkippedSetting"][];
+            /** @description In one sentence, how much was written. */
+            summary: string;
+            /** @description The motion tasks. */
+            tasks: components["schemas"]["MotionTaskChange"][];
+            /** @description Why no motion task of the file is written. */
+            tasks_left_out: string | null;
+            /** @description Whether there are values before to be written again. */
+            undo: boolean;
         };
         /** @description What can happen to a virtual drive. */
         Possible: {
@@ -853,6 +1345,13 @@ export interface components {
              */
             value: number;
         };
+        /** @description A value that cannot be written. */
+        Refusal: {
+            /** @description Why. */
+            error: components["schemas"]["Error"];
+            /** @description The parameter as it was requested. */
+            parameter: string;
+        };
         /** @description What is to be known about the name or the address of a station. */
         Remark: "no_name" | "no_address" | "other_subnet" | "routed" | "name_twice" | "address_twice" | "conflict";
         /** @description A motion that ended, or faults that were acknowledged. */
@@ -911,13 +1410,43 @@ export interface components {
              */
             time_at_speed: number | null;
         };
+        /** @description A parameter as a drive describes it. */
+        ReportedDescription: {
+            /** @description Whether it differs from the value as delivered. */
+            changed: boolean;
+            /** @description Name of the data type. */
+            data_type: string | null;
+            /**
+             * Format: uint16
+             * @description Number of elements.
+             */
+            elements: number;
+            /**
+             * Format: double
+             * @description Highest value; null where only the data type limits it.
+             */
+            maximum: number | null;
+            /**
+             * Format: double
+             * @description Lowest value; null where only the data type limits it.
+             */
+            minimum: number | null;
+            /** @description Name in the words of the drive. */
+            name: string | null;
+            /** @description Whether it cannot be written. */
+            read_only: boolean;
+            /** @description Texts of its values. */
+            texts: components["schemas"]["ValueText"][];
+            /** @description Unit of the limits. */
+            unit: string;
+        };
         /** @description What somebody may do. */
         Role: "control" | "view";
         /** @description What a server is. */
         ServerReport: {
             /** @description Distinguishes this start from others. */
             boot: string;
-            /** @description The axes that this server controls. */
+            /** @description The axes that this server controls, as they are called in paths. */
             controlled: string[];
             /** @description The network interface. */
             interface: string | null;
@@ -956,6 +1485,72 @@ export interface components {
             /** @description What it may do. */
             role: components["schemas"]["Role"];
         };
+        /** @description A setting that is changed. */
+        SettingChange: {
+            /**
+             * Format: double
+             * @description The number that was requested, in the unit of `new`; null for a text and for a value of a file.
+             */
+            asked: number | null;
+            /** @description Whether the drive has non-volatile memory for it. */
+            can_be_kept: boolean | null;
+            /** @description Whether another value was read back. */
+            differs: boolean;
+            /** @description Why it was not written. */
+            error: components["schemas"]["ParameterError"] | null;
+            /**
+             * Format: uint16
+             * @description Element of an array.
+             */
+            index: number | null;
+            /**
+             * Format: double
+             * @description Highest value that is valid, where that is known.
+             */
+            maximum: number | null;
+            /**
+             * Format: double
+             * @description Lowest value that is valid, where that is known.
+             */
+            minimum: number | null;
+            /** @description The vendor's name. */
+            name: string | null;
+            /** @description The value that the drive is to have, as it can represent it. */
+            new: components["schemas"]["Parameter"];
+            /** @description The value before, or why it cannot be read; null for a command, which has none. */
+            old: components["schemas"]["Parameter"] | null;
+            /**
+             * Format: uint16
+             * @description Parameter number.
+             */
+            pnu: number;
+            /** @description The value after, or why it cannot be read. */
+            read_back: components["schemas"]["Parameter"] | null;
+            /** @description Whether `new` is rounded. */
+            rounded: boolean;
+            /** @description Whether the drive had the value before. */
+            same: boolean;
+            /** @description Whether the drive saved it. */
+            saved: boolean;
+            /** @description Whether it was sent. */
+            sent: boolean;
+            /**
+             * @description How far it is: `same` (the drive had it before), `not written`, `in doubt` (sent, no answer), `written`,
+             *     `read back`, `differs` (another value was read back), `refused` or `not carried` (the channel cannot).
+             */
+            step: string;
+            /** @description Whether the drive confirmed it. */
+            written: boolean;
+        };
+        /** @description A setting of a file that is not written. */
+        SkippedSetting: {
+            /** @description Whether that is because the drive cannot have it. */
+            refused: boolean;
+            /** @description The setting in the file. */
+            setting: components["schemas"]["Parameter"];
+            /** @description Why. */
+            why: string;
+        };
         /** @description Software of a drive unit or of a drive object: `manufacturer 261 (0x0105), type 100, software 1.15, 2017-10-01`. */
         Software: {
             /** @description Date, YYYY-MM-DD. */
@@ -972,6 +1567,12 @@ export interface components {
             manufacturer: number;
             /** @description Version. */
             version: string;
+        };
+        /** @description One side of a comparison. */
+        Source: {
+            drive: string;
+        } | {
+            file: string;
         };
         /** @description A station on the network, as it answers to discovery. */
         Station: {
@@ -1121,7 +1722,7 @@ export interface components {
         };
         /** @description What a stop did. */
         StoppedReport: {
-            /** @description The axes that are stopped: all that this server controls. */
+            /** @description The axes that are stopped, as they are called in paths: all that this server controls. */
             axes: string[];
             /**
              * Format: uint64
@@ -1141,6 +1742,28 @@ export interface components {
              * @description Subslot.
              */
             subslot: number;
+        };
+        /** @description A motion task that differs. */
+        TaskDifference: {
+            /** @description The task on the left. */
+            left: components["schemas"]["MotionTask"];
+            /**
+             * Format: uint16
+             * @description Number of the task.
+             */
+            number: number;
+            /** @description The task on the right. */
+            right: components["schemas"]["MotionTask"];
+        };
+        /** @description A value, or a bit, and what it means. */
+        ValueText: {
+            /** @description What it means. */
+            text: string;
+            /**
+             * Format: int32
+             * @description The value, or the number of the bit.
+             */
+            value: number;
         };
         /** @description A virtual drive: where its shaft really is, whatever the drive reports. */
         VirtualDrive: {
@@ -1168,6 +1791,13 @@ export interface components {
              * @description Time of the plant in seconds.
              */
             time: number;
+        };
+        /** @description A value that somebody wants, as people write it. */
+        Wanted: {
+            /** @description Number or name: `DRV.ACC`, `p2108`, `3-41`. */
+            parameter: string;
+            /** @description The value with or without its unit: `8000 rpm/s`, `80rps/s`. */
+            value: string;
         };
         /** @description A warning of a drive. */
         Warning: {
@@ -1204,6 +1834,259 @@ export interface components {
 }
 export type $defs = Record<string, never>;
 export interface operations {
+    kept: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description The files */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["BackupsReport"];
+                };
+            };
+            /** @description No session */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    upload: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: {
+            content: {
+                "application/json": components["schemas"]["NewBackup"];
+            };
+        };
+        responses: {
+            /** @description Its name */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["BackupName"];
+                };
+            };
+            /** @description It is no backup, or not a whole one */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description No session */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Another origin, or a session that only looks */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no folder for it */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    backup: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description The name of the file */
+                file: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description The text of the file */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "text/plain": string;
+                };
+            };
+            /** @description No session */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description No such file */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    compare: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: {
+            content: {
+                "application/json": components["schemas"]["Compare"];
+            };
+        };
+        responses: {
+            /** @description The job, with what differs; `working` where it takes longer */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["JobReport"];
+                };
+            };
+            /** @description Two kinds of drives, or no backup */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description No session */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Another origin, or a session that only looks */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description No such drive has answered, or no such file */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A drive does not answer */
+            504: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    control: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description A WebSocket with the protocol `profidrive.control.1` */
+            101: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description No session */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Another origin */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description No WebSocket, or another protocol */
+            426: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many sockets */
+            429: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
     acknowledge: {
         parameters: {
             query?: never;
@@ -1266,6 +2149,74 @@ export interface operations {
                 };
             };
             /** @description It cannot be logged */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The drive does not answer */
+            504: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    back_up: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description MAC address, or `ip-` with the IP address */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description The job, with the name of the file; `working` where it takes longer */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["JobReport"];
+                };
+            };
+            /** @description No session */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Another origin, or a session that only looks */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description No such drive has answered */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no folder for it */
             503: {
                 headers: {
                     [name: string]: unknown;
@@ -1385,6 +2336,207 @@ export interface operations {
             };
         };
     };
+    parameters: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description MAC address, or `ip-` with the IP address */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description The parameters */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ListReport"];
+                };
+            };
+            /** @description No session */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description No such drive has answered */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The drive does not answer */
+            504: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    describe: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description MAC address, or `ip-` with the IP address */
+                id: string;
+                /** @description Number or name: `DRV.ACC`, `p2108`, `3-41` */
+                reference: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description The parameter */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["DescribeReport"];
+                };
+            };
+            /** @description No such parameter */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description No session */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description No such drive has answered */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Nothing describes it */
+            501: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The drive does not answer */
+            504: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    plan: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description MAC address, or `ip-` with the IP address */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: {
+            content: {
+                "application/json": components["schemas"]["NewPlan"];
+            };
+        };
+        responses: {
+            /** @description The plan; `working` where it takes longer, then its job has it */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["JobReport"];
+                };
+            };
+            /** @description Neither values nor a file, or too many values */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description No session */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Another origin, or a session that only looks */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description No such drive has answered, or no such file */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The file is of another kind of drive, or a controller has the drive */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The drive does not answer */
+            504: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
     status: {
         parameters: {
             query?: never;
@@ -1426,6 +2578,108 @@ export interface operations {
             };
             /** @description The drive does not answer */
             504: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    values: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description MAC address, or `ip-` with the IP address */
+                id: string;
+                /** @description Numbers or names with commas between them: `DRV.ACC,DRV.DEC`; at most 200 */
+                references: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description The values, in the order of the request */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ParametersReport"];
+                };
+            };
+            /** @description A name that the drive does not have */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description No session */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description No such drive has answered */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The drive does not answer */
+            504: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    job: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description The job */
+                id: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description The job; what ended it early is in it */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["JobReport"];
+                };
+            };
+            /** @description No session */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description No such job */
+            404: {
                 headers: {
                     [name: string]: unknown;
                 };
@@ -1480,6 +2734,160 @@ export interface operations {
             };
             /** @description Too many sockets */
             429: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    apply: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description The plan */
+                id: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description What was written; `working` where it takes longer, then its job has it */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["JobReport"];
+                };
+            };
+            /** @description No session */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Another origin, or a session that only looks */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description No such plan */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It was applied before, or the drive has changed since */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It cannot be logged */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The drive does not answer */
+            504: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    undo: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description The plan */
+                id: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description What was written; `working` where it takes longer, then its job has it */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["JobReport"];
+                };
+            };
+            /** @description No session */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Another origin, or a session that only looks */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description No such plan */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It was not applied, or is undone already */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It cannot be logged */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The drive does not answer */
+            504: {
                 headers: {
                     [name: string]: unknown;
                 };

@@ -2,14 +2,18 @@ import { useEffect } from "preact/hooks";
 import { ErrorBoundary, LocationProvider, lazy, Route, Router, useLocation } from "preact-iso";
 import { Icon, type IconName } from "../parts/Icon";
 import { Network } from "../screens/network/Network";
+import { leases } from "../store/control";
 import { access, server, silent } from "../store/store";
 import { t } from "../text";
 import { Frame } from "./Frame";
 import { useKeys } from "./keys";
-import { screenOf, selectedId } from "./selected";
+import { address, screenOf, selectedId } from "./selected";
 import { type Theme, theme } from "./theme";
 
 const Overview = lazy(() => import("../screens/screens").then((screens) => screens.Overview));
+const Control = lazy(() => import("../screens/screens").then((screens) => screens.Control));
+const Parameters = lazy(() => import("../screens/screens").then((screens) => screens.Parameters));
+const Compare = lazy(() => import("../screens/screens").then((screens) => screens.Compare));
 const Faults = lazy(() => import("../screens/screens").then((screens) => screens.Faults));
 const Virtual = lazy(() => import("../screens/screens").then((screens) => screens.Virtual));
 
@@ -32,8 +36,11 @@ function Navigation() {
   return (
     <nav aria-label={t("nav.label")}>
       <Link href="/network" icon="network" text={t("nav.network")} />
-      <Link href={`/drives/${encodeURIComponent(id ?? "none")}/overview`} icon="overview" text={t("nav.overview")} />
-      <Link href={`/drives/${encodeURIComponent(id ?? "none")}/faults`} icon="triangle" text={t("nav.faults")} />
+      <Link href={address(id, "overview")} icon="overview" text={t("nav.overview")} />
+      <Link href={address(id, "control")} icon="live" text={t("nav.control")} />
+      <Link href={address(id, "parameters")} icon="parameters" text={t("nav.parameters")} />
+      <Link href={address(id, "faults")} icon="triangle" text={t("nav.faults")} />
+      <Link href={address(id, "compare")} icon="compare" text={t("nav.compare")} />
       {server.value?.simulation && <Link href="/virtual" icon="virtual" text={t("nav.virtual")} />}
       <label class="theme">
         <span>{t("theme.label")}</span>
@@ -59,7 +66,7 @@ function Shell() {
     document.title = `${t(`nav.${screenOf(path)}`)} - ${t("app.title")}`;
   }, [path]);
   return (
-    <div class={silent.value === null ? "shell" : "shell lost"}>
+    <div class={`shell ${silent.value === null ? "" : "lost"} ${leases.value.size > 0 ? "in-control" : ""}`}>
       <a class="skip" href="#content">
         {t("nav.skip")}
       </a>
@@ -72,7 +79,10 @@ function Shell() {
               <Route path="/" component={Network} />
               <Route path="/network" component={Network} />
               <Route path="/drives/:id/overview" component={Overview} />
+              <Route path="/drives/:id/control" component={Control} />
+              <Route path="/drives/:id/parameters" component={Parameters} />
               <Route path="/drives/:id/faults" component={Faults} />
+              <Route path="/drives/:id/compare" component={Compare} />
               <Route path="/virtual" component={Virtual} />
               <Route default component={Network} />
             </Router>

@@ -3,10 +3,20 @@ import { useLocation } from "preact-iso";
 import type { Station } from "../api";
 import { digits, foreign, label, product, sorted } from "../parts/format";
 import { owner, ownerName, State } from "../parts/Reason";
-import { stop } from "../store/live";
+import {
+  axes,
+  stopped as isStopped,
+  lastStop,
+  leases,
+  refusal,
+  reset,
+  stopBySocket,
+  stopState,
+} from "../store/control";
+import { stop, stopText } from "../store/live";
 import { aged, type Happening, happened, server, silent, stations } from "../store/store";
 import { age, t } from "../text";
-import { screenOf, selected, selectedId } from "./selected";
+import { address, OF_DRIVE, screenOf, selected, selectedId } from "./selected";
 
 /** What became of the last STOP. */
 const stopped = signal("");
@@ -24,7 +34,33 @@ function event({ kind, drive, who, text }: Happening): string {
 
 export async function pressStop(): Promise<void> {
   stopped.value = "";
-  stopped.value = await stop();
+  // by the control socket, which no other request can hold up; else by a request of its own
+  if (!stopBySocket()) {
+    stopped.value = await stop();
+  }
+}
+
+/** Returns what became of the last STOP of this page, in words. */
+function became(): string {
+  const last = lastStop.value;
+  switch (stopState.value) {
+    case "sent":
+      return t("stop.sent");
+    case "unconfirmed":
+      return t("stop.unconfirmed");
+    case "confirmed":
+      return last === null ? "" : stopText(last.epoch, last.drives);
+    default:
+      return stopped.value;
+  }
+}
+
+/** Returns who pressed STOP, in words. */
+function pressed(): string {
+  const last = lastStop.value;
+  if (last === null) return t("frame.stopped.before");
+  const by = last.by === "token" ? "frame.stopped.program" : "frame.stopped";
+  return t(by, { epoch: last.epoch, by: last.by });
 }
 
 /** Values older than this are grey, in s. */
@@ -40,11 +76,11 @@ function Selector() {
       <span class="muted">{t("frame.drive")}</span>
       <select
         value={id}
-        onChange={(event) =>
-          route(
-            `/drives/${encodeURIComponent(event.currentTarget.value)}/${screenOf(path) === "faults" ? "faults" : "overview"}${location.search}`,
-          )
-        }
+        onChange={(event) => {
+          const here = screenOf(path);
+          const screen = OF_DRIVE.find((one) => one === here) ?? "overview";
+          route(address(event.currentTarget.value, screen) + location.search);
+        }}
       >
         <option value="" disabled hidden>
           {t("frame.none")}
@@ -96,19 +132,30 @@ function Facts({ station }: { station: Station }) {
 }
 
 function Stop({ station }: { station: Station | undefined }) {
-  const count = server.value?.controlled.length ?? 0;
+  const count = axes.value.length;
+  const first = stations.value?.find((one) => one.id === axes.value[0]?.drive);
   const name = ownerName(station);
   const why =
     silent.value !== null
       ? t("stop.why.unreachable")
-      : name !== null
-        ? t("stop.why.owner", { name })
-        : t("stop.why.none");
-  const text = silent.value !== null ? t("stop.unreachable") : count > 0 ? t("stop.many", { count }) : t("stop.none");
+      : count > 0
+        ? t("stop.why.own")
+        : name !== null
+          ? t("stop.why.owner", { name })
+          : t("stop.why.none");
+  const text =
+    silent.value !== null
+      ? t("stop.unreachable")
+      : count > 1
+        ? t("stop.many", { count })
+        : count === 1
+          ? t("stop.one", { name: first ? label(first) : (axes.value[0]?.drive ?? "") })
+          : t("stop.none");
   return (
     <>
       <p class="line why" id="stop-why">
         <bdi>{why}</bdi> <span class="small">{t("stop.safety")}</span>
+        {leases.value.size > 0 && <span class="small">{t("frame.control.keys")}</span>}
       </p>
       <button type="button" class="stop" aria-describedby="stop-why" onClick={() => void pressStop()}>
         {text}
@@ -121,45 +168,64 @@ function Stop({ station }: { station: Station | undefined }) {
 export function Frame() {
   const station = selected(useLocation().path);
   const simulation = server.value?.simulation ?? false;
-  const mode = server.value?.read_only ? "readonly" : server.value?.role === "view" ? "view" : "write";
+  const mode =
+    leases.value.size > 0
+      ? "control"
+      : server.value?.read_only
+        ? "readonly"
+        : server.value?.role === "view"
+          ? "view"
+          : "write";
   return (
-    <header class="top">
-      <div class="frame">
-        <Selector />
-        {station ? <Facts station={station} /> : <p class="line muted">{t("frame.select")}</p>}
-        <p class="badges">
-          {server.value?.name && <bdi class="muted">{foreign(server.value.name)}</bdi>}
-          {simulation && <span class="badge simulation">{t("frame.simulation")}</span>}
-          <span class={`badge ${mode}`}>{t(`frame.${mode}`)}</span>
+    <>
+      <header class="top">
+        <div class="frame">
+          <Selector />
+          {station ? <Facts station={station} /> : <p class="line muted">{t("frame.select")}</p>}
+          <p class="badges">
+            {server.value?.name && <bdi class="muted">{foreign(server.value.name)}</bdi>}
+            {simulation && <span class="badge simulation">{t("frame.simulation")}</span>}
+            <span class={`badge ${mode}`}>{t(`frame.${mode}`)}</span>
+          </p>
+          <Stop station={station} />
+        </div>
+        {simulation && (
+          <p class="band simulation">
+            <span>{t("frame.simulation.band")}</span>
+          </p>
+        )}
+      </header>
+      <div class="notices">
+        <p class="band stopped" role="alert" hidden={became() === ""}>
+          {became()}
         </p>
-        <Stop station={station} />
+        {isStopped.value && (
+          <p class="band reset">
+            <bdi>{pressed()}</bdi>
+            <button type="button" disabled={refusal.value !== null} onClick={() => reset()}>
+              {t("frame.reset")}
+            </button>
+          </p>
+        )}
+        {happened.value !== null && happened.value.n !== shown.value && (
+          <p class="band happened">
+            <bdi role="status">{event(happened.value)}</bdi>
+            <button
+              type="button"
+              onClick={() => {
+                shown.value = happened.value?.n ?? -1;
+              }}
+            >
+              {t("frame.event.hide")}
+            </button>
+          </p>
+        )}
+        {silent.value !== null && (
+          <p class="band lost" role="alert">
+            {t("frame.lost", { age: age(silent.value) })}
+          </p>
+        )}
       </div>
-      {simulation && (
-        <p class="band simulation">
-          <span>{t("frame.simulation.band")}</span>
-        </p>
-      )}
-      <p class="band stopped" role="alert" hidden={stopped.value === ""}>
-        {stopped.value}
-      </p>
-      {happened.value !== null && happened.value.n !== shown.value && (
-        <p class="band happened">
-          <bdi role="status">{event(happened.value)}</bdi>
-          <button
-            type="button"
-            onClick={() => {
-              shown.value = happened.value?.n ?? -1;
-            }}
-          >
-            {t("frame.event.hide")}
-          </button>
-        </p>
-      )}
-      {silent.value !== null && (
-        <p class="band lost" role="alert">
-          {t("frame.lost", { age: age(silent.value) })}
-        </p>
-      )}
-    </header>
+    </>
   );
 }

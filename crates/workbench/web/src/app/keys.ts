@@ -1,8 +1,9 @@
 import { useEffect } from "preact/hooks";
 import { useLocation } from "preact-iso";
+import { leases } from "../store/control";
 import { server } from "../store/store";
 import { pressStop } from "./Frame";
-import { selectedId } from "./selected";
+import { address, selectedId } from "./selected";
 
 /** Two keys of a sequence come within this time, in ms. */
 const SEQUENCE = 1000;
@@ -24,14 +25,27 @@ export function useKeys(): void {
         return;
       }
       const target = event.target;
+      // while this page has an axis the space bar is STOP, except where somebody writes
+      const writes = target instanceof HTMLElement && target.matches("input:not([type=checkbox]), textarea, select");
+      if (event.code === "Space" && leases.value.size > 0 && !writes) {
+        event.preventDefault();
+        void pressStop();
+        return;
+      }
       const typing = target instanceof HTMLElement && target.matches("input, textarea, select");
       if (typing || event.ctrlKey || event.altKey || event.metaKey || last !== "g") {
         return;
       }
-      const id = encodeURIComponent(selectedId(path) ?? "none");
-      const screen = { n: "/network", o: `/drives/${id}/overview`, f: `/drives/${id}/faults`, v: "/virtual" }[
-        event.key
-      ];
+      const id = selectedId(path);
+      const screen = {
+        n: "/network",
+        o: address(id, "overview"),
+        c: address(id, "control"),
+        p: address(id, "parameters"),
+        f: address(id, "faults"),
+        d: address(id, "compare"),
+        v: "/virtual",
+      }[event.key];
       if (screen !== undefined && (event.key !== "v" || server.value?.simulation)) {
         route(screen + location.search);
       }

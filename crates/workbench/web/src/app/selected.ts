@@ -13,12 +13,20 @@ export function selected(path: string): Station | undefined {
   return stations.value?.find((station) => station.id === id);
 }
 
+/** The screens of a drive. */
+export const OF_DRIVE = ["overview", "control", "parameters", "faults", "compare"] as const;
+
 /** The screens. */
-export type Screen = "network" | "overview" | "faults" | "virtual";
+export type Screen = "network" | "virtual" | (typeof OF_DRIVE)[number];
 
 /** Returns the screen in an address of the page. */
 export function screenOf(path: string): Screen {
   if (path.startsWith("/virtual")) return "virtual";
   if (!path.startsWith("/drives/")) return "network";
-  return path.endsWith("/faults") ? "faults" : "overview";
+  return OF_DRIVE.find((screen) => path.endsWith(`/${screen}`)) ?? "overview";
+}
+
+/** Returns the address of a screen of a drive; without one where the page says that none is selected. */
+export function address(id: string | null, screen: Screen): string {
+  return `/drives/${encodeURIComponent(id ?? "none")}/${screen}`;
 }

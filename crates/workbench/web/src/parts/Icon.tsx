@@ -8,6 +8,8 @@ const PATHS = {
   network: "M8 2v4M4 10V8h8v2M4 10v4M12 10v4M6 2h4v4H6zM2 10h4v4H2zM10 10h4v4h-4z",
   overview: "M2 2h5v12H2zM10 2h4v5h-4zM10 10h4v4h-4z",
   virtual: "M8 3a5 5 0 1 0 0 10A5 5 0 1 0 8 3zM8 8V3",
+  parameters: "M2 4h12M2 8h12M2 12h12M5 2.5v3M11 6.5v3M7 10.5v3",
+  compare: "M2 2h5v12H2zM9 2h5v12H9zM4 6h1M11 6h1M11 10h1",
   live: "M3 3l5 5-5 5M8 3l5 5-5 5",
 } as const;
 

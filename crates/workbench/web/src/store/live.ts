@@ -1,7 +1,9 @@
 /** Brings what the workbench knows to the page. */
 import { batch } from "@preact/signals";
 import { Refused, request, type Server, type Shaft, type Station, type Stations, type Stopped } from "../api";
+import { label } from "../parts/format";
 import { t } from "../text";
+import { runControl } from "./control";
 import { type Incoming, Live } from "./socket";
 import {
   access,
@@ -64,7 +66,18 @@ export function want(topic: string, rate: number): () => void {
   return live?.want(topic, rate) ?? (() => {});
 }
 
+/** Returns what a STOP stopped, in words. */
+export function stopText(epoch: number, drives: readonly string[]): string {
+  if (drives.length === 0) return t("stop.done", { number: epoch });
+  const names = drives.map((id) => {
+    const station = stations.value?.find((one) => one.id === id);
+    return station ? label(station) : id;
+  });
+  return t("stop.axes", { number: epoch, axes: names.join(", ") });
+}
+
 function run(): void {
+  runControl();
   setInterval(() => {
     now.value = performance.now();
   }, CLOCK_PERIOD);
@@ -174,11 +187,11 @@ function extended(all: ReadonlyMap<string, Track>, report: Station[]): Map<strin
   return next;
 }
 
-/** Stops every axis that the server controls. Returns what became of it, in words. */
+/** Stops every axis that the server controls, where the control socket is not open. Returns what became of it, in words. */
 export async function stop(): Promise<string> {
   try {
     const stopped = await request<Stopped>("stop", { method: "POST", keepalive: true });
-    return t("stop.done", { number: stopped.stops });
+    return stopText(stopped.stops, stopped.axes);
   } catch {
     return t("stop.failed");
   }

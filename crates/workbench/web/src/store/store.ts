@@ -67,7 +67,7 @@ export const topics = signal<ReadonlyMap<string, Held>>(new Map());
 /** What happened last, of what each page shows. */
 export interface Happening {
   n: number;
-  kind: "stop" | "acknowledge" | "inject" | "log";
+  kind: "stop" | "reset" | "take" | "release" | "acknowledge" | "inject" | "write" | "restore" | "undo" | "log";
   drive: string | null;
   /** Who did it, as in the log. */
   who: string;

@@ -1,0 +1,112 @@
+//! Control of axes: who has one, what keeps a motion going, and STOP.
+//!
+//! All deadlines are those of the engine: a motion goes on as long as beats of its page put its end off. A runtime that hangs, a
+//! full queue or a lost page therefore ends a motion and never makes it longer. STOP goes through no queue.
+
+mod axis;
+mod fresh;
+mod ledger;
+#[cfg(test)]
+mod model;
+mod socket;
+
+use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+
+use axum::extract::ws::Utf8Bytes;
+use serde::Serialize;
+use tokio::sync::broadcast;
+
+use axis::Running;
+use ledger::Ledger;
+
+pub(crate) use socket::{__path_control, control};
+
+/// A motion that a button keeps going ends this long after the last beat.
+pub(crate) const HOLD: Duration = Duration::from_millis(200);
+/// Every other motion, and control itself, end this long after the last beat.
+pub(crate) const LEASE: Duration = Duration::from_secs(1);
+/// News that a socket may be behind, before it is closed.
+const NEWS: usize = 256;
+
+/// What a server controls.
+#[derive(Debug)]
+pub(crate) struct Control {
+    ledger: Mutex<Ledger>,
+    axes: Mutex<BTreeMap<String, Arc<Running>>>,
+    news: broadcast::Sender<Utf8Bytes>,
+    sockets: AtomicU64,
+}
+
+/// What a STOP did.
+#[derive(Debug, Clone, Serialize)]
+pub(crate) struct Stopping {
+    r#type: &'static str,
+    /// How often STOP was pressed.
+    pub epoch: u64,
+    /// Who pressed it.
+    pub by: String,
+    /// The axes that are stopped, as they are called in paths.
+    pub drives: Vec<String>,
+}
+
+impl Control {
+    pub fn new() -> Self {
+        Self {
+            ledger: Mutex::default(),
+            axes: Mutex::default(),
+            news: broadcast::Sender::new(NEWS),
+            sockets: AtomicU64::new(0),
+        }
+    }
+
+    fn ledger(&self) -> MutexGuard<'_, Ledger> {
+        self.ledger.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn axes(&self) -> MutexGuard<'_, BTreeMap<String, Arc<Running>>> {
+        self.axes.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Returns the axes that are controlled, as they are called in paths.
+    pub fn drives(&self) -> Vec<String> {
+        self.axes().keys().cloned().collect()
+    }
+
+    /// Returns how often STOP was pressed.
+    pub fn stops(&self) -> u64 {
+        self.ledger().epoch()
+    }
+
+    /// Stops every axis by its quick stop (OFF3), and lets nothing be enabled or moved before somebody resets it. Does not wait.
+    pub fn stop(&self, by: &str) -> Stopping {
+        // first: what is requested from now on comes too late
+        let epoch = self.ledger().stop();
+        let axes = self.axes();
+        for running in axes.values() {
+            running.stop();
+        }
+        let stopping = Stopping {
+            r#type: "stopped",
+            epoch,
+            by: by.to_owned(),
+            drives: axes.keys().cloned().collect(),
+        };
+        drop(axes);
+        self.tell(&stopping);
+        stopping
+    }
+
+    /// Sends something to every socket.
+    fn tell(&self, news: &impl Serialize) {
+        let text = serde_json::to_string(news).unwrap_or_default();
+        // fails where no socket is open
+        let _ = self.news.send(text.into());
+    }
+
+    fn next_socket(&self) -> u64 {
+        self.sockets.fetch_add(1, Ordering::Relaxed) + 1
+    }
+}

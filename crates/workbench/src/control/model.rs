@@ -1,0 +1,263 @@
+//! Two pages and one axis in virtual time: whatever they do and in whichever order, one of them has it, and after a STOP or without
+//! beats nothing moves.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use profidrive::client::Drive;
+use profidrive::motion::{self, HeldAxis, Hold, Observer};
+use profidrive::{Network, Wait, open_plan};
+use tokio::sync::mpsc;
+
+use super::axis::{Command, Order, Reply, Running, turn};
+use super::ledger::{Holder, Stamp};
+use super::{Control, HOLD};
+
+const MS: Duration = Duration::from_millis(1);
+const PLANT: &str = "[[drive]]\nname = \"akd-1\"\nip = \"10.0.0.1/24\"";
+/// The axis has at least two cycles to take what is sent.
+const CYCLES: Duration = Duration::from_millis(100);
+/// Seeds in a run of all tests.
+const SEEDS: u64 = 100;
+
+/// Random numbers that a seed repeats (splitmix64).
+struct Dice(u64);
+
+impl Dice {
+    fn up_to(&mut self, bound: u64) -> u64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut mixed = self.0;
+        mixed = (mixed ^ (mixed >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        (mixed ^ (mixed >> 31)) % bound
+    }
+}
+
+/// An axis that one page has.
+struct Taken {
+    page: u64,
+    running: Arc<Running>,
+    axis: HeldAxis,
+    queue: mpsc::Receiver<Command>,
+}
+
+/// Pages, server and plant.
+struct Play {
+    control: Control,
+    network: Network,
+    drive: Drive,
+    taken: Option<Taken>,
+    /// The button that each page holds: the number of its command.
+    held: [Option<u64>; 2],
+    /// The epoch that each page has seen.
+    seen: [u64; 2],
+    number: u64,
+    /// Time since the last beat of the page that has the axis.
+    silent: Duration,
+    /// Time since the last STOP that is not reset, and since the last button went up.
+    stopped: Option<Duration>,
+    answers: mpsc::Receiver<String>,
+    reply: Reply,
+    moved: bool,
+}
+
+impl Play {
+    fn new() -> Self {
+        let mut network = open_plan(PLANT.parse().unwrap()).unwrap();
+        let drive = network.find(&"akd-1".parse().unwrap()).wait().unwrap();
+        let (sender, answers) = mpsc::channel(64);
+        Self {
+            control: Control::new(),
+            network,
+            drive,
+            taken: None,
+            held: [None, None],
+            seen: [0, 0],
+            number: 0,
+            silent: Duration::ZERO,
+            stopped: None,
+            answers,
+            reply: Reply(sender),
+            moved: false,
+        }
+    }
+
+    fn take(&mut self, page: u64) {
+        let holder = Holder {
+            socket: page,
+            who: page.to_string(),
+        };
+        let taken = self.control.ledger().take("a", holder, 1000.0);
+        assert_eq!(taken.is_err(), self.taken.is_some(), "one holder at a time");
+        let Ok(lease) = taken else { return };
+        let hold = Hold {
+            lease: super::LEASE,
+            ..Hold::for_speed()
+        };
+        let observer = Observer::default();
+        let axis = motion::hold(&mut self.network, &mut self.drive, &hold, &observer);
+        let axis = axis.wait().unwrap();
+        let (running, queue) = Running::new("a", lease, "x", hold.purpose);
+        running.hold_by(&axis);
+        self.silent = Duration::ZERO;
+        let taken = Taken {
+            page,
+            running,
+            axis,
+            queue,
+        };
+        self.taken = Some(taken);
+    }
+
+    fn stamp(&mut self, page: u64) -> Stamp {
+        self.number += 1;
+        Stamp {
+            socket: page,
+            lease: self.taken.as_ref().map_or(1, |taken| taken.running.lease),
+            epoch: self.seen[usize::try_from(page).unwrap()],
+            number: self.number,
+        }
+    }
+
+    /// A page sends a command, whether it has the axis or not.
+    fn send(&mut self, page: u64, order: Order) {
+        let stamp = self.stamp(page);
+        let permitted = match order {
+            Order::Enable => self.control.ledger().permit_enable("a", stamp),
+            _ => self.control.ledger().permit_motion("a", stamp, Some(50.0)),
+        };
+        let Some(taken) = &self.taken else {
+            assert!(permitted.is_err());
+            return;
+        };
+        assert!(permitted.is_err() || taken.page == page, "of the holder alone");
+        assert!(permitted.is_err() || self.stopped.is_none(), "not after a STOP");
+        if permitted.is_ok() {
+            if order.kept().is_some() {
+                self.held[usize::try_from(page).unwrap()] = Some(stamp.number);
+                self.silent = Duration::ZERO;
+            }
+            let reply = self.reply.clone();
+            taken.running.order(Command { order, stamp, reply });
+        }
+    }
+
+    /// The task of the axis has its turn, maybe long after the command came.
+    fn turn(&mut self) {
+        if let Some(taken) = &mut self.taken
+            && let Ok(command) = taken.queue.try_recv()
+        {
+            let _ = turn(&self.control, &taken.running, &mut taken.axis, &command).wait();
+        }
+    }
+
+    fn beat(&mut self, page: u64) {
+        if let Some(taken) = self.taken.as_ref().filter(|taken| taken.page == page) {
+            taken.running.beat(self.held[usize::try_from(page).unwrap()]);
+            self.silent = Duration::ZERO;
+        }
+    }
+
+    fn stop(&mut self) {
+        if let Some(taken) = &self.taken {
+            self.control
+                .axes()
+                .insert("a".to_owned(), Arc::clone(&taken.running));
+        }
+        let stopping = self.control.stop("x");
+        assert_eq!(stopping.drives.len(), usize::from(self.taken.is_some()));
+        self.control.axes().clear();
+        self.stopped = Some(Duration::ZERO);
+    }
+
+    fn leave(&mut self, page: u64) {
+        if let Some(taken) = self.taken.take_if(|taken| taken.page == page) {
+            taken.running.end();
+            let lease = taken.running.lease;
+            let _ = taken.axis.release().wait();
+            self.control.ledger().give_back("a", lease);
+            self.held = [None, None];
+            assert!(self.truth().abs() < 0.1, "given back at rest");
+        }
+    }
+
+    fn truth(&self) -> f64 {
+        let profidrive::Transport::Plant(plant) = self.network.transport() else {
+            panic!("it is a plant");
+        };
+        plant.with_world(|world| world.drive(0).unwrap().drive().axis().speed())
+    }
+
+    /// Lets time pass, and looks at what must be true.
+    fn pass(&mut self, time: Duration) {
+        self.network.pass(time).wait().unwrap();
+        self.silent += time;
+        if let Some(stopped) = &mut self.stopped {
+            *stopped += time;
+        }
+        while self.answers.try_recv().is_ok() {}
+        let Some(taken) = &self.taken else { return };
+        let moves = taken.axis.status().is_some_and(|status| status.view.goal.moves());
+        self.moved |= moves;
+        if self.stopped.is_some_and(|stopped| stopped >= CYCLES) {
+            assert!(!moves, "after a STOP nothing moves");
+        }
+        if self.silent >= HOLD + CYCLES {
+            assert!(!moves, "without beats nothing moves");
+        }
+    }
+
+    fn step(&mut self, dice: &mut Dice) {
+        let page = dice.up_to(2);
+        let place = usize::try_from(page).unwrap();
+        match dice.up_to(40) {
+            0..=2 => self.take(page),
+            3..=6 => self.send(page, Order::Enable),
+            7..=12 => self.send(page, Order::Jog(50.0)),
+            13 => {
+                // the button goes up: the next beat says so
+                self.held[place] = None;
+                self.beat(page);
+            }
+            14 => self.stop(),
+            15..=18 => self.seen[place] = self.control.stops(),
+            19..=21 => {
+                if self.control.ledger().reset(self.seen[place]).is_ok() {
+                    self.stopped = None;
+                }
+            }
+            22 if dice.up_to(2) == 0 => self.leave(page),
+            23..=30 => self.turn(),
+            _ => self.beat(page),
+        }
+        self.pass(MS * u32::try_from(dice.up_to(80)).unwrap());
+    }
+}
+
+#[test]
+fn one_page_has_an_axis_and_nothing_moves_after_a_stop_or_without_beats() {
+    let first = std::env::var("PROFIDRIVE_SEED")
+        .ok()
+        .and_then(|seed| seed.parse().ok());
+    let seeds = first.map_or(0..SEEDS, |seed| seed..seed + 1);
+    let mut moved = 0;
+    for seed in seeds {
+        println!("seed {seed}");
+        let (mut play, mut dice) = (Play::new(), Dice(seed));
+        for _ in 0..600 {
+            play.step(&mut dice);
+        }
+        moved += usize::from(play.moved);
+        // whatever is pressed now and never again
+        play.stop();
+        play.turn();
+        for _ in 0..20 {
+            play.pass(100 * MS);
+        }
+        assert!(play.truth().abs() < 0.1);
+    }
+    assert!(
+        first.is_some() || moved > 60,
+        "{moved} of {SEEDS} seeds moved the axis at all"
+    );
+}

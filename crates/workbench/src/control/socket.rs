@@ -1,0 +1,637 @@
+//! The control socket of one page: what it requests, its beats, and STOP.
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use axum::Extension;
+use axum::extract::State;
+use axum::extract::ws::rejection::WebSocketUpgradeRejection;
+use axum::extract::ws::{CloseFrame, Message, WebSocket, WebSocketUpgrade, close_code};
+use axum::http::StatusCode;
+use axum::response::Response;
+use futures::stream::SplitSink;
+use futures::{SinkExt, StreamExt};
+use profidrive::motion::{Control as Common, Hold};
+use serde::{Deserialize, Serialize};
+use tokio::sync::{OwnedSemaphorePermit, broadcast, mpsc};
+use tokio::time::{MissedTickBehavior, interval, timeout};
+
+use super::axis::{Command, Order, Reply, Running, attend, conflict};
+use super::fresh::Freshness;
+use super::ledger::{Denied, Holder, Stamp};
+use super::{HOLD, LEASE};
+use crate::access::{Caller, Role};
+use crate::act::{self, Intent};
+use crate::problem::Problem;
+use crate::settings::Source;
+use crate::shared::Shared;
+
+/// The protocol of this socket; another layout of the messages has another number.
+const PROTOCOL: &str = "profidrive.control.1";
+/// The longest message of a page, in octets.
+const MESSAGE: usize = 4096;
+/// Messages of a page in a second; STOP is not counted.
+const RATE: u32 = 100;
+/// Answers that a page has not taken, before its socket is closed.
+const ANSWERS: usize = 64;
+/// Axes of one page.
+const AXES: usize = 8;
+/// Time between two pictures of the axes.
+const PICTURES: Duration = Duration::from_millis(33);
+/// Time between two looks at the session.
+const LOOK: Duration = Duration::from_secs(1);
+/// A page that takes nothing for this time is gone.
+const GONE: Duration = Duration::from_secs(5);
+/// Highest speed of a lease where the page requests no other, rpm.
+const LIMIT: f64 = 300.0;
+
+/// What an axis is taken for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum For {
+    Speed,
+    Position,
+}
+
+/// Whom a command is for, and what it has seen.
+#[derive(Debug, Clone, Deserialize)]
+struct Stamped {
+    n: u64,
+    drive: String,
+    lease: u64,
+    epoch: u64,
+}
+
+/// The goal whose button is held.
+#[derive(Debug, Deserialize)]
+struct HeldGoal {
+    drive: String,
+    n: u64,
+}
+
+/// What a page sends.
+#[derive(Debug, Deserialize)]
+#[serde(tag = "type", rename_all = "snake_case")]
+enum Request {
+    Take {
+        n: u64,
+        drive: String,
+        purpose: For,
+        /// Highest speed, rpm.
+        limit: Option<f64>,
+        /// Puts the drive into the mode that this needs, and back afterwards.
+        #[serde(default)]
+        set_mode: bool,
+        /// Consent to an axis that nothing stops when its controller is lost.
+        #[serde(default)]
+        may_run_on: bool,
+    },
+    Release {
+        drive: String,
+    },
+    /// Wants the axis of another page.
+    Handover {
+        drive: String,
+    },
+    /// A sign that somebody has the page before them.
+    Beat {
+        n: u64,
+        /// Time of the page, ms.
+        t: f64,
+        held: Option<HeldGoal>,
+    },
+    Enable(Stamped),
+    Disable(Stamped),
+    Acknowledge(Stamped),
+    Confirm(Stamped),
+    Halt {
+        drive: String,
+        lease: u64,
+    },
+    Jog {
+        #[serde(flatten)]
+        of: Stamped,
+        t: f64,
+        speed: f64,
+    },
+    Velocity {
+        #[serde(flatten)]
+        of: Stamped,
+        speed: f64,
+    },
+    Move {
+        #[serde(flatten)]
+        of: Stamped,
+        turns: f64,
+        #[serde(default)]
+        relative: bool,
+        speed: f64,
+    },
+    Home(Stamped),
+    Task {
+        #[serde(flatten)]
+        of: Stamped,
+        number: u16,
+    },
+    Stop,
+    /// Lets axes be enabled again after the STOP of this epoch.
+    Reset {
+        n: u64,
+        epoch: u64,
+    },
+    /// A message of a newer page.
+    #[serde(other)]
+    Other,
+}
+
+/// The first message to a page.
+#[derive(Serialize)]
+struct Hello<'s> {
+    r#type: &'static str,
+    build: &'static str,
+    boot: &'s str,
+    epoch: u64,
+    stopped: bool,
+    /// Whether this page may take control; else why not.
+    refusal: Option<&'static str>,
+    /// After so many ms without a beat a motion ends that a button keeps going, and control.
+    hold_ms: u128,
+    lease_ms: u128,
+}
+
+#[derive(Serialize)]
+struct Echo {
+    r#type: &'static str,
+    n: u64,
+    t: f64,
+    fresh: bool,
+}
+
+#[derive(Serialize)]
+struct Wanted<'s> {
+    r#type: &'static str,
+    drive: &'s str,
+    by: &'s str,
+}
+
+#[derive(Serialize)]
+struct Reset {
+    r#type: &'static str,
+    epoch: u64,
+}
+
+#[derive(Serialize)]
+struct Axes<T> {
+    r#type: &'static str,
+    axes: Vec<T>,
+}
+
+/// Opens the control socket: a page takes an axis by it, keeps a motion going by beats, and stops. Each session may open it, and only
+/// STOP is for all of them.
+#[utoipa::path(get, path = "/api/v1/control", responses(
+    (status = 101, description = "A WebSocket with the protocol `profidrive.control.1`"),
+    (status = 401, description = "No session", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
+    (status = 403, description = "Another origin", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
+    (status = 426, description = "No WebSocket, or another protocol", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
+    (status = 429, description = "Too many sockets", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
+))]
+pub(crate) async fn control(
+    State(shared): State<Arc<Shared>>,
+    Extension(caller): Extension<Caller>,
+    upgrade: Result<WebSocketUpgrade, WebSocketUpgradeRejection>,
+) -> Result<Response, Problem> {
+    let other = |detail: &str| Problem::new(StatusCode::UPGRADE_REQUIRED, "protocol", detail);
+    let upgrade = upgrade.map_err(|error| other(&error.to_string()))?;
+    let upgrade = upgrade
+        .max_message_size(MESSAGE)
+        .max_frame_size(MESSAGE)
+        .protocols([PROTOCOL]);
+    if upgrade.selected_protocol().is_none() {
+        return Err(other(
+            "this server has the protocol profidrive.control.1: load the page again",
+        ));
+    }
+    let place = Arc::clone(&shared.control_sockets)
+        .try_acquire_owned()
+        .map_err(|_| {
+            let detail = "too many pages are open: close one of them";
+            Problem::new(StatusCode::TOO_MANY_REQUESTS, "sockets", detail)
+        })?;
+    Ok(upgrade.on_upgrade(move |socket| serve(shared, caller, socket, place)))
+}
+
+/// Why a socket is closed by this side.
+type Closing = (u16, &'static str);
+
+async fn serve(shared: Arc<Shared>, caller: Caller, socket: WebSocket, place: OwnedSemaphorePermit) {
+    let (sink, mut stream) = socket.split();
+    let (answers, queue) = mpsc::channel(ANSWERS);
+    let mut page = Page::new(shared, caller, Reply(answers));
+    page.hello();
+    // sending waits for the page, reading must not: STOP and beats pass whatever is on its way out
+    let writer = tokio::spawn(write(Arc::clone(&page.shared), sink, queue));
+    let mut look = interval(LOOK);
+    let closing = loop {
+        tokio::select! {
+            message = stream.next() => match message.map(|message| page.read(message)) {
+                Some(Ok(())) => {}
+                Some(Err(closing)) => break closing,
+                None => break None,
+            },
+            _ = look.tick() => if let Err(closing) = page.look() { break Some(closing) },
+        }
+        if page.reply.0.is_closed() {
+            break None;
+        }
+    };
+    // first: nothing that follows may keep an axis
+    page.end();
+    drop(place);
+    if let Some((code, reason)) = closing {
+        let reason = format!("{code} {reason}");
+        let _ = page.reply.0.try_send(format!("{CLOSE}{reason}"));
+    }
+    drop(page);
+    let _ = timeout(GONE, writer).await;
+}
+
+/// Stands before the code with which a socket is closed, in the queue of its answers; no JSON begins with it.
+const CLOSE: &str = "close ";
+
+/// Sends answers, news and pictures of the axes until the page is gone.
+async fn write(
+    shared: Arc<Shared>,
+    mut sink: SplitSink<WebSocket, Message>,
+    mut queue: mpsc::Receiver<String>,
+) {
+    let mut news = shared.control.news.subscribe();
+    let mut pictures = interval(PICTURES);
+    pictures.set_missed_tick_behavior(MissedTickBehavior::Skip);
+    let mut shown = Vec::new();
+    loop {
+        let message = tokio::select! {
+            biased;
+            news = news.recv() => match news {
+                Ok(text) => Message::Text(text),
+                Err(broadcast::error::RecvError::Lagged(_) | broadcast::error::RecvError::Closed) => return,
+            },
+            answer = queue.recv() => match answer {
+                None => return,
+                Some(answer) => match answer.strip_prefix(CLOSE).and_then(|text| text.split_once(' ')) {
+                    Some((code, reason)) => Message::Close(Some(CloseFrame {
+                        code: code.parse().unwrap_or(close_code::POLICY),
+                        reason: reason.into(),
+                    })),
+                    None => Message::Text(answer.into()),
+                },
+            },
+            _ = pictures.tick() => {
+                let axes: Vec<_> = shared.control.axes().values().map(|running| running.picture()).collect();
+                if axes == shown {
+                    continue;
+                }
+                shown.clone_from(&axes);
+                let picture = Axes { r#type: "axes", axes };
+                Message::Text(serde_json::to_string(&picture).unwrap_or_default().into())
+            }
+        };
+        let last = matches!(message, Message::Close(_));
+        let sent = timeout(GONE, sink.send(message)).await;
+        if last || !matches!(sent, Ok(Ok(()))) {
+            return;
+        }
+    }
+}
+
+/// One page.
+struct Page {
+    shared: Arc<Shared>,
+    caller: Caller,
+    /// The number of its socket.
+    number: u64,
+    reply: Reply,
+    freshness: Freshness,
+    begin: Instant,
+    /// The second in which messages are counted.
+    second: Instant,
+    messages: u32,
+    /// Its axes.
+    own: Vec<Arc<Running>>,
+}
+
+impl Page {
+    fn new(shared: Arc<Shared>, caller: Caller, reply: Reply) -> Self {
+        let now = Instant::now();
+        Self {
+            number: shared.control.next_socket(),
+            shared,
+            caller,
+            reply,
+            freshness: Freshness::default(),
+            begin: now,
+            second: now,
+            messages: 0,
+            own: Vec::new(),
+        }
+    }
+
+    fn refusal(&self) -> Option<&'static str> {
+        match (&self.shared.source, self.caller.role) {
+            _ if self.shared.read_only => Some("read_only"),
+            (_, Role::View) => Some("view"),
+            (Source::Addresses(_), _) => Some("addresses"),
+            _ => None,
+        }
+    }
+
+    fn hello(&self) {
+        let ledger = self.shared.control.ledger();
+        self.reply.send(&Hello {
+            r#type: "hello",
+            build: env!("CARGO_PKG_VERSION"),
+            boot: &self.shared.boot,
+            epoch: ledger.epoch(),
+            stopped: ledger.is_stopped(),
+            refusal: self.refusal(),
+            hold_ms: HOLD.as_millis(),
+            lease_ms: LEASE.as_millis(),
+        });
+    }
+
+    /// Ends a socket whose session has ended.
+    fn look(&mut self) -> Result<(), Closing> {
+        let control = &self.shared.control;
+        self.own.retain(|running| {
+            let axes = control.axes();
+            axes.get(&running.drive)
+                .is_some_and(|known| known.lease == running.lease)
+        });
+        match &self.caller.session {
+            // a page that has an axis is used
+            Some(session)
+                if !self
+                    .shared
+                    .sessions()
+                    .lasts(session, !self.own.is_empty(), Instant::now()) =>
+            {
+                Err((close_code::POLICY, "the session has ended"))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Gives back everything that this page has.
+    fn end(&self) {
+        for running in &self.own {
+            running.end();
+        }
+    }
+
+    fn read(&mut self, message: Result<Message, axum::Error>) -> Result<(), Option<Closing>> {
+        let text = match message {
+            Ok(Message::Text(text)) => text,
+            Ok(Message::Binary(_)) => return Err(Some((close_code::POLICY, "not a text"))),
+            Ok(Message::Close(_)) => return Err(None),
+            Ok(_) => return Ok(()),
+            Err(_) => return Err(Some((close_code::SIZE, "the message is too long, or no message"))),
+        };
+        let request: Request = serde_json::from_str(&text)
+            .map_err(|_| Some((close_code::POLICY, "not a message of the protocol")))?;
+        if matches!(request, Request::Stop) {
+            self.stop();
+            return Ok(());
+        }
+        let now = Instant::now();
+        if now.saturating_duration_since(self.second) >= Duration::from_secs(1) {
+            (self.second, self.messages) = (now, 0);
+        }
+        self.messages += 1;
+        if self.messages > RATE {
+            return Err(Some((close_code::POLICY, "too many messages")));
+        }
+        self.carry_out(request);
+        Ok(())
+    }
+
+    /// Stops everything now; the log comes behind.
+    fn stop(&self) {
+        let stopping = self.shared.control.stop(&self.caller.who);
+        let (shared, caller) = (Arc::clone(&self.shared), self.caller.clone());
+        tokio::spawn(async move { act::note_stop(&shared, &caller, &stopping).await });
+    }
+
+    fn carry_out(&mut self, request: Request) {
+        match request {
+            Request::Stop | Request::Other => {}
+            Request::Beat { n, t, held } => self.beat(n, t, held.as_ref()),
+            Request::Take {
+                n,
+                drive,
+                purpose,
+                limit,
+                set_mode,
+                may_run_on,
+            } => {
+                let common = Common {
+                    set_mode,
+                    may_run_on,
+                    ..Common::default()
+                };
+                let hold = Hold {
+                    limit: limit.unwrap_or(LIMIT),
+                    lease: LEASE,
+                    control: common,
+                    ..match purpose {
+                        For::Speed => Hold::for_speed(),
+                        For::Position => Hold::for_position(),
+                    }
+                };
+                self.take(n, &drive.to_lowercase(), hold);
+            }
+            Request::Release { drive } => {
+                if let Some(running) = self.own(&drive) {
+                    running.end();
+                }
+            }
+            Request::Handover { drive } => {
+                if self.refusal().is_none() {
+                    self.shared.control.tell(&Wanted {
+                        r#type: "wanted",
+                        drive: &drive,
+                        by: &self.caller.who,
+                    });
+                }
+            }
+            Request::Halt { drive, lease } => {
+                if let Some(running) = self.own(&drive).filter(|running| running.lease == lease) {
+                    running.halt();
+                }
+            }
+            Request::Confirm(of) => {
+                let confirmed = self.shared.control.ledger().confirm(&of.drive, self.stamp(&of));
+                self.answer(of.n, confirmed);
+            }
+            Request::Reset { n, epoch } => self.reset(n, epoch),
+            Request::Enable(of) => self.order(of, Order::Enable),
+            Request::Disable(of) => self.order(of, Order::Disable),
+            Request::Acknowledge(of) => self.order(of, Order::Acknowledge),
+            Request::Jog { of, t, speed } => {
+                if self.freshness.is_fresh(self.begin.elapsed(), t) {
+                    self.order(of, Order::Jog(speed));
+                } else {
+                    let late = conflict("this came too late: the button may be up by now");
+                    self.reply.refused(of.n, &late);
+                }
+            }
+            Request::Velocity { of, speed } => self.order(of, Order::Velocity(speed)),
+            Request::Move {
+                of,
+                turns,
+                relative,
+                speed,
+            } => self.order(
+                of,
+                Order::Move {
+                    turns,
+                    relative,
+                    speed,
+                },
+            ),
+            Request::Home(of) => self.order(of, Order::Home),
+            Request::Task { of, number } => self.order(of, Order::Task(number)),
+        }
+    }
+
+    fn own(&self, drive: &str) -> Option<&Arc<Running>> {
+        let own = self.own.iter().rev();
+        let mut of = own.filter(|running| running.drive == drive);
+        of.next()
+    }
+
+    const fn stamp(&self, of: &Stamped) -> Stamp {
+        Stamp {
+            socket: self.number,
+            lease: of.lease,
+            epoch: of.epoch,
+            number: of.n,
+        }
+    }
+
+    fn answer(&self, n: u64, done: Result<(), Denied>) {
+        match done {
+            Ok(()) => self.reply.accepted(n),
+            Err(denied) => self.reply.refused(n, &conflict(&denied.to_string())),
+        }
+    }
+
+    fn beat(&mut self, n: u64, t: f64, held: Option<&HeldGoal>) {
+        let fresh = self.freshness.is_fresh(self.begin.elapsed(), t);
+        if fresh {
+            for running in &self.own {
+                let number = held.filter(|held| held.drive == running.drive).map(|held| held.n);
+                running.beat(number);
+            }
+        }
+        self.reply.send(&Echo {
+            r#type: "beat",
+            n,
+            t,
+            fresh,
+        });
+    }
+
+    fn take(&mut self, n: u64, drive: &str, hold: Hold) {
+        let refused = |detail: &str| self.reply.refused(n, &conflict(detail));
+        match self.refusal() {
+            Some("addresses") => {
+                return refused(
+                    "drives that are given by their addresses have parameters only: control needs an interface",
+                );
+            }
+            Some(_) => return refused("this session only looks and stops"),
+            None => {}
+        }
+        if !(hold.limit > 0.0 && hold.limit.is_finite()) {
+            return refused("the highest speed has to be a number above 0 rpm");
+        }
+        if self.own.len() >= AXES {
+            return refused("this page has control of 8 axes, which is the most");
+        }
+        let control = &self.shared.control;
+        let holder = Holder {
+            socket: self.number,
+            who: self.caller.who.clone(),
+        };
+        let lease = match control.ledger().take(drive, holder, hold.limit) {
+            Ok(lease) => lease,
+            Err(denied) => return refused(&denied.to_string()),
+        };
+        let (running, queue) = Running::new(drive, lease, &self.caller.who, hold.purpose);
+        control.axes().insert(drive.to_owned(), Arc::clone(&running));
+        self.own.push(Arc::clone(&running));
+        let (shared, caller) = (Arc::clone(&self.shared), self.caller.clone());
+        tokio::spawn(attend(
+            shared,
+            caller,
+            running,
+            hold,
+            queue,
+            (n, self.reply.clone()),
+        ));
+    }
+
+    fn order(&self, of: Stamped, order: Order) {
+        let stamp = self.stamp(&of);
+        let permitted = {
+            let mut ledger = self.shared.control.ledger();
+            match order {
+                Order::Disable | Order::Acknowledge => ledger.permit(&of.drive, stamp),
+                Order::Enable => ledger.permit_enable(&of.drive, stamp),
+                Order::Jog(speed) | Order::Velocity(speed) | Order::Move { speed, .. } => {
+                    ledger.permit_motion(&of.drive, stamp, Some(speed))
+                }
+                Order::Home | Order::Task(_) => ledger.permit_motion(&of.drive, stamp, None),
+            }
+        };
+        if let Err(denied) = permitted {
+            self.reply.refused(of.n, &conflict(&denied.to_string()));
+            return;
+        }
+        let command = Command {
+            order,
+            stamp,
+            reply: self.reply.clone(),
+        };
+        match self.own(&of.drive) {
+            Some(running) => running.order(command),
+            None => self.answer(of.n, Err(Denied::NotHeld)),
+        }
+    }
+
+    fn reset(&self, n: u64, epoch: u64) {
+        if self.refusal().is_some() {
+            self.reply
+                .refused(n, &conflict("this session only looks and stops"));
+            return;
+        }
+        let reset = self.shared.control.ledger().reset(epoch);
+        let done = reset.is_ok();
+        self.answer(n, reset);
+        if done {
+            self.shared.control.tell(&Reset {
+                r#type: "reset",
+                epoch,
+            });
+            let (shared, caller) = (Arc::clone(&self.shared), self.caller.clone());
+            tokio::spawn(async move {
+                let intent = Intent {
+                    action: "reset",
+                    drive: None,
+                    value: Some(format!("STOP {epoch}")),
+                    changes: Vec::new(),
+                };
+                act::note(&shared, &caller, &intent, "done".to_owned()).await;
+            });
+        }
+    }
+}

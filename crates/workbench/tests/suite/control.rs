@@ -1,0 +1,347 @@
+//! The control socket, as pages, programs and attackers use it.
+
+use std::time::{Duration, Instant};
+
+use profidrive_workbench::{Settings, Source};
+use serde_json::{Value, json};
+
+use crate::change::known;
+use crate::live::{Page, open_at};
+use crate::server::Running;
+
+const PROTOCOL: &str = "profidrive.control.1";
+
+/// A page with a control socket, and the numbers of its commands.
+struct Hands {
+    page: Page,
+    number: u64,
+    begin: Instant,
+    beats: u64,
+}
+
+impl Hands {
+    fn of(server: &Running, token: &str) -> Self {
+        let session = server.session(token);
+        let page = open_at(server, "/api/v1/control", &session, Some(PROTOCOL));
+        let mut page = page.unwrap_or_else(|status| panic!("{status}"));
+        page.next("hello");
+        Self {
+            page,
+            number: 0,
+            begin: Instant::now(),
+            beats: 0,
+        }
+    }
+
+    fn time(&self) -> f64 {
+        self.begin.elapsed().as_secs_f64() * 1000.0
+    }
+
+    /// Sends a command; returns its number.
+    fn send(&mut self, kind: &str, drive: &str, more: &Value) -> u64 {
+        self.number += 1;
+        let mut message = json!({ "type": kind, "n": self.number, "drive": drive });
+        for (key, value) in more.as_object().unwrap() {
+            message[key] = value.clone();
+        }
+        self.page.send(&message);
+        self.number
+    }
+
+    fn beat(&mut self, held: &Value) {
+        self.beats += 1;
+        let t = self.time();
+        self.page
+            .send(&json!({ "type": "beat", "n": self.beats, "t": t, "held": held }));
+    }
+
+    /// Beats until a command is answered, and returns the answer.
+    fn answer(&mut self, number: u64) -> Value {
+        let begin = Instant::now();
+        self.page.patience(Duration::from_millis(20));
+        loop {
+            assert!(begin.elapsed() < Duration::from_secs(30), "no answer to {number}");
+            if let Some(message) = self.page.poll() {
+                let kind = message["type"].as_str().unwrap_or_default();
+                if message["n"] == number && matches!(kind, "accepted" | "refused" | "lease") {
+                    return message;
+                }
+            }
+            if self.beats == 0 || self.time() > 50.0 * self.beats as f64 {
+                self.beat(&Value::Null);
+            }
+        }
+    }
+
+    fn take(&mut self, drive: &str) -> Value {
+        let number = self.send("take", drive, &json!({ "purpose": "speed", "limit": 300 }));
+        self.answer(number)
+    }
+
+    /// Sends a command of this lease and waits for its answer.
+    fn order(&mut self, kind: &str, drive: &str, lease: u64, epoch: u64, more: &Value) -> Value {
+        let mut all = json!({ "lease": lease, "epoch": epoch });
+        for (key, value) in more.as_object().unwrap() {
+            all[key] = value.clone();
+        }
+        let number = self.send(kind, drive, &all);
+        self.answer(number)
+    }
+}
+
+fn lease(answer: &Value) -> u64 {
+    assert_eq!(answer["type"], "lease", "{answer}");
+    answer["lease"].as_u64().unwrap()
+}
+
+fn sentence(answer: &Value) -> &str {
+    assert_eq!(answer["type"], "refused", "{answer}");
+    answer["sentence"].as_str().unwrap()
+}
+
+fn speed(server: &Running, id: &str) -> f64 {
+    let drives = server
+        .ask("GET", "/api/v1/plant/drives", &Running::bearer(&server.view), "")
+        .json();
+    let mut drives = drives["drives"].as_array().unwrap().iter();
+    drives.find(|drive| drive["id"] == *id).unwrap()["speed"]
+        .as_f64()
+        .unwrap()
+}
+
+/// Waits until the shaft rests.
+fn rests(server: &Running, id: &str) {
+    let begin = Instant::now();
+    while speed(server, id).abs() > 0.1 {
+        assert!(begin.elapsed() < Duration::from_secs(10), "it turns");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+}
+
+/// Beats until the shaft turns.
+fn turns(server: &Running, hands: &mut Hands, id: &str, held: &Value) {
+    let begin = Instant::now();
+    while speed(server, id).abs() < 15.0 {
+        assert!(begin.elapsed() < Duration::from_secs(10), "it rests");
+        hands.beat(held);
+        std::thread::sleep(Duration::from_millis(30));
+    }
+}
+
+#[test]
+fn a_jog_lasts_as_long_as_fresh_beats_and_control_too() {
+    let server = Running::demo();
+    let id = known(&server, "axis-1");
+    let mut hands = Hands::of(&server, &server.control);
+    let lease = lease(&hands.take(&id));
+    assert_eq!(
+        hands.order("enable", &id, lease, 0, &json!({}))["type"],
+        "accepted"
+    );
+    let t = hands.time();
+    let jog = hands.send(
+        "jog",
+        &id,
+        &json!({ "lease": lease, "epoch": 0, "t": t, "speed": 20 }),
+    );
+    let held = json!({ "drive": id, "n": jog });
+    turns(&server, &mut hands, &id, &held);
+    // no beat comes any more: first the jog ends, then control
+    rests(&server, &id);
+    crate::server::eventually(&server, "/api/v1/server", |report| {
+        report["controlled"] == json!([])
+    });
+    let late = hands.order("enable", &id, lease, 0, &json!({}));
+    assert!(sentence(&late).contains("no control"), "{late}");
+    let actions: Vec<String> = server
+        .log()
+        .iter()
+        .map(|record| record["action"].as_str().unwrap().to_owned())
+        .collect();
+    for action in ["take", "enable", "jog", "release"] {
+        assert!(actions.iter().any(|one| one == action), "{actions:?}");
+    }
+}
+
+#[test]
+fn beats_that_come_too_late_keep_nothing_going() {
+    let server = Running::demo();
+    let id = known(&server, "axis-1");
+    let mut hands = Hands::of(&server, &server.control);
+    let lease = lease(&hands.take(&id));
+    hands.order("enable", &id, lease, 0, &json!({}));
+    let t = hands.time();
+    let jog = hands.send(
+        "jog",
+        &id,
+        &json!({ "lease": lease, "epoch": 0, "t": t, "speed": 20 }),
+    );
+    let held = json!({ "drive": id, "n": jog });
+    turns(&server, &mut hands, &id, &held);
+    // as from a network that has held them back: there are enough of them, and each is old
+    let begin = Instant::now();
+    while speed(&server, &id).abs() > 0.1 {
+        assert!(begin.elapsed() < Duration::from_secs(10), "it turns");
+        hands.beats += 1;
+        let old = hands.time() - 300.0;
+        hands
+            .page
+            .send(&json!({ "type": "beat", "n": hands.beats, "t": old, "held": held }));
+        std::thread::sleep(Duration::from_millis(40));
+    }
+    let t = hands.time() - 300.0;
+    let late = hands.send(
+        "jog",
+        &id,
+        &json!({ "lease": lease, "epoch": 0, "t": t, "speed": 20 }),
+    );
+    let late = hands.answer(late);
+    assert!(
+        sentence(&late).contains("too late") || sentence(&late).contains("no control"),
+        "{late}"
+    );
+}
+
+#[test]
+fn a_lease_is_of_its_socket_and_a_stop_of_everybody() {
+    let server = Running::demo();
+    let id = known(&server, "axis-1");
+    let mut hands = Hands::of(&server, &server.control);
+    let lease = lease(&hands.take(&id));
+    // another session, another tab, and one that only looks
+    let mut thief = Hands::of(&server, &server.control);
+    assert!(sentence(&thief.take(&id)).contains("has control"));
+    let stolen = thief.order("enable", &id, lease, 0, &json!({}));
+    assert!(sentence(&stolen).contains("no control"), "{stolen}");
+    thief.send("release", &id, &json!({}));
+    thief.send("halt", &id, &json!({ "lease": lease }));
+    let mut looker = Hands::of(&server, &server.view);
+    assert!(sentence(&looker.take(&id)).contains("only looks"));
+    assert_eq!(
+        hands.order("enable", &id, lease, 0, &json!({}))["type"],
+        "accepted"
+    );
+    let go = hands.order("velocity", &id, lease, 0, &json!({ "speed": 20 }));
+    assert_eq!(go["type"], "accepted", "{go}");
+    turns(&server, &mut hands, &id, &Value::Null);
+    looker.page.send(&json!({ "type": "stop" }));
+    assert_eq!(looker.page.next("stopped")["drives"], json!([id]));
+    rests(&server, &id);
+    // what was sent before the STOP was seen, and before it is reset
+    for (epoch, part) in [(0, "before it"), (1, "reset")] {
+        for kind in ["enable", "velocity"] {
+            let refused = hands.order(kind, &id, lease, epoch, &json!({ "speed": 20 }));
+            assert!(sentence(&refused).contains(part), "{refused}");
+        }
+    }
+    let number = looker.send("reset", &id, &json!({ "epoch": 1 }));
+    assert!(sentence(&looker.answer(number)).contains("only looks"));
+    let number = hands.send("reset", &id, &json!({ "epoch": 0 }));
+    assert!(sentence(&hands.answer(number)).contains("STOP"));
+    let number = hands.send("reset", &id, &json!({ "epoch": 1 }));
+    assert_eq!(hands.answer(number)["type"], "accepted");
+    // nothing has started by itself
+    assert!(speed(&server, &id).abs() < 0.1);
+    let enabled = hands.order("enable", &id, lease, 1, &json!({}));
+    assert_eq!(enabled["type"], "accepted", "{enabled}");
+    // a command once more
+    let again = hands.number;
+    hands
+        .page
+        .send(&json!({ "type": "enable", "n": again, "drive": id, "lease": lease, "epoch": 1 }));
+    let replayed = hands.answer(again);
+    assert!(sentence(&replayed).contains("came before"), "{replayed}");
+}
+
+#[test]
+fn a_stop_passes_a_socket_that_takes_no_answers() {
+    let server = Running::demo();
+    let id = known(&server, "axis-1");
+    let mut hands = Hands::of(&server, &server.control);
+    let lease = lease(&hands.take(&id));
+    hands.order("enable", &id, lease, 0, &json!({}));
+    hands.order("velocity", &id, lease, 0, &json!({ "speed": 20 }));
+    turns(&server, &mut hands, &id, &Value::Null);
+    // by the way of a program, while nobody reads the socket
+    let stopped = server
+        .ask("POST", "/api/v1/stop", &Running::bearer(&server.view), "")
+        .json();
+    assert_eq!(stopped["axes"], json!([id]));
+    rests(&server, &id);
+    let log = server.log();
+    let stop = log.iter().find(|record| record["action"] == "stop").unwrap();
+    assert!(stop["result"].as_str().unwrap().contains("axis-1"), "{stop}");
+}
+
+#[test]
+fn speeds_above_the_limits_and_drives_of_others_are_refused_in_words() {
+    let server = Running::demo();
+    let press = known(&server, "press-1");
+    let id = known(&server, "axis-1");
+    let mut hands = Hands::of(&server, &server.control);
+    assert!(sentence(&hands.take(&press)).contains("plc-1"));
+    assert!(sentence(&hands.take("02:00:00:00:00:01")).contains("no such drive"));
+    let lease = lease(&hands.take(&id));
+    let off = hands.order("velocity", &id, lease, 0, &json!({ "speed": 20 }));
+    assert!(sentence(&off).contains("not enabled"), "{off}");
+    hands.order("enable", &id, lease, 0, &json!({}));
+    let fast = hands.order("velocity", &id, lease, 0, &json!({ "speed": 31 }));
+    assert!(sentence(&fast).contains("tenth"), "{fast}");
+    hands.order("confirm", &id, lease, 0, &json!({}));
+    let fast = hands.order("velocity", &id, lease, 0, &json!({ "speed": -301 }));
+    assert!(sentence(&fast).contains("limit of this page"), "{fast}");
+    let go = hands.order("velocity", &id, lease, 0, &json!({ "speed": -300 }));
+    assert_eq!(go["type"], "accepted", "{go}");
+    let other = hands.order("home", &id, lease, 0, &json!({}));
+    assert_eq!(other["type"], "refused", "for speeds: {other}");
+}
+
+#[test]
+fn a_socket_that_breaks_the_rules_is_closed_and_its_axis_stops() {
+    let server = Running::demo();
+    let id = known(&server, "axis-1");
+    for (message, code) in [
+        ("{".to_owned(), 1008),
+        (format!("{{\"type\":\"{}\"}}", "x".repeat(5000)), 1009),
+        ("[".repeat(1000), 1008),
+    ] {
+        let mut hands = Hands::of(&server, &server.control);
+        let lease = lease(&hands.take(&id));
+        hands.order("enable", &id, lease, 0, &json!({}));
+        hands.order("velocity", &id, lease, 0, &json!({ "speed": 20 }));
+        turns(&server, &mut hands, &id, &Value::Null);
+        hands.page.text(&message);
+        let closed = hands.page.closed();
+        assert!(closed == Some(code) || closed.is_none(), "{closed:?}");
+        rests(&server, &id);
+        crate::server::eventually(&server, "/api/v1/server", |report| {
+            report["controlled"] == json!([])
+        });
+    }
+    // a flood ends its socket; STOP is not counted
+    let mut flood = Hands::of(&server, &server.control);
+    for _ in 0..150 {
+        flood.page.send(&json!({ "type": "stop" }));
+    }
+    assert_eq!(flood.page.next("stopped")["type"], "stopped");
+    for _ in 0..150 {
+        flood.page.text("{\"type\":\"tomorrow\"}");
+    }
+    let closed = flood.page.closed();
+    assert!(closed == Some(1008) || closed.is_none(), "{closed:?}");
+}
+
+#[test]
+fn a_server_that_ends_stops_its_axes() {
+    let server = Running::start(Settings::new(Source::Demo));
+    let id = known(&server, "axis-1");
+    let mut hands = Hands::of(&server, &server.control);
+    let lease = lease(&hands.take(&id));
+    hands.order("enable", &id, lease, 0, &json!({}));
+    hands.order("velocity", &id, lease, 0, &json!({ "speed": 20 }));
+    turns(&server, &mut hands, &id, &Value::Null);
+    let begin = Instant::now();
+    // waits until the axis is at rest and given back
+    drop(server);
+    assert!(begin.elapsed() < Duration::from_secs(10));
+}

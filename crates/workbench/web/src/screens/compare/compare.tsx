@@ -1,0 +1,346 @@
+import { signal } from "@preact/signals";
+import { useEffect } from "preact/hooks";
+import { useLocation } from "preact-iso";
+import { type Backups, type Difference, type Job, post, request } from "../../api";
+import { selected, selectedId } from "../../app/selected";
+import { foreign, label, sentence } from "../../parts/format";
+import { Nothing } from "../../parts/Nothing";
+import { Plan } from "../../parts/Plan";
+import { follow, reason } from "../../store/jobs";
+import { server, silent, stations } from "../../store/store";
+import { t } from "../../text";
+
+const files = signal<Backups["files"]>([]);
+/** Both sides: `drive ID` or `file NAME`. */
+const left = signal("");
+const right = signal("");
+/** What is worked on, in words, and how far that is. */
+const work = signal<{ text: string; done: number; total: number } | null>(null);
+const compared = signal<{ job: Job; left: string; right: string } | null>(null);
+const plan = signal<Job | null>(null);
+const picked = signal<ReadonlySet<string>>(new Set());
+const save = signal(false);
+const failure = signal("");
+
+async function list(): Promise<void> {
+  files.value = (await request<Backups>("backups")).files;
+}
+
+/** Does something that takes longer, and shows how far it is. */
+async function working(text: string, does: (show: (job: Job) => void) => Promise<void>): Promise<void> {
+  if (work.value !== null) return;
+  failure.value = "";
+  work.value = { text, done: 0, total: 0 };
+  try {
+    await does((job) => {
+      work.value = { text, done: job.done, total: job.total };
+    });
+  } catch (error) {
+    failure.value = reason(error);
+  }
+  work.value = null;
+}
+
+function source(side: string): { drive: string } | { file: string } {
+  const at = side.indexOf(" ");
+  const name = side.slice(at + 1);
+  return side.startsWith("drive ") ? { drive: name } : { file: name };
+}
+
+async function backUp(id: string): Promise<void> {
+  await working(t("compare.saving"), async (show) => {
+    const job = await follow(await post<Job>(`drives/${encodeURIComponent(id)}/backups`, {}), show);
+    await list();
+    if (job.file !== null) right.value = `file ${job.file}`;
+    if (job.remarks.length > 0) failure.value = job.remarks.join(" ");
+  });
+}
+
+async function compare(): Promise<void> {
+  const sides = { left: left.value, right: right.value };
+  plan.value = null;
+  await working(t("compare.comparing"), async (show) => {
+    const begun = await post<Job>("compare", { left: source(sides.left), right: source(sides.right) });
+    compared.value = { job: await follow(begun, show), ...sides };
+    picked.value = new Set();
+  });
+}
+
+async function makePlan(id: string, file: string): Promise<void> {
+  const settings = [...picked.value];
+  await working(t("plan.checking"), async (show) => {
+    const begun = await post<Job>(`drives/${encodeURIComponent(id)}/plans`, { file, settings, save: save.value });
+    plan.value = await follow(begun, show);
+  });
+}
+
+async function apply(): Promise<void> {
+  const planned = plan.value;
+  if (planned === null) return;
+  await working(t("plan.applying"), async (show) => {
+    plan.value = await follow(await post<Job>(`plans/${planned.id}/apply`, {}), show);
+    await list();
+  });
+  if (failure.value !== "") plan.value = null;
+}
+
+async function upload(file: File): Promise<void> {
+  const text = await file.text();
+  await working(t("compare.uploading"), async () => {
+    const kept = await post<{ file: string }>("backups", { text });
+    await list();
+    right.value = `file ${kept.file}`;
+  });
+}
+
+function Side({ title, side }: { title: string; side: typeof left }) {
+  const file = side.value.startsWith("file ") ? side.value.slice(5) : null;
+  return (
+    <div class="side">
+      <label>
+        <span class="muted small">{title}</span>
+        <select
+          value={side.value}
+          onChange={(event) => {
+            side.value = event.currentTarget.value;
+          }}
+        >
+          <option value="" disabled hidden>
+            {t("compare.choose")}
+          </option>
+          <optgroup label={t("compare.drives")}>
+            {(stations.value ?? []).map((station) => (
+              <option key={station.id} value={`drive ${station.id}`}>
+                {label(station)}
+              </option>
+            ))}
+          </optgroup>
+          <optgroup label={t("compare.files")}>
+            {files.value.map((kept) => (
+              <option key={kept.file} value={`file ${kept.file}`}>
+                {foreign(kept.file)}
+              </option>
+            ))}
+          </optgroup>
+        </select>
+      </label>
+      {file !== null && (
+        <a href={`/api/v1/backups/${encodeURIComponent(file)}`} download={file} target="_blank" rel="noopener">
+          {t("compare.download")}
+        </a>
+      )}
+    </div>
+  );
+}
+
+function shown(parameter: Difference["left"]): string {
+  if (parameter === null) return "\u2013";
+  return foreign(parameter.error?.meaning ?? `${parameter.text ?? ""} ${parameter.unit}`.trim());
+}
+
+function key(one: Difference): string {
+  const number = one.left?.number ?? one.right?.number ?? String(one.pnu);
+  return number;
+}
+
+/** Returns the drive and the file where one side is each. */
+function restorable(sides: { left: string; right: string }): { id: string; file: string } | null {
+  const all = [sides.left, sides.right];
+  const id = all.find((side) => side.startsWith("drive "))?.slice(6);
+  const file = all.find((side) => side.startsWith("file "))?.slice(5);
+  return id === undefined || file === undefined ? null : { id, file };
+}
+
+function Differences({ job, left, right }: { job: Job; left: string; right: string }) {
+  const report = job.differences;
+  if (report === null) return null;
+  const may = restorable({ left, right });
+  const control = server.value?.role === "control";
+  const usable = work.value === null && silent.value === null;
+  const tasks = report.tasks.length;
+  return (
+    <section>
+      <h2>{t("compare.result", { count: report.differences.length + tasks })}</h2>
+      {job.remarks.map((remark) => (
+        <p key={remark} class="warn">
+          <bdi>{sentence(remark)}</bdi>
+        </p>
+      ))}
+      {report.differences.length + tasks === 0 && <p>{t("compare.same")}</p>}
+      {report.differences.length > 0 && (
+        // biome-ignore lint/a11y/noNoninteractiveTabindex: a region that scrolls is reached by keys
+        <section class="scroll differences" tabIndex={0} aria-label={t("compare.title")}>
+          <table>
+            <caption class="unseen">{t("compare.title")}</caption>
+            <thead>
+              <tr>
+                {may && control && <th scope="col">{t("compare.take")}</th>}
+                <th scope="col">{t("parameters.name")}</th>
+                <th scope="col">{t("parameters.number")}</th>
+                <th scope="col">{foreign(report.left)}</th>
+                <th scope="col">{foreign(report.right)}</th>
+                <th scope="col">{t("compare.kind")}</th>
+              </tr>
+            </thead>
+            <tbody>
+              {report.differences.map((one) => (
+                <tr key={key(one)}>
+                  {may && control && (
+                    <td>
+                      <input
+                        type="checkbox"
+                        aria-label={t("compare.take.one", { name: one.name ?? key(one) })}
+                        checked={picked.value.has(key(one))}
+                        disabled={one.connection}
+                        onChange={(event) => {
+                          const next = new Set(picked.value);
+                          if (event.currentTarget.checked) next.add(key(one));
+                          else next.delete(key(one));
+                          picked.value = next;
+                          plan.value = null;
+                        }}
+                      />
+                    </td>
+                  )}
+                  <th scope="row">
+                    <bdi>{foreign(one.name ?? "")}</bdi>
+                  </th>
+                  <td class="number">{key(one)}</td>
+                  <td class="number">
+                    <bdi>{shown(one.left)}</bdi>
+                  </td>
+                  <td class="number">
+                    <bdi>{shown(one.right)}</bdi>
+                  </td>
+                  <td class="muted small">{one.connection ? t("compare.connection") : ""}</td>
+                </tr>
+              ))}
+            </tbody>
+          </table>
+        </section>
+      )}
+      {tasks > 0 && <p>{t("compare.tasks", { list: report.tasks.map(({ number }) => number).join(", ") })}</p>}
+      {may && control && report.differences.length + tasks > 0 && (
+        <p class="buttons">
+          <button type="button" disabled={!usable} onClick={() => void makePlan(may.id, may.file)}>
+            {picked.value.size === 0 ? t("compare.plan.all") : t("compare.plan", { count: picked.value.size })}
+          </button>
+          <label class="check">
+            <input
+              type="checkbox"
+              checked={save.value}
+              onChange={(event) => {
+                save.value = event.currentTarget.checked;
+                plan.value = null;
+              }}
+            />
+            <span>{t("plan.save")}</span>
+          </label>
+        </p>
+      )}
+      {!may && <p class="muted">{t("compare.unrestorable")}</p>}
+    </section>
+  );
+}
+
+/** Settings of drives and files: saved, compared, and restored as a plan that is reviewed. */
+export function Compare() {
+  const { path } = useLocation();
+  const id = selectedId(path);
+  const station = selected(path);
+  useEffect(() => {
+    if (id === null) return;
+    left.value = `drive ${id}`;
+    list().catch((error: unknown) => {
+      failure.value = reason(error);
+    });
+  }, [id]);
+  if (id === null || !station) {
+    return <Nothing title={t("compare.title")} text={t(id === null ? "compare.select" : "overview.unknown")} />;
+  }
+  const control = server.value?.role === "control";
+  const usable = control && work.value === null && silent.value === null;
+  const planned = plan.value;
+  return (
+    <article class="compare">
+      <h1>
+        {t("compare.title")} <bdi>{label(station)}</bdi>
+      </h1>
+      {control && (
+        <p class="buttons">
+          <button type="button" disabled={!usable} onClick={() => void backUp(id)}>
+            {t("compare.save", { name: label(station) })}
+          </button>
+          <label class="button">
+            <span>{t("compare.upload")}</span>
+            <input
+              type="file"
+              class="unseen"
+              disabled={!usable}
+              onChange={(event) => {
+                const file = event.currentTarget.files?.[0];
+                if (file) void upload(file);
+                event.currentTarget.value = "";
+              }}
+            />
+          </label>
+        </p>
+      )}
+      <div class="sides">
+        <Side title={t("compare.left")} side={left} />
+        <Side title={t("compare.right")} side={right} />
+        {control && (
+          <button
+            type="button"
+            class="primary"
+            disabled={!usable || left.value === "" || right.value === "" || left.value === right.value}
+            onClick={() => void compare()}
+          >
+            {t("compare.go")}
+          </button>
+        )}
+      </div>
+      {!control && <p class="muted">{t("compare.view")}</p>}
+      <p role="status" class="muted">
+        {work.value &&
+          (work.value.total > 0
+            ? t("compare.progress", { text: work.value.text, done: work.value.done, total: work.value.total })
+            : work.value.text)}
+      </p>
+      {failure.value !== "" && (
+        <p class="fault" role="alert">
+          <bdi>{sentence(failure.value)}</bdi>
+        </p>
+      )}
+      {compared.value === null && work.value === null && <p class="muted">{t("compare.empty")}</p>}
+      {compared.value && <Differences {...compared.value} />}
+      {planned && (
+        <section class="review" aria-label={t("plan.title")}>
+          <h2>{t(planned.phase === "planned" ? "plan.title" : "compare.restored")}</h2>
+          {planned.phase !== "planned" && <p role="status">{sentence(planned.plan?.summary ?? "")}</p>}
+          <Plan job={planned} />
+          {planned.phase === "planned" && (
+            <p class="buttons">
+              <button
+                type="button"
+                class="primary"
+                disabled={!usable || planned.plan?.ready !== true}
+                onClick={() => void apply()}
+              >
+                {t("plan.apply", { count: planned.plan?.changes.length ?? 0 })}
+              </button>
+              <button
+                type="button"
+                onClick={() => {
+                  plan.value = null;
+                }}
+              >
+                {t("plan.discard")}
+              </button>
+            </p>
+          )}
+        </section>
+      )}
+    </article>
+  );
+}

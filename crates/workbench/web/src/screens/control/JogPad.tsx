@@ -1,0 +1,79 @@
+import { useEffect } from "preact/hooks";
+import * as control from "../../store/control";
+import { t } from "../../text";
+
+/** A slow button has this share of the speed. */
+const SLOW = 0.1;
+
+/** The key of each direction, with the focus on the pad. */
+const KEYS: Record<string, number> = { ArrowLeft: -1, ArrowRight: 1, ArrowDown: -SLOW, ArrowUp: SLOW };
+
+/** Rounds as people read it. */
+function rpm(speed: number): number {
+  return Math.round(speed * 100) / 100;
+}
+
+/** Buttons that move the axis while they are held. Whatever ends a hold halts the axis. */
+export function JogPad({ drive, speed, may }: { drive: string; speed: number | null; may: boolean }) {
+  const usable = may && speed !== null && speed > 0;
+  const held = control.held.value;
+  useEffect(() => {
+    if (!usable) control.letGo();
+  }, [usable]);
+  const begin = (share: number) => {
+    if (!usable || speed === null) return;
+    control.hold(drive, rpm(speed * share));
+    shares.set(control.held.value?.n ?? 0, share);
+  };
+  return (
+    <fieldset
+      class="pad"
+      aria-label={t("control.pad")}
+      onBlurCapture={(event) => {
+        // from one button to another is not away
+        const to = event.relatedTarget;
+        if (!(to instanceof Node && event.currentTarget.contains(to))) control.letGo();
+      }}
+      onContextMenu={(event) => event.preventDefault()}
+      onKeyDown={(event) => {
+        const share = KEYS[event.key];
+        if (share === undefined) return;
+        event.preventDefault();
+        if (!event.repeat) begin(share);
+      }}
+      onKeyUp={(event) => {
+        if (KEYS[event.key] !== undefined) control.letGo();
+      }}
+    >
+      {[-1, -SLOW, SLOW, 1].map((share) => (
+        <button
+          key={share}
+          type="button"
+          class="jog"
+          disabled={!usable}
+          aria-pressed={held?.drive === drive && share === shareOf(held.n)}
+          onPointerDown={(event) => {
+            if (event.button !== 0) return;
+            event.currentTarget.setPointerCapture(event.pointerId);
+            begin(share);
+          }}
+          onPointerUp={control.letGo}
+          onPointerCancel={control.letGo}
+          onLostPointerCapture={control.letGo}
+        >
+          {speed === null
+            ? "\u2013"
+            : t(share < 0 ? "control.backward" : "control.forward", { speed: rpm(Math.abs(speed * share)) })}
+        </button>
+      ))}
+      <p class="muted small">{t("control.keys")}</p>
+    </fieldset>
+  );
+}
+
+/** Which button began which command, to show it as pressed. */
+const shares = new Map<number, number>();
+
+function shareOf(n: number): number | undefined {
+  return shares.get(n);
+}

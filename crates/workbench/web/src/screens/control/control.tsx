@@ -1,0 +1,448 @@
+import { signal } from "@preact/signals";
+import { useEffect } from "preact/hooks";
+import { useLocation } from "preact-iso";
+import type { Station } from "../../api";
+import { selected, selectedId } from "../../app/selected";
+import { foreign, label, sentence } from "../../parts/format";
+import { Nothing } from "../../parts/Nothing";
+import { ownerName } from "../../parts/Reason";
+import { Shaft } from "../../parts/Shaft";
+import * as control from "../../store/control";
+import { server, silent } from "../../store/store";
+import { t } from "../../text";
+import { JogPad } from "./JogPad";
+
+const purpose = signal<"speed" | "position">("speed");
+const mode = signal(false);
+const runs = signal(false);
+const limit = signal("300");
+const seen = signal<readonly boolean[]>([false, false, false]);
+const tab = signal<"jog" | "velocity" | "move" | "home" | "task">("jog");
+const jogSpeed = signal("20");
+const speed = signal("20");
+const turns = signal("1");
+const relative = signal(true);
+const number = signal("1");
+
+const dash = "\u2013";
+
+function numberOf(text: string): number | null {
+  const value = Number(text.trim().replace(",", "."));
+  return text.trim() === "" || !Number.isFinite(value) ? null : value;
+}
+
+function Field({
+  title,
+  value,
+  unit,
+  disabled,
+}: {
+  title: string;
+  value: typeof limit;
+  unit: string;
+  disabled?: boolean;
+}) {
+  const wrong = numberOf(value.value) === null;
+  return (
+    <label class="field">
+      <span>{title}</span>
+      <span>
+        <input
+          value={value.value}
+          inputMode="decimal"
+          autocomplete="off"
+          disabled={disabled ?? false}
+          aria-invalid={wrong}
+          onInput={(event) => {
+            value.value = event.currentTarget.value;
+          }}
+        />{" "}
+        <span class="unit">{unit}</span>
+      </span>
+    </label>
+  );
+}
+
+function Check({ title, checked, onChange }: { title: string; checked: boolean; onChange: (on: boolean) => void }) {
+  return (
+    <label class="check">
+      <input type="checkbox" checked={checked} onChange={(event) => onChange(event.currentTarget.checked)} />
+      <span>{title}</span>
+    </label>
+  );
+}
+
+/** Why this page cannot take control, in words; nothing where it can. */
+function obstacle(station: Station): string | null {
+  const refusal = control.refusal.value;
+  if (silent.value !== null || !control.connected.value) return t("control.lost");
+  if (refusal === "view" || refusal === "read_only") return t("control.view");
+  if (refusal === "addresses") return t("control.addresses");
+  const other = control.axes.value.find((axis) => axis.drive === station.id);
+  if (other && control.own(station.id) === undefined && !control.leases.value.has(station.id)) {
+    return t("control.taken", { who: other.holder });
+  }
+  return null;
+}
+
+function Take({ station }: { station: Station }) {
+  const axis = control.own(station.id);
+  const why = obstacle(station);
+  const real = server.value?.simulation === false;
+  const ready = !real || seen.value.every(Boolean);
+  const highest = numberOf(limit.value);
+  const other = control.axes.value.find((one) => one.drive === station.id);
+  const waits = other !== undefined && axis === undefined && other.phase === "taking";
+  if (axis !== undefined) {
+    const by = control.wanted.value?.drive === station.id ? control.wanted.value.by : null;
+    return (
+      <>
+        <p>{t(axis.purpose === "speed" ? "control.held.speed" : "control.held.position")}</p>
+        {by !== null && (
+          <p class="warn" role="status">
+            {t("control.wanted", { who: by })}
+          </p>
+        )}
+        <button type="button" onClick={() => control.release(station.id)}>
+          {t(by === null ? "control.release" : "control.hand")}
+        </button>
+      </>
+    );
+  }
+  return (
+    <>
+      <p class="muted">
+        <bdi>{t("control.owner", { name: ownerName(station) ?? t("frame.owner.none") })}</bdi>
+      </p>
+      <label class="field">
+        <span>{t("control.purpose")}</span>
+        <select
+          value={purpose.value}
+          onChange={(event) => {
+            purpose.value = event.currentTarget.value as "speed" | "position";
+            tab.value = "jog";
+          }}
+        >
+          <option value="speed">{t("control.purpose.speed")}</option>
+          <option value="position">{t("control.purpose.position")}</option>
+        </select>
+      </label>
+      <Field title={t("control.limit")} value={limit} unit="rpm" />
+      <Check
+        title={t("control.mode")}
+        checked={mode.value}
+        onChange={(on) => {
+          mode.value = on;
+        }}
+      />
+      <Check
+        title={t("control.runs")}
+        checked={runs.value}
+        onChange={(on) => {
+          runs.value = on;
+        }}
+      />
+      {real &&
+        (["see", "clear", "stop"] as const).map((line, place) => (
+          <Check
+            key={line}
+            title={t(`control.check.${line}`)}
+            checked={seen.value[place] ?? false}
+            onChange={(on) => {
+              seen.value = seen.value.map((before, at) => (at === place ? on : before));
+            }}
+          />
+        ))}
+      <button
+        type="button"
+        class="primary"
+        disabled={why !== null || !ready || waits || highest === null || highest <= 0}
+        onClick={() => control.take(station.id, purpose.value, highest ?? 0, mode.value, runs.value)}
+      >
+        {t(waits ? "control.taking" : "control.take")}
+      </button>
+      {why !== null && <p class="muted">{why}</p>}
+      {other !== undefined && !waits && why !== null && control.refusal.value === null && (
+        <button type="button" onClick={() => control.handover(station.id)}>
+          {t("control.handover")}
+        </button>
+      )}
+    </>
+  );
+}
+
+function Enable({ station }: { station: Station }) {
+  const axis = control.own(station.id);
+  const on = axis?.phase === "enabled" || axis?.phase === "moving";
+  const free = axis !== undefined && !axis.busy && axis.phase !== "releasing";
+  return (
+    <>
+      <p class={on ? "state live" : "muted"}>{t(axis ? `control.phase.${axis.phase}` : "control.phase.none")}</p>
+      {axis?.trouble && (
+        <p class="warn">
+          <bdi>{sentence(axis.trouble)}</bdi>
+        </p>
+      )}
+      <p class="buttons">
+        <button
+          type="button"
+          class="primary"
+          disabled={!free || on || control.stopped.value}
+          onClick={() => control.enable(station.id)}
+        >
+          {t("control.enable")}
+        </button>
+        <button type="button" disabled={axis === undefined || !on} onClick={() => control.disable(station.id)}>
+          {t("control.disable")}
+        </button>
+        {station.status && station.status.faults.length > 0 && (
+          <button type="button" disabled={!free || on} onClick={() => control.acknowledge(station.id)}>
+            {t("faults.acknowledge")}
+          </button>
+        )}
+      </p>
+      {axis && control.stopped.value && <p class="muted">{t("control.reset.first")}</p>}
+    </>
+  );
+}
+
+function Confirm({ id }: { id: string }) {
+  const highest = numberOf(limit.value);
+  if (control.confirmed.value.has(id) || highest === null) return null;
+  return (
+    <p class="buttons">
+      <span class="muted small">{t("control.first", { limit: highest / 10 })}</span>
+      <button type="button" onClick={() => control.confirmDirection(id)}>
+        {t("control.confirm")}
+      </button>
+    </p>
+  );
+}
+
+function Motion({ station }: { station: Station }) {
+  const { id } = station;
+  const axis = control.own(id);
+  const on = (axis?.phase === "enabled" || axis?.phase === "moving") && !control.stopped.value;
+  const slow = (control.trip.value ?? 0) > control.SLOW;
+  const tabs =
+    axis?.purpose === "position" ? (["jog", "move", "home", "task"] as const) : (["jog", "velocity"] as const);
+  const here = (tabs as readonly string[]).includes(tab.value) ? tab.value : "jog";
+  const rpm = numberOf(speed.value);
+  const distance = numberOf(turns.value);
+  const task = numberOf(number.value);
+  return (
+    <>
+      <div class="buttons" role="tablist" aria-label={t("control.motion")}>
+        {tabs.map((name) => (
+          <button
+            key={name}
+            type="button"
+            role="tab"
+            aria-selected={here === name}
+            onClick={() => {
+              tab.value = name;
+            }}
+          >
+            {t(`control.${name}`)}
+          </button>
+        ))}
+      </div>
+      {here === "jog" && (
+        <>
+          <Field title={t("control.speed")} value={jogSpeed} unit="rpm" />
+          <JogPad drive={id} speed={numberOf(jogSpeed.value)} may={on && !slow} />
+          {slow && <p class="fault">{t("control.slow", { ms: Math.round(control.trip.value ?? 0) })}</p>}
+        </>
+      )}
+      {here === "velocity" && (
+        <>
+          <Field title={t("control.speed")} value={speed} unit="rpm" />
+          <p class="buttons">
+            <button
+              type="button"
+              class="motion"
+              disabled={!on || rpm === null}
+              onClick={() => control.velocity(id, rpm ?? 0)}
+            >
+              {t("control.velocity.go")}
+            </button>
+          </p>
+        </>
+      )}
+      {here === "move" && (
+        <>
+          <Field title={t(relative.value ? "control.distance" : "control.target")} value={turns} unit="rev" />
+          <Check
+            title={t("control.relative")}
+            checked={relative.value}
+            onChange={(now) => {
+              relative.value = now;
+            }}
+          />
+          <Field title={t("control.speed")} value={speed} unit="rpm" />
+          <p class="buttons">
+            <button
+              type="button"
+              class="motion"
+              disabled={!on || rpm === null || distance === null}
+              onClick={() => control.move(id, distance ?? 0, relative.value, rpm ?? 0)}
+            >
+              {t("control.move.go")}
+            </button>
+          </p>
+        </>
+      )}
+      {here === "home" && (
+        <p class="buttons">
+          <button type="button" class="motion" disabled={!on} onClick={() => control.home(id)}>
+            {t("control.home.go")}
+          </button>
+          {axis?.homed !== null && <span>{t(axis?.homed ? "control.homed" : "control.unhomed")}</span>}
+        </p>
+      )}
+      {here === "task" && (
+        <>
+          <Field title={t("control.number")} value={number} unit="" />
+          <p class="buttons">
+            <button
+              type="button"
+              class="motion"
+              disabled={!on || task === null || !Number.isInteger(task)}
+              onClick={() => control.task(id, task ?? 0)}
+            >
+              {t("control.task.go")}
+            </button>
+          </p>
+        </>
+      )}
+      {here !== "jog" && (
+        <button type="button" class="motion" disabled={axis?.phase !== "moving"} onClick={() => control.halt(id)}>
+          {t("control.halt")}
+        </button>
+      )}
+      {axis !== undefined && <Confirm id={id} />}
+    </>
+  );
+}
+
+const WIDTH = 320;
+const HEIGHT = 64;
+
+/** The speed of the last seconds. */
+function Plot({ unit }: { unit: string }) {
+  const all = control.track.value;
+  const highest = Math.max(1, ...all.map((one) => Math.abs(one.speed)));
+  const end = all.at(-1)?.time ?? 0;
+  const points = all.map(({ time, speed: value }) => {
+    const x = WIDTH - ((end - time) / 5000) * WIDTH;
+    return `${x.toFixed(1)},${(HEIGHT / 2 - (value / highest) * (HEIGHT / 2 - 3)).toFixed(1)}`;
+  });
+  return (
+    <svg
+      class="plot"
+      viewBox={`0 0 ${WIDTH} ${HEIGHT}`}
+      width={WIDTH}
+      height={HEIGHT}
+      role="img"
+      aria-label={t("control.plot", { highest: highest.toFixed(1), unit })}
+    >
+      <path d={`M0 ${HEIGHT / 2}H${WIDTH}`} class="zero" />
+      <polyline points={points.join(" ")} />
+    </svg>
+  );
+}
+
+function shown(value: number | null, decimals: number): string {
+  if (value === null) return dash;
+  const text = value.toFixed(decimals);
+  return (Number(text) === 0 ? text.replace("-", "") : text).replace("-", "\u2212");
+}
+
+function Values({ id }: { id: string }) {
+  const axis = control.own(id);
+  return (
+    <section class="control-values" aria-label={t("overview.values")}>
+      <dl>
+        <div class="value">
+          <dt>{t("value.speed")}</dt>
+          <dd>
+            <span class="main number">{shown(axis?.speed ?? null, 1)}</span>{" "}
+            <span class="unit">{axis?.unit ?? "rpm"}</span>
+          </dd>
+        </div>
+        <div class="value">
+          <dt>{t("value.set")}</dt>
+          <dd>
+            <span class="number big">{shown(axis?.speed_set ?? null, 1)}</span>{" "}
+            <span class="unit">{axis?.unit ?? "rpm"}</span>
+          </dd>
+        </div>
+        <div class="value">
+          <dt>{t("value.position")}</dt>
+          <dd>
+            <span class="number big">{shown(axis?.position ?? null, 3)}</span> <span class="unit">rev</span>
+          </dd>
+        </div>
+      </dl>
+      {server.value?.simulation && <Shaft id={id} />}
+      <Plot unit={axis?.unit ?? "rpm"} />
+      <p class="muted small number">
+        {t("control.trip", { ms: control.trip.value === null ? dash : Math.round(control.trip.value) })}
+      </p>
+    </section>
+  );
+}
+
+/** Takes an axis, enables it, and moves it while somebody is there. */
+export function Control() {
+  const { path } = useLocation();
+  const id = selectedId(path);
+  const station = selected(path);
+  useEffect(() => {
+    // whoever leaves this screen does not see the axis any more
+    return () => {
+      control.letGo();
+    };
+  }, []);
+  if (id === null || !station) {
+    return <Nothing title={t("control.title")} text={t(id === null ? "control.select" : "overview.unknown")} />;
+  }
+  const said = control.said.value.get(id) ?? null;
+  return (
+    <article
+      class="control"
+      onFocusIn={(event) => {
+        if (event.target instanceof HTMLElement && event.target.matches("input, select")) control.letGo();
+      }}
+    >
+      <h1>
+        {t("control.title")} <bdi>{label(station)}</bdi>
+      </h1>
+      <Values id={id} />
+      <p role="status" class={said?.failed ? "fault" : "muted"}>
+        {said && <bdi>{foreign(said.text, 600)}</bdi>}
+      </p>
+      <div class="steps">
+        <section aria-label={t("control.step.take")}>
+          <h2>
+            <span class="step">1</span> {t("control.step.take")}
+          </h2>
+          <Take station={station} />
+        </section>
+        <section aria-label={t("control.step.enable")}>
+          <h2>
+            <span class="step">2</span> {t("control.step.enable")}
+          </h2>
+          <Enable station={station} />
+        </section>
+        <section aria-label={t("control.step.motion")}>
+          <h2>
+            <span class="step">3</span> {t("control.step.motion")}
+          </h2>
+          <Motion station={station} />
+        </section>
+      </div>
+      <p class="muted small">{t("control.rules")}</p>
+    </article>
+  );
+}

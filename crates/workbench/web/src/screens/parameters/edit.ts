@@ -1,0 +1,220 @@
+/** What is edited of a drive: values that somebody has typed, the plan of them, and what became of it. */
+import { signal } from "@preact/signals";
+import { type Description, type Job, type List, post, request, type Value, type Values } from "../../api";
+import { follow, reason } from "../../store/jobs";
+
+/** One row: a parameter, or one element of it. */
+export interface Line {
+  /** How it is named in requests: `p2108`, `p0915[3]`. */
+  key: string;
+  /** Its element; nothing where it has only one. */
+  element: number | null;
+  of: Description;
+  /** What a search looks through. */
+  words: string;
+}
+
+/** A value, and when it came by the clock of this page, in ms. */
+export interface Read {
+  value: Value;
+  received: number;
+}
+
+/** Elements of an array that have rows of their own. */
+const ELEMENTS = 64;
+/** Values in one request. */
+const PART = 100;
+/** Time without typing after which a plan is made, in ms. */
+const PAUSE = 300;
+
+/** The drive of all this. */
+export const drive = signal("");
+export const lines = signal<readonly Line[] | null>(null);
+export const failure = signal("");
+export const values = signal<ReadonlyMap<string, Read>>(new Map());
+/** What somebody has typed, by row. */
+export const edits = signal<ReadonlyMap<string, string>>(new Map());
+/** Whether the drive is to save the new values. */
+export const save = signal(false);
+/** The plan of what is typed now; nothing while it is made. */
+export const plan = signal<Job | null>(null);
+/** What was written last, until somebody goes on. */
+export const applied = signal<Job | null>(null);
+/** Why the last request failed. */
+export const refused = signal("");
+export const busy = signal(false);
+
+function linesOf(list: List): Line[] {
+  const known = list.parameters.flatMap((of): Line[] => {
+    const words = [
+      of.number,
+      of.name,
+      of.description,
+      of.unit,
+      ...of.common_names,
+      ...of.choices.map((one) => one.text),
+    ]
+      .join(" ")
+      .toLowerCase();
+    if (of.elements <= 1 || of.index !== null) return [{ key: of.number, element: null, of, words }];
+    const count = Math.min(of.elements, ELEMENTS);
+    return Array.from({ length: count }, (_, element) => ({ key: `${of.number}[${element}]`, element, of, words }));
+  });
+  const numbers = list.numbers.map((pnu): Line => {
+    const of: Description = {
+      pnu,
+      index: null,
+      number: `${pnu}`,
+      name: "",
+      common_names: [],
+      description: "",
+      unit: "",
+      access: "read",
+      elements: 1,
+      octets: 0,
+      signed: false,
+      high: null,
+      saved: false,
+      minimum: null,
+      maximum: null,
+      default: null,
+      choices: [],
+      bits: [],
+      source: "",
+    };
+    return { key: of.number, element: null, of, words: of.number };
+  });
+  return [...known, ...numbers];
+}
+
+/** Begins with a drive. What was typed for another one is forgotten. */
+export async function open(id: string): Promise<void> {
+  if (drive.value === id && lines.value !== null) return;
+  drive.value = id;
+  lines.value = null;
+  values.value = new Map();
+  failure.value = "";
+  discard();
+  applied.value = null;
+  try {
+    const list = await request<List>(`drives/${encodeURIComponent(id)}/parameters`);
+    if (drive.value === id) lines.value = linesOf(list);
+  } catch (error) {
+    if (drive.value === id) failure.value = reason(error);
+  }
+}
+
+/** Reads these rows. */
+export async function read(keys: readonly string[]): Promise<void> {
+  const id = drive.value;
+  for (let from = 0; from < keys.length; from += PART) {
+    const part = keys.slice(from, from + PART);
+    const path = `drives/${encodeURIComponent(id)}/values/${encodeURIComponent(part.join(","))}`;
+    const report = await request<Values>(path);
+    if (drive.value !== id) return;
+    const next = new Map(values.value);
+    const received = performance.now();
+    part.forEach((key, place) => {
+      const value = report.parameters[place];
+      // a row for each request: with another number of answers they are of other rows
+      if (value !== undefined && report.parameters.length === part.length) next.set(key, { value, received });
+    });
+    values.value = next;
+  }
+}
+
+let timer = 0;
+/** Counts what was typed: the plan of before is no plan of now. */
+let revision = 0;
+
+/** Notes what somebody has typed; nothing takes it back. */
+export function edit(key: string, text: string | null): void {
+  const next = new Map(edits.value);
+  if (text === null) next.delete(key);
+  else next.set(key, text);
+  edits.value = next;
+  applied.value = null;
+  planLater();
+}
+
+export function choose(saved: boolean): void {
+  save.value = saved;
+  planLater();
+}
+
+export function discard(): void {
+  edits.value = new Map();
+  planLater();
+}
+
+function planLater(): void {
+  revision += 1;
+  plan.value = null;
+  refused.value = "";
+  clearTimeout(timer);
+  if (edits.value.size > 0) timer = window.setTimeout(() => void makePlan(), PAUSE);
+}
+
+function changes(): { parameter: string; value: string }[] {
+  return [...edits.value].map(([parameter, value]) => ({ parameter, value }));
+}
+
+async function makePlan(): Promise<void> {
+  const of = revision;
+  const path = `drives/${encodeURIComponent(drive.value)}/plans`;
+  try {
+    const begun = await post<Job>(path, { changes: changes(), save: save.value });
+    const job = await follow(begun, () => {});
+    if (of === revision) plan.value = job;
+  } catch (error) {
+    if (of === revision) refused.value = reason(error);
+  }
+}
+
+/** Writes what is planned. */
+export async function apply(): Promise<void> {
+  const planned = plan.value;
+  if (planned === null || busy.value) return;
+  busy.value = true;
+  try {
+    applied.value = await follow(await post<Job>(`plans/${planned.id}/apply`, {}), () => {});
+    discard();
+  } catch (error) {
+    // the drive has changed: the plan is made again, and its old values are those of now
+    planLater();
+    refused.value = reason(error);
+  }
+  busy.value = false;
+  void read([...values.value.keys()].slice(0, PART)).catch(() => {});
+}
+
+/** Writes the values of before again. */
+export async function undo(): Promise<void> {
+  const done = applied.value;
+  if (done === null || busy.value) return;
+  busy.value = true;
+  try {
+    applied.value = await follow(await post<Job>(`plans/${done.id}/undo`, {}), () => {});
+    refused.value = "";
+  } catch (error) {
+    refused.value = reason(error);
+  }
+  busy.value = false;
+}
+
+/** Plans the values that were written once more, so that the drive saves them. */
+export function keep(): void {
+  const done = applied.value?.plan?.changes ?? [];
+  edits.value = new Map(
+    done.map((change) => {
+      const text = change.new.text ?? "";
+      const key =
+        change.index === null || change.new.number.includes("[")
+          ? change.new.number
+          : `${change.new.number}[${change.index}]`;
+      return [key, change.new.unit === "" ? text : `${text} ${change.new.unit}`];
+    }),
+  );
+  save.value = true;
+  planLater();
+}

@@ -1,0 +1,429 @@
+import { signal } from "@preact/signals";
+import { useEffect, useRef, useState } from "preact/hooks";
+import { useLocation } from "preact-iso";
+import { selected, selectedId } from "../../app/selected";
+import { foreign, label, sentence } from "../../parts/format";
+import { Nothing } from "../../parts/Nothing";
+import { Plan } from "../../parts/Plan";
+import { ownerName } from "../../parts/Reason";
+import { now, server, silent } from "../../store/store";
+import { t } from "../../text";
+import * as edit from "./edit";
+
+/** Height of a row, in px; rows that are out of sight are not made. */
+const ROW = 28;
+/** Rows above and below those in sight. */
+const BESIDE = 6;
+/** Time between two readings of the rows in sight, in ms. */
+const PERIOD = 1000;
+/** Values older than this are grey, in ms. */
+const STALE = 3000;
+
+const search = signal("");
+const chosen = signal<string | null>(null);
+const only = signal<"all" | "edited" | "changed">("all");
+
+/** Returns whether a row differs from the value as delivered; nothing where that is not known. */
+function isChanged(line: edit.Line): boolean {
+  const value = edit.values.value.get(line.key)?.value.value;
+  return typeof value === "number" && line.of.default !== null && Math.abs(value - line.of.default) > 1e-9;
+}
+
+/** Returns the rows that are looked for. */
+function found(all: readonly edit.Line[]): edit.Line[] {
+  const words = search.value.toLowerCase().split(/\s+/).filter(Boolean);
+  return all.filter((line) => {
+    if (only.value === "edited" && !edit.edits.value.has(line.key)) return false;
+    if (only.value === "changed" && !isChanged(line)) return false;
+    return words.every((word) => line.words.includes(word));
+  });
+}
+
+function limits({ of }: edit.Line): string {
+  if (of.minimum === null && of.maximum === null) return "";
+  return `${of.minimum ?? ".."} \u2026 ${of.maximum ?? ".."}`;
+}
+
+function Editor({ line, may }: { line: edit.Line; may: boolean }) {
+  const value = edit.values.value.get(line.key)?.value;
+  const typed = edit.edits.value.get(line.key);
+  const name = t("parameters.value", { name: line.of.name || line.key });
+  const present = value?.text ?? "";
+  const take = (text: string) => edit.edit(line.key, text === "" || text === present ? null : text);
+  if (line.of.choices.length > 0) {
+    const raw = value === undefined ? "" : String(value.raw ?? "");
+    const known = line.of.choices.some((choice) => String(choice.value) === raw);
+    return (
+      <select
+        aria-label={name}
+        value={typed ?? raw}
+        disabled={!may}
+        onChange={(event) => {
+          const text = event.currentTarget.value;
+          edit.edit(line.key, text === raw ? null : text);
+        }}
+      >
+        {!known && <option value={raw}>{value === undefined ? "" : foreign(present)}</option>}
+        {line.of.choices.map((choice) => (
+          <option key={choice.value} value={String(choice.value)}>
+            {choice.value} {foreign(choice.text)}
+          </option>
+        ))}
+      </select>
+    );
+  }
+  return (
+    <input
+      aria-label={name}
+      value={typed ?? present}
+      disabled={!may}
+      maxLength={200}
+      spellcheck={false}
+      autocomplete="off"
+      onInput={(event) => take(event.currentTarget.value)}
+      onKeyDown={(event) => {
+        if (event.key === "Escape") edit.edit(line.key, null);
+      }}
+    />
+  );
+}
+
+function Row({ line }: { line: edit.Line }) {
+  const read = edit.values.value.get(line.key);
+  const may = server.value?.role === "control" && line.of.access !== "read";
+  const old = read === undefined || now.value - read.received > STALE || silent.value !== null;
+  const edited = edit.edits.value.has(line.key);
+  const error = read?.value.error;
+  const meaning = read?.value.meaning;
+  return (
+    <tr
+      class={`parameter ${old ? "stale" : ""} ${edited ? "edited" : ""} ${chosen.value === line.key ? "chosen" : ""}`}
+      data-key={line.key}
+      onFocusIn={() => {
+        chosen.value = line.key;
+      }}
+    >
+      <th scope="row">
+        <button
+          type="button"
+          class="plain"
+          title={line.of.description}
+          onClick={() => {
+            chosen.value = line.key;
+          }}
+        >
+          <bdi>{foreign(line.of.name || line.key)}</bdi>
+          {line.element !== null && `[${line.element}]`}
+        </button>
+      </th>
+      <td class="number muted">{line.of.number}</td>
+      <td>
+        {error ? (
+          <span class="fault" title={error.meaning}>
+            {foreign(error.meaning)}
+          </span>
+        ) : may ? (
+          <Editor line={line} may={silent.value === null} />
+        ) : (
+          <bdi class="number" title={meaning ?? ""}>
+            {read === undefined ? "\u2013" : foreign(read.value.text ?? "")}
+            {meaning && ` (${foreign(meaning)})`}
+          </bdi>
+        )}
+      </td>
+      <td class="unit">{line.of.unit || read?.value.unit}</td>
+      <td class="number spare">{line.of.default ?? ""}</td>
+      <td class="number spare">{limits(line)}</td>
+      <td class="muted small">
+        {t(line.of.access === "read" ? "parameters.read" : line.of.saved ? "parameters.saved" : "parameters.volatile")}
+      </td>
+    </tr>
+  );
+}
+
+/** Takes the place of rows that are out of sight. */
+function Space({ rows }: { rows: number }) {
+  if (rows === 0) return null;
+  return (
+    <tr>
+      <td
+        class="space"
+        ref={(cell) => {
+          if (cell !== null) cell.style.height = `${rows * ROW}px`;
+        }}
+      />
+    </tr>
+  );
+}
+
+const COLUMNS = ["name", "number", "present", "unit", "default", "limits", "access"] as const;
+
+function Table({ rows }: { rows: readonly edit.Line[] }) {
+  const [view, setView] = useState({ top: 0, height: 448 });
+  const element = useRef<HTMLElement>(null);
+  const first = Math.max(0, Math.min(rows.length, Math.floor(view.top / ROW)) - BESIDE);
+  const last = Math.min(rows.length, Math.ceil((view.top + view.height) / ROW) + BESIDE);
+  const seen = rows.slice(first, last);
+  const keys = seen.filter((line) => line.of.access !== "command").map((line) => line.key);
+  const wanted = keys.join(",");
+  useEffect(() => {
+    let going = false;
+    const look = () => {
+      if (going || document.hidden || wanted === "") return;
+      going = true;
+      edit
+        .read(wanted.split(","))
+        .catch(() => {})
+        .finally(() => {
+          going = false;
+        });
+    };
+    // while somebody scrolls nothing is read
+    const soon = setTimeout(look, 80);
+    const turn = setInterval(look, PERIOD);
+    return () => {
+      clearTimeout(soon);
+      clearInterval(turn);
+    };
+  }, [wanted]);
+  useEffect(() => {
+    const body = element.current;
+    if (body === null) return undefined;
+    const measure = () => setView({ top: body.scrollTop, height: body.clientHeight });
+    const observer = new ResizeObserver(measure);
+    observer.observe(body);
+    return () => observer.disconnect();
+  }, []);
+  return (
+    <section
+      class="scroll parameters-table"
+      // biome-ignore lint/a11y/noNoninteractiveTabindex: a region that scrolls is reached by keys
+      tabIndex={0}
+      aria-label={t("parameters.title")}
+      ref={element}
+      onScroll={(event) => setView({ top: event.currentTarget.scrollTop, height: event.currentTarget.clientHeight })}
+    >
+      <table aria-rowcount={rows.length + 1}>
+        <caption class="unseen">{t("parameters.title")}</caption>
+        <thead>
+          <tr>
+            {COLUMNS.map((column) => (
+              <th
+                key={column}
+                scope="col"
+                class={`${column} ${column === "default" || column === "limits" ? "spare" : ""}`}
+              >
+                {t(`parameters.${column}`)}
+              </th>
+            ))}
+          </tr>
+        </thead>
+        <tbody>
+          <Space rows={first} />
+          {seen.map((line) => (
+            <Row key={line.key} line={line} />
+          ))}
+          <Space rows={rows.length - last} />
+          {rows.length === 0 && (
+            <tr>
+              <td class="empty" colSpan={5}>
+                {t("parameters.nothing")}
+              </td>
+            </tr>
+          )}
+        </tbody>
+      </table>
+    </section>
+  );
+}
+
+function Details({ line }: { line: edit.Line }) {
+  const { of } = line;
+  const word = edit.values.value.get(line.key)?.value.word;
+  return (
+    <section class="details">
+      <h2>
+        <bdi>{foreign(of.name || line.key)}</bdi>
+      </h2>
+      <p>
+        <bdi>{sentence(of.description)}</bdi>
+      </p>
+      {of.common_names.length > 0 && <p class="muted small">{of.common_names.join(", ")}</p>}
+      {of.bits.length > 0 && (
+        <ul class="small">
+          {of.bits.map((bit) => (
+            <li key={bit.value}>
+              {bit.value}: <bdi>{foreign(bit.text)}</bdi>
+            </li>
+          ))}
+        </ul>
+      )}
+      {word && <p class="small">{word.bits.join(", ")}</p>}
+      {of.source !== "" && <p class="muted small">{of.source}</p>}
+    </section>
+  );
+}
+
+function Review() {
+  const planned = edit.plan.value;
+  const count = edit.edits.value.size;
+  const done = edit.applied.value;
+  const usable = !edit.busy.value && silent.value === null;
+  return (
+    <section class="review" aria-label={t("plan.title")}>
+      <h2>{t("plan.title")}</h2>
+      {count === 0 && done === null && <p class="muted">{t("plan.empty")}</p>}
+      {edit.refused.value !== "" && (
+        <p class="fault" role="alert">
+          <bdi>{sentence(edit.refused.value)}</bdi>
+        </p>
+      )}
+      {count > 0 && planned === null && edit.refused.value === "" && (
+        <p class="muted" role="status">
+          {t("plan.checking")}
+        </p>
+      )}
+      {count > 0 && planned !== null && <Plan job={planned} />}
+      {count > 0 && (
+        <>
+          <label class="check">
+            <input
+              type="checkbox"
+              checked={edit.save.value}
+              onChange={(event) => edit.choose(event.currentTarget.checked)}
+            />
+            <span>{t("plan.save")}</span>
+          </label>
+          <p class="buttons">
+            <button
+              type="button"
+              class="primary"
+              disabled={!usable || planned?.plan?.ready !== true}
+              onClick={() => void edit.apply()}
+            >
+              {t(edit.busy.value ? "plan.applying" : "plan.apply", { count })}
+            </button>
+            <button type="button" disabled={edit.busy.value} onClick={() => edit.discard()}>
+              {t("plan.discard")}
+            </button>
+          </p>
+          {planned?.plan && planned.plan.refusals.length > 0 && <p class="fault">{t("plan.blocked")}</p>}
+          {planned?.plan && !planned.plan.ready && planned.plan.refusals.length === 0 && (
+            <p class="muted">{t("plan.nothing")}</p>
+          )}
+        </>
+      )}
+      {count === 0 && done !== null && (
+        <>
+          <p role="status">
+            {t(done.phase === "undone" ? "plan.undone" : "plan.done", { summary: done.plan?.summary ?? "" })}
+          </p>
+          <Plan job={done} />
+          <p class="buttons">
+            {done.phase === "applied" && done.plan?.undo && (
+              <button type="button" disabled={!usable} onClick={() => void edit.undo()}>
+                {t("plan.undo")}
+              </button>
+            )}
+            {done.phase === "applied" && !done.plan?.saves && (
+              <button type="button" disabled={!usable} onClick={() => edit.keep()}>
+                {t("plan.keep")}
+              </button>
+            )}
+          </p>
+        </>
+      )}
+    </section>
+  );
+}
+
+/** All parameters of the selected drive: their values, and changes that are reviewed before anything is written. */
+export function Parameters() {
+  const { path } = useLocation();
+  const id = selectedId(path);
+  const station = selected(path);
+  const field = useRef<HTMLInputElement>(null);
+  useEffect(() => {
+    if (id !== null) void edit.open(id);
+  }, [id]);
+  useEffect(() => {
+    const warn = (event: BeforeUnloadEvent) => {
+      if (edit.edits.value.size > 0) event.preventDefault();
+    };
+    const find = (event: KeyboardEvent) => {
+      const target = event.target;
+      if (event.key !== "/" || (target instanceof HTMLElement && target.matches("input, select, textarea"))) return;
+      event.preventDefault();
+      field.current?.focus();
+    };
+    addEventListener("beforeunload", warn);
+    addEventListener("keydown", find);
+    return () => {
+      removeEventListener("beforeunload", warn);
+      removeEventListener("keydown", find);
+    };
+  }, []);
+  if (id === null || !station) {
+    return <Nothing title={t("parameters.title")} text={t(id === null ? "parameters.select" : "overview.unknown")} />;
+  }
+  const all = edit.lines.value;
+  const rows = found(all ?? []);
+  const line = all?.find((one) => one.key === chosen.value);
+  const name = ownerName(station);
+  return (
+    <article class="parameters">
+      <div class="title">
+        <h1>
+          {t("parameters.title")} <bdi>{label(station)}</bdi>
+        </h1>
+        <label>
+          <span class="unseen">{t("parameters.search")}</span>
+          <input
+            type="search"
+            ref={field}
+            placeholder={t("parameters.search")}
+            value={search.value}
+            onInput={(event) => {
+              search.value = event.currentTarget.value;
+            }}
+          />
+        </label>
+        <label>
+          <span class="unseen">{t("parameters.only")}</span>
+          <select
+            value={only.value}
+            onChange={(event) => {
+              only.value = event.currentTarget.value as typeof only.value;
+              // what differs from its default is known of values that were read
+              if (only.value === "changed") {
+                const readable = (all ?? []).filter(({ of }) => of.access !== "command");
+                void edit.read(readable.map((one) => one.key)).catch(() => {});
+              }
+            }}
+          >
+            <option value="all">{t("parameters.only.all")}</option>
+            <option value="edited">{t("parameters.only.edited")}</option>
+            <option value="changed">{t("parameters.only.changed")}</option>
+          </select>
+        </label>
+        <span class="muted">{all && t("parameters.count", { count: rows.length, all: all.length })}</span>
+      </div>
+      {name !== null && <p class="warn">{t("parameters.owner", { name })}</p>}
+      {edit.failure.value !== "" && (
+        <p class="fault">
+          <bdi>{sentence(edit.failure.value)}</bdi>
+        </p>
+      )}
+      {all === null && edit.failure.value === "" && <p class="muted">{t("overview.loading")}</p>}
+      {all !== null && (
+        <div class="beside">
+          <Table rows={rows} />
+          <aside>
+            {server.value?.role === "control" ? <Review /> : <p class="muted">{t("parameters.view")}</p>}
+            {line && <Details line={line} />}
+          </aside>
+        </div>
+      )}
+    </article>
+  );
+}

@@ -1,0 +1,317 @@
+/** The control socket of this page: what it has under control, its beats, and STOP. Nothing else sends a beat. */
+import { batch, signal } from "@preact/signals";
+import { t } from "../text";
+import { access } from "./store";
+
+const PROTOCOL = "profidrive.control.1";
+/** Time between two beats, in ms. */
+const BEAT = 50;
+/** Round trips that are kept, and which of them may be how slow for a jog, in ms. */
+const TRIPS = 100;
+export const SLOW = 100;
+/** First pause before the socket is opened again, and the longest, in ms. */
+const FIRST = 250;
+const LONGEST = 5000;
+/** Speeds that are kept for the small plot, in ms. */
+const TRACK = 5000;
+
+/** How an axis is that somebody has. */
+export interface Axis {
+  drive: string;
+  lease: number;
+  holder: string;
+  purpose: "speed" | "position";
+  phase: "taking" | "off" | "enabled" | "moving" | "stopping" | "releasing";
+  busy: boolean;
+  speed: number | null;
+  speed_set: number | null;
+  unit: string;
+  position: number | null;
+  reached: boolean;
+  homed: boolean | null;
+  trouble: string | null;
+  lost: boolean;
+}
+
+/** Why a command was not carried out. */
+export interface Said {
+  text: string;
+  failed: boolean;
+}
+
+/** Whether the socket is open. */
+export const connected = signal(false);
+/** Why this page may not take control; nothing where it may. */
+export const refusal = signal<string | null>(null);
+export const axes = signal<readonly Axis[]>([]);
+/** The leases of this page, by drive. */
+export const leases = signal<ReadonlyMap<string, number>>(new Map());
+export const epoch = signal(0);
+export const stopped = signal(false);
+/** The last STOP: who pressed it, and what it stopped. */
+export const lastStop = signal<{ epoch: number; by: string; drives: string[] } | null>(null);
+/** What became of the last command of each drive. */
+export const said = signal<ReadonlyMap<string, Said>>(new Map());
+/** Who wants a drive that this page has. */
+export const wanted = signal<{ drive: string; by: string } | null>(null);
+/** Round trip of the slowest of 100 beats, in ms; nothing before there are ten. */
+export const trip = signal<number | null>(null);
+/** The button that is held: its drive, and the number of its command. */
+export const held = signal<{ drive: string; n: number } | null>(null);
+/** The drives whose direction was confirmed. */
+export const confirmed = signal<ReadonlySet<string>>(new Set());
+/** Speed of the axis of this page over the last seconds. */
+export const track = signal<readonly { time: number; speed: number }[]>([]);
+/** What became of the last STOP of this page. */
+export const stopState = signal<"" | "sent" | "confirmed" | "unconfirmed">("");
+
+type Incoming =
+  | { type: "hello"; epoch: number; stopped: boolean; refusal: string | null }
+  | { type: "beat"; n: number; t: number; fresh: boolean }
+  | { type: "accepted"; n: number }
+  | { type: "refused"; n: number; sentence: string; hint: string | null }
+  | { type: "lease"; n: number; drive: string; lease: number }
+  | { type: "axes"; axes: Axis[] }
+  | { type: "stopped"; epoch: number; by: string; drives: string[] }
+  | { type: "reset"; epoch: number }
+  | { type: "wanted"; drive: string; by: string };
+
+let socket: WebSocket | null = null;
+let tries = 0;
+let number = 0;
+let beats = 0;
+let last = 0;
+let frame = 0;
+let trips: number[] = [];
+/** Commands without an answer: of which drive. */
+const pending = new Map<number, string>();
+
+function send(message: object): boolean {
+  if (socket?.readyState !== WebSocket.OPEN) return false;
+  socket.send(JSON.stringify(message));
+  return true;
+}
+
+/** Returns the axis that this page has of a drive. */
+export function own(drive: string): Axis | undefined {
+  const lease = leases.value.get(drive);
+  return axes.value.find((axis) => axis.drive === drive && axis.lease === lease);
+}
+
+function say(drive: string, text: string, failed: boolean): void {
+  said.value = new Map(said.value).set(drive, { text, failed });
+}
+
+/** Sends beats while this page has an axis or wants one. By frames of the page: a page that is frozen or hidden has none. */
+function beat(time: number): void {
+  if (leases.value.size === 0 && pending.size === 0) {
+    frame = 0;
+    return;
+  }
+  frame = requestAnimationFrame(beat);
+  if (time - last < BEAT - 8) return;
+  last = time;
+  beats += 1;
+  send({ type: "beat", n: beats, t: performance.now(), held: held.value });
+}
+
+function begin(): void {
+  if (frame === 0) frame = requestAnimationFrame(beat);
+}
+
+function note(ms: number): void {
+  trips = [...trips, ms].slice(-TRIPS);
+  if (trips.length < 10) return;
+  const sorted = [...trips].sort((a, b) => a - b);
+  trip.value = sorted[Math.min(sorted.length - 1, Math.floor(sorted.length * 0.99))] ?? null;
+}
+
+/** Sends a command for an axis of this page. Returns its number. */
+function command(type: string, drive: string, more: object = {}): number {
+  number += 1;
+  pending.set(number, drive);
+  said.value = new Map([...said.value].filter(([of]) => of !== drive));
+  const lease = leases.value.get(drive) ?? 0;
+  if (!send({ type, n: number, drive, lease, epoch: epoch.value, ...more })) {
+    pending.delete(number);
+    say(drive, t("control.lost"), true);
+  }
+  begin();
+  return number;
+}
+
+export function take(drive: string, purpose: "speed" | "position", limit: number, mode: boolean, runs: boolean): void {
+  command("take", drive, { purpose, limit, set_mode: mode, may_run_on: runs });
+}
+
+export function release(drive: string): void {
+  letGo();
+  send({ type: "release", drive });
+}
+
+export function handover(drive: string): void {
+  send({ type: "handover", drive });
+  say(drive, t("control.handover.sent"), false);
+}
+
+export const enable = (drive: string) => command("enable", drive);
+export const disable = (drive: string) => command("disable", drive);
+export const acknowledge = (drive: string) => command("acknowledge", drive);
+export const home = (drive: string) => command("home", drive);
+export const task = (drive: string, n: number) => command("task", drive, { number: n });
+export const velocity = (drive: string, speed: number) => command("velocity", drive, { speed });
+export const move = (drive: string, turns: number, relative: boolean, speed: number) =>
+  command("move", drive, { turns, relative, speed });
+
+export function confirmDirection(drive: string): void {
+  command("confirm", drive);
+  confirmed.value = new Set(confirmed.value).add(drive);
+}
+
+export function halt(drive: string): void {
+  send({ type: "halt", drive, lease: leases.value.get(drive) ?? 0 });
+}
+
+/** Jogs while the button is held: until `letGo`. */
+export function hold(drive: string, speed: number): void {
+  const n = command("jog", drive, { t: performance.now(), speed });
+  held.value = { drive, n };
+}
+
+/** The button is up, or nobody can see it any more. */
+export function letGo(): void {
+  const before = held.value;
+  if (before === null) return;
+  held.value = null;
+  // beside the beats, which say so too
+  halt(before.drive);
+}
+
+export function reset(): void {
+  number += 1;
+  pending.set(number, "");
+  send({ type: "reset", n: number, epoch: epoch.value });
+}
+
+/** Sends STOP by the socket. Returns false where it is not open. */
+export function stopBySocket(): boolean {
+  letGo();
+  if (!send({ type: "stop" })) return false;
+  stopState.value = "sent";
+  setTimeout(() => {
+    if (stopState.value === "sent") stopState.value = "unconfirmed";
+  }, 500);
+  return true;
+}
+
+function forget(): void {
+  batch(() => {
+    connected.value = false;
+    leases.value = new Map();
+    axes.value = [];
+    held.value = null;
+    wanted.value = null;
+    trip.value = null;
+    confirmed.value = new Set();
+  });
+  trips = [];
+  pending.clear();
+}
+
+function receive(message: Incoming): void {
+  switch (message.type) {
+    case "hello":
+      epoch.value = message.epoch;
+      stopped.value = message.stopped;
+      refusal.value = message.refusal;
+      connected.value = true;
+      tries = 0;
+      return;
+    case "beat":
+      note(performance.now() - message.t);
+      return;
+    case "accepted":
+      pending.delete(message.n);
+      return;
+    case "refused": {
+      const drive = pending.get(message.n) ?? "";
+      pending.delete(message.n);
+      if (held.value?.n === message.n) held.value = null;
+      say(drive, [message.sentence, message.hint ?? ""].filter(Boolean).join(". "), true);
+      return;
+    }
+    case "lease":
+      pending.delete(message.n);
+      leases.value = new Map(leases.value).set(message.drive, message.lease);
+      track.value = [];
+      begin();
+      return;
+    case "axes":
+      show(message.axes);
+      return;
+    case "stopped":
+      batch(() => {
+        epoch.value = message.epoch;
+        stopped.value = true;
+        held.value = null;
+        lastStop.value = message;
+        if (stopState.value !== "") stopState.value = "confirmed";
+      });
+      return;
+    case "reset":
+      stopped.value = false;
+      stopState.value = "";
+      return;
+    case "wanted":
+      if (leases.value.has(message.drive)) wanted.value = message;
+  }
+}
+
+function show(all: Axis[]): void {
+  batch(() => {
+    axes.value = all;
+    const left = [...leases.value].filter(([drive, lease]) =>
+      all.some((axis) => axis.drive === drive && axis.lease === lease),
+    );
+    if (left.length < leases.value.size) {
+      leases.value = new Map(left);
+      confirmed.value = new Set([...confirmed.value].filter((drive) => leases.value.has(drive)));
+      if (wanted.value !== null && !leases.value.has(wanted.value.drive)) wanted.value = null;
+    }
+    const mine = all.find((axis) => leases.value.get(axis.drive) === axis.lease);
+    if (mine !== undefined && mine.speed !== null) {
+      const time = performance.now();
+      track.value = [...track.value.filter((one) => one.time > time - TRACK), { time, speed: mine.speed }];
+    }
+  });
+}
+
+function open(): void {
+  const address = `${location.protocol === "https:" ? "wss" : "ws"}://${location.host}/api/v1/control`;
+  const opened = new WebSocket(address, PROTOCOL);
+  socket = opened;
+  opened.onmessage = ({ data }) => receive(JSON.parse(data) as Incoming);
+  opened.onclose = () => {
+    socket = null;
+    // nothing is restored: no lease, no motion
+    forget();
+    if (access.value.kind === "in") {
+      setTimeout(open, Math.min(LONGEST, FIRST * 2 ** tries) * (0.5 + Math.random() / 2));
+      tries += 1;
+    }
+  };
+}
+
+/** Opens the socket, and gives everything back when nobody can see the page. */
+export function runControl(): void {
+  open();
+  const leave = () => {
+    letGo();
+    for (const drive of leases.value.keys()) release(drive);
+  };
+  document.addEventListener("visibilitychange", () => {
+    if (document.hidden) leave();
+  });
+  addEventListener("pagehide", leave);
+  addEventListener("blur", letGo);
+}

@@ -1,0 +1,78 @@
+/** From a click to the frame on the cable, with 64 drives and four pages. Not a part of `make test`: tools/web-bench. */
+import { type Browser, expect, type Page, test } from "@playwright/test";
+import { end, idOfStation, serve } from "../bench";
+import { changed, clock, percentile, record, wire } from "./wire";
+
+const ROUNDS = Number(process.env.ROUNDS ?? 100);
+const DRIVES = Number(process.env.DRIVES ?? 64);
+/** Update time of the cyclic connection, ms. */
+const CYCLE = 16;
+
+async function open(browser: Browser, url: string): Promise<Page> {
+  const page = await (await browser.newContext()).newPage();
+  await page.goto(url);
+  await expect(page.getByRole("row")).toHaveCount(DRIVES + 1, { timeout: 30_000 });
+  return page;
+}
+
+test("from STOP and from a button that goes up to the frame", async ({ browser }) => {
+  test.setTimeout(1_200_000);
+  const cable = wire(DRIVES);
+  const server = await serve("-i", "bench-here", "--listen", "127.0.0.1:0");
+  try {
+    const page = await open(browser, server.url);
+    const others = await Promise.all([1, 2, 3].map(() => open(browser, server.viewUrl)));
+    const id = await idOfStation(page, "axis-1");
+    await page.goto(`${server.origin}/drives/${encodeURIComponent(id)}/control`);
+    for (const check of await page.getByRole("checkbox").all()) await check.check();
+    await page.getByRole("button", { name: "Take control" }).click();
+    await expect(page.getByText(/This page has control/)).toBeVisible();
+    const enable = page.getByRole("button", { name: "Enable" });
+    const on = page.getByText("Torque on, at rest");
+    const moves = page.getByText("Torque on, moving");
+    await enable.click();
+    await expect(on).toBeVisible();
+    const button = page.getByRole("button", { name: "+20 rpm" });
+    const { frames } = await record();
+    const [releases, stops]: [number[], number[]] = [[], []];
+    for (let round = 0; round < ROUNDS; round += 1) {
+      await button.hover();
+      await page.mouse.down();
+      await expect(moves).toBeVisible();
+      releases.push(clock());
+      await page.mouse.up();
+      await expect(on).toBeVisible();
+    }
+    const stop = page.getByRole("button", { name: /^STOP/ });
+    for (let round = 0; round < ROUNDS; round += 1) {
+      await page.getByRole("tab", { name: "Velocity" }).click();
+      await page.getByRole("button", { name: "Turn at this speed" }).click();
+      await expect(moves).toBeVisible();
+      await stop.hover();
+      stops.push(clock());
+      await page.mouse.down();
+      await page.mouse.up();
+      await expect(page.getByText("Power stage off")).toBeVisible();
+      await page.getByRole("button", { name: "Reset STOP" }).click();
+      await enable.click();
+      await expect(on).toBeVisible();
+    }
+    const all = await frames();
+    const to = id.replaceAll(":", "");
+    for (const [name, times, limit] of [
+      ["button up -> frame with setpoint 0", releases, CYCLE + 20],
+      ["STOP -> frame", stops, CYCLE + 25],
+    ] as const) {
+      const took = times.map((time) => (changed(all, to, time) ?? Number.POSITIVE_INFINITY) - time);
+      const [median, p99, most] = [50, 99, 100].map((percent) => percentile(took, percent).toFixed(1));
+      console.log(
+        `${name}: median ${median} ms, p99 ${p99} ms, max ${most} ms (limit of p99 ${limit} ms), ${times.length} times, ${DRIVES} drives, 4 pages`,
+      );
+      expect(percentile(took, 99)).toBeLessThanOrEqual(limit);
+    }
+    await Promise.all(others.map((other) => other.context().close()));
+  } finally {
+    await end(server);
+    cable.end();
+  }
+});

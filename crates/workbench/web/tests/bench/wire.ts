@@ -1,0 +1,120 @@
+/** A cable in the namespace of the tests, virtual drives of another process at its end, and the frames on it. */
+import { type ChildProcess, execFileSync, spawn } from "node:child_process";
+import { readFileSync, rmSync, writeFileSync } from "node:fs";
+import { join } from "node:path";
+import { pictures, program } from "../bench";
+
+const ip = (...words: string[]) => execFileSync("ip", words, { stdio: "inherit" });
+
+/** Drives at the end of a cable. */
+export interface Wire {
+  drives: ChildProcess;
+  /** Kills the drives and removes the cable. */
+  end(): void;
+}
+
+/** Puts so many virtual drives on a cable: axis-1, axis-2, .. */
+export function wire(count: number): Wire {
+  const file = join(pictures, "drives.toml");
+  const rows = Array.from({ length: count }, (_, place) => {
+    const number = place + 1;
+    return `[[drive]]\nname = "axis-${number}"\nip = "192.168.98.${number + 10}/24"\n`;
+  });
+  writeFileSync(file, rows.join("\n"));
+  ip("link", "add", "bench-here", "type", "veth", "peer", "name", "bench-there");
+  ip("addr", "add", "192.168.98.1/24", "dev", "bench-here");
+  ip("link", "set", "bench-here", "up");
+  ip("link", "set", "bench-there", "up");
+  const drives = spawn(program, ["simulate", "-q", "-i", "bench-there", file], { stdio: "ignore" });
+  return {
+    drives,
+    end() {
+      drives.kill("SIGKILL");
+      ip("link", "del", "bench-here");
+    },
+  };
+}
+
+/** A cyclic frame: when it was on the cable (ms since 1970), from where to where, and its data without counter and status. */
+export interface Frame {
+  time: number;
+  to: string;
+  data: Buffer;
+}
+
+/** Records cyclic frames until `frames` is called. */
+export async function record(): Promise<{ frames(): Promise<Frame[]> }> {
+  const file = join(pictures, "bench.pcapng");
+  rmSync(file, { force: true });
+  const dumpcap = spawn("dumpcap", ["-q", "-i", "bench-here", "-f", "ether proto 0x8892", "-w", file], {
+    stdio: ["ignore", "ignore", "pipe"],
+  });
+  await new Promise<void>((resolve) => {
+    dumpcap.stderr.on("data", (text: Buffer) => {
+      if (text.toString().includes("File:")) resolve();
+    });
+  });
+  return {
+    async frames() {
+      // what is on its way to the file comes
+      await new Promise((resolve) => setTimeout(resolve, 1500));
+      const ended = new Promise((resolve) => dumpcap.once("exit", resolve));
+      dumpcap.kill("SIGINT");
+      await ended;
+      return parse(readFileSync(file));
+    },
+  };
+}
+
+/** Reads a pcapng file of this computer: little endian, one interface. */
+function parse(file: Buffer): Frame[] {
+  const frames: Frame[] = [];
+  let unit = 1e3;
+  for (let at = 0; at + 12 <= file.length; ) {
+    const [type, length] = [file.readUInt32LE(at), file.readUInt32LE(at + 4)];
+    if (length < 12) break;
+    if (type === 1) {
+      // option 9 is the resolution of times: a power of ten
+      for (let option = at + 16; option + 4 <= at + length - 4; ) {
+        const [code, size] = [file.readUInt16LE(option), file.readUInt16LE(option + 2)];
+        if (code === 9) unit = 10 ** ((file[option + 4] ?? 6) - 3);
+        if (code === 0) break;
+        option += 4 + Math.ceil(size / 4) * 4;
+      }
+    } else if (type === 6) {
+      const ticks = (BigInt(file.readUInt32LE(at + 12)) << 32n) | BigInt(file.readUInt32LE(at + 16));
+      const frame = file.subarray(at + 28, at + 28 + file.readUInt32LE(at + 20));
+      const tagged = frame.readUInt16BE(12) === 0x8100 ? 4 : 0;
+      const id = frame.readUInt16BE(14 + tagged);
+      // cyclic data of class 1, and not discovery or alarms
+      if (id >= 0x8000 && id < 0xfc00) {
+        frames.push({
+          time: Number(ticks) / unit,
+          to: frame.subarray(0, 6).toString("hex"),
+          data: frame.subarray(16 + tagged, frame.length - 4),
+        });
+      }
+    }
+    at += length;
+  }
+  return frames;
+}
+
+/** Returns the time of the first frame to a drive after `since` whose data differ from those at that time. */
+export function changed(frames: readonly Frame[], to: string, since: number): number | null {
+  const own = frames.filter((frame) => frame.to === to);
+  const before = own.findLast((frame) => frame.time < since);
+  const after = own.find((frame) => frame.time >= since && before !== undefined && !frame.data.equals(before.data));
+  return after === undefined ? null : after.time;
+}
+
+/** Returns which value so many parts in a hundred are at most. */
+export function percentile(values: readonly number[], percent: number): number {
+  const sorted = [...values].sort((a, b) => a - b);
+  return sorted[Math.min(sorted.length - 1, Math.ceil((sorted.length * percent) / 100) - 1)] ?? Number.NaN;
+}
+
+/** The clock of the frames, in ms since 1970. */
+export function clock(): number {
+  return performance.timeOrigin + performance.now();
+}

@@ -1,0 +1,310 @@
+import type { Browser, Page } from "@playwright/test";
+import { end, expect, idOf, type Running, rows, serve, test, watch } from "./bench";
+
+/** A server of its own for a test that moves drives. */
+async function alone(test: (server: Running) => Promise<void>): Promise<void> {
+  const server = await serve("--demo", "--listen", "127.0.0.1:0");
+  try {
+    await test(server);
+  } finally {
+    await end(server);
+  }
+}
+
+/** Enters a page while drives are under control, whatever their status is. */
+async function enter(page: Page, url: string): Promise<void> {
+  await page.goto(url);
+  await expect(page.getByRole("row")).toHaveCount(7);
+}
+
+async function open(page: Page, url: string, name: string, free = true): Promise<string> {
+  await (free ? page.goto(url).then(() => rows(page)) : enter(page, url));
+  const id = await idOf(page, name);
+  await page.goto(`${new URL(url).origin}/drives/${encodeURIComponent(id)}/control`);
+  return id;
+}
+
+/** Takes control of the drive on the page and enables it. */
+async function enable(page: Page, mode = false): Promise<void> {
+  if (mode) {
+    await page.getByRole("combobox", { name: "For" }).selectOption("position");
+    await page.getByRole("checkbox", { name: /Set the operating mode/ }).check();
+  }
+  await page.getByRole("button", { name: "Take control" }).click();
+  await expect(page.getByText(/This page has control/)).toBeVisible();
+  await page.getByRole("button", { name: "Enable" }).click();
+  await expect(page.getByText("Torque on, at rest")).toBeVisible();
+}
+
+/** Where a shaft really is and how fast it turns, as the plant says beside the server. */
+async function speed(page: Page, origin: string, id: string): Promise<number> {
+  const answer = await page.request.get(`${origin}/api/v1/plant/drives`);
+  const { drives } = (await answer.json()) as { drives: { id: string; speed: number }[] };
+  return drives.find((drive) => drive.id === id)?.speed ?? Number.NaN;
+}
+
+/** Waits until the shaft rests; returns after how many ms. */
+async function rest(page: Page, origin: string, id: string, since: number): Promise<number> {
+  let stood = Number.NaN;
+  await expect
+    .poll(
+      async () => {
+        const now = await speed(page, origin, id);
+        if (Math.abs(now) < 0.5 && Number.isNaN(stood)) stood = performance.now() - since;
+        return Math.abs(now) < 0.5;
+      },
+      { intervals: [1] },
+    )
+    .toBe(true);
+  return stood;
+}
+
+async function hold(page: Page, name = "+20 rpm"): Promise<void> {
+  const button = page.getByRole("button", { name });
+  await button.hover();
+  await page.mouse.down();
+}
+
+/** Holds the jog button until the axis turns. On a computer with much to do the round trip of beats may forbid that for a while. */
+async function turning(page: Page, origin: string, id: string): Promise<void> {
+  const button = page.getByRole("button", { name: "+20 rpm" });
+  await expect(async () => {
+    await page.mouse.up();
+    await expect(button).toBeEnabled();
+    await hold(page);
+    await expect.poll(async () => speed(page, origin, id), { intervals: [5], timeout: 2000 }).toBeGreaterThan(15);
+  }).toPass({ timeout: 40_000 });
+}
+
+test("a newcomer takes control, enables, jogs, and releases", async ({ page }) => {
+  await alone(async (server) => {
+    const wrong = watch(page);
+    const id = await open(page, server.url, "axis-1");
+    await enable(page);
+    await expect(page.getByText("IN CONTROL")).toBeVisible();
+    await expect(page.getByRole("button", { name: "STOP axis-1" })).toBeVisible();
+    await turning(page, server.origin, id);
+    await expect(page.getByText("Torque on, moving")).toBeVisible();
+    await page.mouse.up();
+    await rest(page, server.origin, id, performance.now());
+    await expect(page.getByText("Torque on, at rest")).toBeVisible();
+    // by a key, with the focus on the pad
+    await page.getByRole("button", { name: "+20 rpm" }).focus();
+    await page.keyboard.down("ArrowLeft");
+    await expect.poll(async () => speed(page, server.origin, id), { intervals: [5] }).toBeLessThan(-15);
+    await page.keyboard.up("ArrowLeft");
+    await rest(page, server.origin, id, performance.now());
+    await page.getByRole("button", { name: "Disable" }).click();
+    await expect(page.getByText("Power stage off")).toBeVisible();
+    await page.getByRole("button", { name: "Release" }).click();
+    await expect(page.getByText("Not under control")).toBeVisible();
+    await expect(page.getByText("IN CONTROL")).toHaveCount(0);
+    expect(wrong).toEqual([]);
+  });
+});
+
+test("STOP of any page stops the axis, and nothing moves before it is reset", async ({ page, browser }) => {
+  await alone(async (server) => {
+    const id = await open(page, server.url, "axis-1");
+    await enable(page);
+    const other = await (await (browser as Browser).newContext()).newPage();
+    await enter(other, server.viewUrl);
+    await turning(page, server.origin, id);
+    const since = performance.now();
+    await other.getByRole("button", { name: "STOP axis-1" }).click();
+    const time = await rest(page, server.origin, id, since);
+    console.log(`STOP of another page: at rest after ${time.toFixed(0)} ms, with the click`);
+    for (const one of [page, other]) {
+      await expect(one.getByText(/STOP 1 was pressed by session 2/)).toBeVisible();
+    }
+    await expect(other.getByRole("alert").filter({ hasText: "It stops: axis-1" })).toBeVisible();
+    await page.waitForTimeout(300);
+    expect(Math.abs(await speed(page, server.origin, id))).toBeLessThan(0.5);
+    await page.mouse.up();
+    await expect(page.getByRole("button", { name: "Enable" })).toBeDisabled();
+    await expect(page.getByRole("button", { name: "+20 rpm" })).toBeDisabled();
+    await expect(other.getByRole("button", { name: "Reset STOP" })).toBeDisabled();
+    await page.getByRole("button", { name: "Reset STOP" }).click();
+    await expect(page.getByText(/STOP 1 was pressed/)).toHaveCount(0);
+    await page.getByRole("button", { name: "Enable" }).click();
+    await expect(page.getByText("Torque on, at rest")).toBeVisible();
+    await turning(page, server.origin, id);
+    // the space bar, while a button is held
+    await page.keyboard.press("Space");
+    await rest(page, server.origin, id, performance.now());
+    await expect(page.getByText(/STOP 2 was pressed by session 1/)).toBeVisible();
+    await page.mouse.up();
+    await other.context().close();
+  });
+});
+
+test("whatever ends a hold halts the axis", async ({ page }) => {
+  await alone(async (server) => {
+    const id = await open(page, server.url, "axis-1");
+    await enable(page);
+    const button = page.getByRole("button", { name: "+20 rpm" });
+    const fire = (type: string) => button.dispatchEvent(type, { pointerId: 1 });
+    const ends: [string, () => Promise<unknown>][] = [
+      ["pointerup", () => page.mouse.up()],
+      ["pointercancel", () => fire("pointercancel")],
+      ["lostpointercapture", () => fire("lostpointercapture")],
+      ["blur of the window", () => page.evaluate(() => dispatchEvent(new Event("blur")))],
+      ["focus into a field", () => page.getByRole("textbox", { name: "Speed" }).focus()],
+      ["blur of the pad", () => page.getByRole("button", { name: "Disable" }).focus()],
+    ];
+    for (const [name, finish] of ends) {
+      for (let round = 0; round < 3; round += 1) {
+        await turning(page, server.origin, id);
+        const since = performance.now();
+        await finish();
+        const time = await rest(page, server.origin, id, since);
+        if (round === 0) console.log(`${name}: at rest after ${time.toFixed(0)} ms`);
+        await page.mouse.up();
+      }
+    }
+    // one key after another, and one that repeats
+    await button.focus();
+    await page.keyboard.down("ArrowRight");
+    await expect.poll(async () => speed(page, server.origin, id), { intervals: [5] }).toBeGreaterThan(15);
+    await page.keyboard.up("ArrowRight");
+    await rest(page, server.origin, id, performance.now());
+  });
+});
+
+test("a drive of another controller and a second page are refused in words", async ({ page, browser }) => {
+  await alone(async (server) => {
+    await open(page, server.url, "press-1");
+    await page.getByRole("button", { name: "Take control" }).click();
+    await expect(page.getByRole("status").filter({ hasText: "plc-1" })).toBeVisible();
+    const id = await idOf(page, "axis-1");
+    await page.goto(`${server.origin}/drives/${encodeURIComponent(id)}/control`);
+    await enable(page);
+    const other = await (await (browser as Browser).newContext()).newPage();
+    await open(other, server.url, "axis-1", false);
+    await expect(other.getByText("Session 1 has control of this drive.")).toBeVisible();
+    await expect(other.getByRole("button", { name: "Take control" })).toBeDisabled();
+    await other.getByRole("button", { name: "Request the drive" }).click();
+    await expect(page.getByText("Session 2 wants this drive.")).toBeVisible();
+    await page.getByRole("button", { name: "Hand over" }).click();
+    await expect(other.getByRole("button", { name: "Take control" })).toBeEnabled();
+    await enable(other);
+    await other.context().close();
+    const third = await (await (browser as Browser).newContext()).newPage();
+    await open(third, server.viewUrl, "axis-1", false);
+    await expect(third.getByText("This session only looks and stops: it takes no control.")).toBeVisible();
+    await third.context().close();
+  });
+});
+
+test("the first motion is slow, limits hold, and a move stops where STOP finds it", async ({ page }) => {
+  await alone(async (server) => {
+    const id = await open(page, server.url, "axis-1");
+    await enable(page, true);
+    await page.getByRole("tab", { name: "Move" }).click();
+    const speedField = page.getByRole("textbox", { name: "Speed" });
+    const distance = page.getByRole("textbox", { name: "Distance" });
+    const go = page.getByRole("button", { name: "Move", exact: true });
+    await speedField.fill("200");
+    await distance.fill("10");
+    await go.click();
+    await expect(page.getByText(/the first motion is limited to a tenth/)).toBeVisible();
+    await page.getByRole("button", { name: "Direction is right" }).click();
+    await speedField.fill("301");
+    await go.click();
+    await expect(page.getByText(/above the limit of this page/)).toBeVisible();
+    await speedField.fill("200");
+    // not homed: the library says why, and what to do
+    await page.getByRole("tab", { name: "Home" }).click();
+    await page.getByRole("button", { name: "Home", exact: true }).click();
+    await expect(page.getByText("Home position known")).toBeVisible();
+    await page.getByRole("tab", { name: "Move" }).click();
+    await go.click();
+    await expect.poll(async () => speed(page, server.origin, id), { intervals: [5] }).toBeGreaterThan(150);
+    await page.keyboard.press("Control+Space");
+    await rest(page, server.origin, id, performance.now());
+    await expect(page.getByRole("alert").filter({ hasText: "It stops: axis-1" })).toBeVisible();
+    const position = page.getByRole("region", { name: "Values" });
+    await expect(position).not.toContainText("10.00");
+  });
+});
+
+test("a fault ends the motion, and after it is acknowledged nothing starts by itself", async ({ page }) => {
+  await alone(async (server) => {
+    const id = await open(page, server.url, "axis-1");
+    await enable(page);
+    await page.getByRole("tab", { name: "Velocity" }).click();
+    await page.getByRole("button", { name: "Turn at this speed" }).click();
+    await expect.poll(async () => speed(page, server.origin, id), { intervals: [5] }).toBeGreaterThan(15);
+    const inject = (event: string) =>
+      page.evaluate(
+        async (body) => {
+          const headers = { "Content-Type": "application/json" };
+          await fetch("/api/v1/plant/inject", { method: "POST", headers, body });
+        },
+        JSON.stringify({ drive: id, event, seconds: null }),
+      );
+    await inject("fault=439");
+    await rest(page, server.origin, id, performance.now());
+    await page.getByRole("button", { name: "Acknowledge" }).click();
+    await expect(page.getByText("Power stage off")).toBeVisible();
+    await page.waitForTimeout(500);
+    expect(Math.abs(await speed(page, server.origin, id))).toBeLessThan(0.5);
+    await page.getByRole("button", { name: "Enable" }).click();
+    await expect(page.getByText("Torque on, at rest")).toBeVisible();
+  });
+});
+
+test("a page that is frozen, hidden, closed or killed, and a network that is cut, stop the axis", async ({
+  browser,
+}) => {
+  await alone(async (server) => {
+    const watcher = await (await browser.newContext()).newPage();
+    await watcher.goto(server.viewUrl);
+    await rows(watcher);
+    const id = await idOf(watcher, "axis-1");
+    const measure = async (name: string, end: (page: Page) => Promise<void>) => {
+      const context = await browser.newContext();
+      const page = await context.newPage();
+      await open(page, server.url, "axis-1", false);
+      await enable(page);
+      await turning(page, server.origin, id);
+      const since = performance.now();
+      await end(page);
+      const time = await rest(watcher, server.origin, id, since);
+      console.log(`${name}: at rest after ${time.toFixed(0)} ms`);
+      expect(time).toBeLessThan(600);
+      // and control ends, so that somebody else can take it
+      await expect
+        .poll(async () => {
+          const answer = await watcher.request.get(`${server.origin}/api/v1/server`);
+          return ((await answer.json()) as { controlled: string[] }).controlled.length;
+        })
+        .toBe(0);
+      await context.close();
+    };
+    await measure("the main thread of the page hangs", async (page) => {
+      const hang = page.evaluate(() => {
+        const until = performance.now() + 3000;
+        while (performance.now() < until);
+      });
+      hang.catch(() => {});
+    });
+    await measure("the page is hidden", async (page) => {
+      await page.evaluate(() => {
+        Object.defineProperty(document, "hidden", { value: true });
+        document.dispatchEvent(new Event("visibilitychange"));
+      });
+    });
+    await measure("the tab is closed", async (page) => {
+      void page.close();
+    });
+    await measure("the network is cut", async (page) => {
+      await page.context().setOffline(true);
+    });
+    await measure("the renderer crashes", async (page) => {
+      const session = await page.context().newCDPSession(page);
+      session.send("Page.crash").catch(() => {});
+    });
+    await watcher.context().close();
+  });
+});

@@ -1,0 +1,173 @@
+import type { Page } from "@playwright/test";
+import { end, expect, idOf, type Running, rows, serve, test, watch } from "./bench";
+
+async function open(page: Page, server: Running, name: string, screen: string): Promise<string> {
+  await page.goto(server.url);
+  await rows(page);
+  const id = await idOf(page, name);
+  await page.goto(`${server.origin}/drives/${encodeURIComponent(id)}/${screen}`);
+  return id;
+}
+
+/** A server of its own for a test that changes drives. */
+async function alone(test: (server: Running) => Promise<void>): Promise<void> {
+  const server = await serve("--demo", "--listen", "127.0.0.1:0");
+  try {
+    await test(server);
+  } finally {
+    await end(server);
+  }
+}
+
+test("a value is reviewed, written, verified, saved, and seen by a second page", async ({ page, browser }) => {
+  await alone(async (server) => {
+    const wrong = watch(page);
+    const id = await open(page, server, "axis-1", "parameters");
+    const other = await (await browser.newContext()).newPage();
+    await other.goto(server.viewUrl);
+    await rows(other);
+    await other.goto(`${server.origin}/drives/${encodeURIComponent(id)}/parameters`);
+    for (const one of [page, other]) {
+      await one.getByRole("searchbox").fill("DRV.ACC");
+      await expect(one.getByRole("row", { name: "DRV.ACC p2108" })).toBeVisible();
+    }
+    const field = page.getByRole("textbox", { name: "Value of DRV.ACC", exact: true });
+    await expect(field).toHaveValue("3000");
+    const seen = other.getByRole("row", { name: "DRV.ACC p2108" });
+    await expect(seen).toContainText("3000");
+    await expect(other.getByRole("textbox")).toHaveCount(0);
+    await field.fill("8000 rpm/s");
+    const review = page.getByRole("region", { name: "Changes" });
+    await expect(review).toContainText("3000 \u2192 8000 rpm/s");
+    await expect(seen).toContainText("3000");
+    await review.getByRole("button", { name: "Apply 1" }).click();
+    await expect(review).toContainText("written and verified");
+    await expect(review).toContainText("lost at the next power cycle");
+    await expect(seen).toContainText("8000", { timeout: 3000 });
+    await expect(field).toHaveValue("8000");
+    await review.getByRole("button", { name: "Save in the drive" }).click();
+    await review.getByRole("button", { name: "Apply 1" }).click();
+    await expect(review).toContainText("saved in the drive");
+    await expect(review).not.toContainText("lost at the next power cycle");
+    await field.fill("4000");
+    await review.getByRole("button", { name: "Apply 1" }).click();
+    await review.getByRole("button", { name: "Undo" }).click();
+    await expect(review).toContainText("Undone");
+    await expect(field).toHaveValue("8000");
+    await expect(other.getByText(/Values were written\. axis-1/).or(other.getByText(/Values of before/))).toBeVisible();
+    expect(wrong).toEqual([]);
+    await other.context().close();
+  });
+});
+
+test("what cannot be written is said beside the rest, and nothing is written", async ({ page }) => {
+  await alone(async (server) => {
+    await open(page, server, "axis-1", "parameters");
+    const search = page.getByRole("searchbox");
+    const review = page.getByRole("region", { name: "Changes" });
+    const apply = review.getByRole("button", { name: "Apply" });
+    await search.fill("p1005");
+    const field = page.getByRole("textbox").first();
+    const name = (await field.getAttribute("aria-label")) ?? "";
+    await expect(field).toHaveValue(/\d/);
+    await field.fill("0.5 rpm");
+    // between two values that the drive can have: both are named
+    await expect(review.locator(".fault").first()).toContainText(/0.*1/);
+    await expect(apply).toBeDisabled();
+    await expect(review).toContainText("Nothing is written as long as a value cannot be written.");
+    await search.fill("DRV.DEC");
+    await page.getByRole("textbox", { name: "Value of DRV.DEC", exact: true }).fill("2000");
+    await expect(apply).toBeDisabled();
+    await search.fill("p1005");
+    await page.getByRole("textbox", { name, exact: true }).press("Escape");
+    await expect(review).toContainText("DRV.DEC");
+    await expect(apply).toBeEnabled();
+    // a reload with edits is asked about, and nothing was sent
+    const asked = page.waitForEvent("dialog");
+    await page.evaluate(() => setTimeout(() => location.reload(), 0));
+    const dialog = await asked;
+    expect(dialog.type()).toBe("beforeunload");
+    await dialog.dismiss();
+    await review.getByRole("button", { name: "Discard" }).click();
+    await expect(review).toContainText("Edit a value");
+  });
+});
+
+test("a value that somebody else has changed meanwhile is not overwritten", async ({ page }) => {
+  await alone(async (server) => {
+    const id = await open(page, server, "axis-1", "parameters");
+    await page.getByRole("searchbox").fill("DRV.ACC");
+    await page.getByRole("textbox", { name: "Value of DRV.ACC", exact: true }).fill("8000");
+    const review = page.getByRole("region", { name: "Changes" });
+    await expect(review.getByRole("button", { name: "Apply 1" })).toBeEnabled();
+    await page.evaluate(async (id) => {
+      const post = async (path: string, body: unknown) => {
+        const headers = { "Content-Type": "application/json" };
+        const answer = await fetch(`/api/v1/${path}`, { method: "POST", headers, body: JSON.stringify(body) });
+        return (await answer.json()) as { id: number };
+      };
+      const changes = [{ parameter: "DRV.ACC", value: "5000" }];
+      const plan = await post(`drives/${encodeURIComponent(id)}/plans`, { changes, save: false });
+      await post(`plans/${plan.id}/apply`, {});
+    }, id);
+    await review.getByRole("button", { name: "Apply 1" }).click();
+    await expect(review).toContainText("was 3000 rpm/s, is 5000 rpm/s");
+    await expect(review).toContainText("5000 \u2192 8000 rpm/s");
+  });
+});
+
+test("parameters are found by their words and reached by keys", async ({ entered: page }) => {
+  await page.goto(`/drives/${encodeURIComponent(await idOf(page, "axis-1"))}/parameters`);
+  await expect(page.locator("[data-key]").first()).toBeVisible();
+  await page.keyboard.press("/");
+  await page.keyboard.type("acceleration ramp");
+  await expect(page.getByText(/^\d+ of \d+$/)).toBeVisible();
+  await page.getByRole("searchbox").fill("nothing like it");
+  await expect(page.getByText("No parameter fits this search.")).toBeVisible();
+  await page.getByRole("searchbox").fill("");
+  await page.getByRole("region", { name: "Parameters" }).focus();
+  const first = await page.locator("[data-key]").first().getAttribute("data-key");
+  await page.keyboard.press("End");
+  await expect.poll(() => page.locator("[data-key]").first().getAttribute("data-key")).not.toBe(first);
+  // rows out of sight are not made
+  expect(await page.locator("[data-key]").count()).toBeLessThan(60);
+  await expect(page.locator("[data-key]").last()).toContainText(/\d/);
+});
+
+test("settings are backed up, compared, restored as a plan, and downloaded", async ({ page }) => {
+  await alone(async (server) => {
+    const wrong = watch(page);
+    await open(page, server, "pump-1", "compare");
+    await page.getByRole("button", { name: "Back up pump-1" }).click();
+    const right = page.getByRole("combobox", { name: "Right" });
+    await expect(right).toHaveValue(/^file pump-1-/);
+    const download = page.waitForEvent("download");
+    await page.getByRole("link", { name: "Download" }).click();
+    expect((await download).suggestedFilename()).toMatch(/^pump-1-.*\.backup$/);
+    const compare = page.getByRole("button", { name: "Compare", exact: true });
+    await compare.click();
+    await expect(page.getByText("Both have the same settings.")).toBeVisible();
+    await page.getByRole("link", { name: "Parameters" }).click();
+    await page.getByRole("searchbox").fill("3-41");
+    await page.getByRole("textbox").first().fill("7");
+    await page.getByRole("region", { name: "Changes" }).getByRole("button", { name: "Apply 1" }).click();
+    await expect(page.getByText("written and verified")).toBeVisible();
+    await page.getByRole("link", { name: "Compare" }).click();
+    await compare.click();
+    await expect(page.getByText("Differences: 1")).toBeVisible();
+    await page.getByRole("checkbox", { name: /^Take .* from the file/ }).check();
+    await page.getByRole("button", { name: "Plan to restore 1 from the file" }).click();
+    const review = page.getByRole("region", { name: "Changes" });
+    await expect(review).toContainText("7 \u2192");
+    await review.getByRole("button", { name: "Apply 1" }).click();
+    await expect(review).toContainText("The values before are in pump-1-");
+    await compare.click();
+    await expect(page.getByText("Both have the same settings.")).toBeVisible();
+    // of another kind of drive: both are named
+    const left = page.getByRole("combobox", { name: "Left" });
+    await left.selectOption({ label: "axis-1" });
+    await compare.click();
+    await expect(page.getByRole("alert").filter({ hasText: "VLT" })).toContainText("AKD");
+    expect(wrong.filter((text) => !text.includes("400"))).toEqual([]);
+  });
+});
