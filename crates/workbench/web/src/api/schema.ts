@@ -651,6 +651,62 @@ export interface components {
             /** @description Its submodules. */
             submodules: components["schemas"]["Submodule"][];
         };
+        /** @description A motion that ended, or faults that were acknowledged. */
+        MotionReport: {
+            /** @description Whether there were faults to acknowledge, where that was requested. */
+            acknowledged: boolean | null;
+            /**
+             * Format: uint16
+             * @description The motion task that the drive reported last (AKTSATZ).
+             */
+            active_task: number | null;
+            /** @description The axis turned with its power stage off when control of it was given back. */
+            coasts: boolean;
+            /** @description How far the axis went until its release: by its position, else by its speed in rpm over time. */
+            distance: components["schemas"]["Quantity"] | null;
+            /** @description The faults that are left, where they were to be acknowledged. */
+            faults: components["schemas"]["Fault"][];
+            /** @description Counters of the cyclic connection; a serial line has none. */
+            frames: components["schemas"]["Frames"];
+            /** @description Highest speed of the motor by its amount. */
+            highest_speed: components["schemas"]["Quantity"] | null;
+            /** @description Whether the axis has its home position, after homing. */
+            homed: boolean | null;
+            /** @description The caller stopped it before its end. */
+            interrupted: boolean;
+            /** @description Where it is since the power stage is off, if that is another place. */
+            left_to: components["schemas"]["Quantity"] | null;
+            /** @description The move. */
+            plan: components["schemas"]["MoveReport"] | null;
+            /** @description Where the axis was at its target or home position. */
+            position: components["schemas"]["Quantity"] | null;
+            /** @description The settings that were changed for it, after their values from before were written. */
+            put_back: components["schemas"]["PutBack"][];
+            /** @description The speed, the target or the home position was reached, or no fault is left. */
+            reached: boolean;
+            /**
+             * @description Control of the axis was taken and given back. False where the connection was lost, and where control was not needed:
+             *     there is no fault to acknowledge, or a parameter acknowledges it.
+             */
+            released: boolean;
+            /**
+             * @description How the axis was when control of it was given back: `stands`, `coasts`, `runs`, or `unknown` where the drive
+             *     reported nothing any more or was not under control.
+             */
+            rest: string;
+            /** @description Speed of the motor before the stop, where the telegram carries it. */
+            speed: components["schemas"]["Quantity"] | null;
+            /**
+             * Format: uint16
+             * @description Number of the motion task.
+             */
+            task: number | null;
+            /**
+             * Format: double
+             * @description Time at the speed of a run or a jog, s.
+             */
+            time_at_speed: number | null;
+        };
         /** @description A move as it travels, with everything that speaks against it. */
         MoveReport: {
             /** @description Acceleration as the drive takes it. */
@@ -855,62 +911,6 @@ export interface components {
         };
         /** @description What is to be known about the name or the address of a station. */
         Remark: "no_name" | "no_address" | "other_subnet" | "routed" | "name_twice" | "address_twice" | "conflict";
-        /** @description A motion that ended, or faults that were acknowledged. */
-        Report: {
-            /** @description Whether there were faults to acknowledge, where that was requested. */
-            acknowledged: boolean | null;
-            /**
-             * Format: uint16
-             * @description The motion task that the drive reported last (AKTSATZ).
-             */
-            active_task: number | null;
-            /** @description The axis turned with its power stage off when control of it was given back. */
-            coasts: boolean;
-            /** @description How far the axis went until its release: by its position, else by its speed in rpm over time. */
-            distance: components["schemas"]["Quantity"] | null;
-            /** @description The faults that are left, where they were to be acknowledged. */
-            faults: components["schemas"]["Fault"][];
-            /** @description Counters of the cyclic connection; a serial line has none. */
-            frames: components["schemas"]["Frames"];
-            /** @description Highest speed of the motor by its amount. */
-            highest_speed: components["schemas"]["Quantity"] | null;
-            /** @description Whether the axis has its home position, after homing. */
-            homed: boolean | null;
-            /** @description The caller stopped it before its end. */
-            interrupted: boolean;
-            /** @description Where it is since the power stage is off, if that is another place. */
-            left_to: components["schemas"]["Quantity"] | null;
-            /** @description The move. */
-            plan: components["schemas"]["MoveReport"] | null;
-            /** @description Where the axis was at its target or home position. */
-            position: components["schemas"]["Quantity"] | null;
-            /** @description The settings that were changed for it, after their values from before were written. */
-            put_back: components["schemas"]["PutBack"][];
-            /** @description The speed, the target or the home position was reached, or no fault is left. */
-            reached: boolean;
-            /**
-             * @description Control of the axis was taken and given back. False where the connection was lost, and where control was not needed:
-             *     there is no fault to acknowledge, or a parameter acknowledges it.
-             */
-            released: boolean;
-            /**
-             * @description How the axis was when control of it was given back: `stands`, `coasts`, `runs`, or `unknown` where the drive
-             *     reported nothing any more or was not under control.
-             */
-            rest: string;
-            /** @description Speed of the motor before the stop, where the telegram carries it. */
-            speed: components["schemas"]["Quantity"] | null;
-            /**
-             * Format: uint16
-             * @description Number of the motion task.
-             */
-            task: number | null;
-            /**
-             * Format: double
-             * @description Time at the speed of a run or a jog, s.
-             */
-            time_at_speed: number | null;
-        };
         /** @description What somebody may do. */
         Role: "control" | "view";
         /** @description What a server is. */
@@ -1226,7 +1226,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Report"];
+                    "application/json": components["schemas"]["MotionReport"];
                 };
             };
             /** @description No session */
