@@ -10,7 +10,7 @@ use clap_complete::env::{EnvCompleter, Shells};
 use client::ErrorKind;
 use profidrive::machine::Machine;
 use profidrive::report;
-use profile::catalogue::{Catalogue, CommonName};
+use profile::catalogue::{Catalogue, CommonName, Fault};
 use profile::model::Model;
 use profile::telegram::SIGNALS;
 
@@ -203,10 +203,16 @@ fn signals(tables: &[&'static Catalogue], begin: &OsStr) -> Vec<CompletionCandid
 
 /// The numbers of faults.
 fn faults(tables: &[&'static Catalogue], begin: &OsStr) -> Vec<CompletionCandidate> {
-    let begin = begin.to_string_lossy();
+    let begin = begin.to_string_lossy().to_lowercase();
     let all = tables.iter().flat_map(|tables| tables.faults.iter());
     let all = all.filter(|fault| !fault.warning);
-    candidates(all.map(|fault| (fault.number.to_string(), fault.meaning)), &begin)
+    // as it is displayed, too
+    let lettered = begin.starts_with('f');
+    let number = |fault: &Fault| match lettered {
+        true => format!("F{}", fault.number),
+        false => fault.number.to_string(),
+    };
+    candidates(all.map(|fault| (number(fault), fault.meaning)), &begin)
 }
 
 fn candidates(all: impl Iterator<Item = (String, &'static str)>, begin: &str) -> Vec<CompletionCandidate> {

@@ -443,6 +443,7 @@ impl Explained for CommissionError {
     fn advice(&self) -> Advice {
         match self {
             Self::NotFound { .. } => "{scan} lists who answers".into(),
+            Self::OtherStation { .. } => "switch it off, or give it another name".into(),
             Self::Setting { problem, .. } => Explained::advice(&**problem),
             Self::Refused { first, .. } => Explained::advice(&**first),
             Self::Exists(_) => {

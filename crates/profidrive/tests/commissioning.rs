@@ -243,7 +243,7 @@ fn what_the_drive_cannot_have_has_the_line_of_the_file() {
 [[drive]]
 name = "vacon-1"
 model = "vacon"
-telegram = 9
+telegram = 149
 [[drive]]
 name = "akd-1"
 model = "akd"

@@ -52,7 +52,7 @@ fn an_archive_has_what_can_be_read_and_notes_what_cannot() {
     let added = folder.0.join("machine.toml");
     std::fs::write(&added, "format = 1\n").unwrap();
     let file = NewFile::at(&folder.0.join("state.zip")).unwrap();
-    let selector: Selector = "all,nobody".parse().unwrap();
+    let selector: Selector = "all,absent".parse().unwrap();
     let contents = Contents {
         files: vec![added.clone(), added],
         ..Contents::default()
@@ -74,12 +74,12 @@ fn an_archive_has_what_can_be_read_and_notes_what_cannot() {
     assert_eq!(report.outcome(), Outcome::NoAnswer);
     let read: Vec<bool> = report.drives.iter().map(|drive| drive.read).collect();
     assert_eq!(read, [true, true, false]);
-    let nobody = report
+    let absent = report
         .drives
         .iter()
-        .find(|drive| drive.drive == "nobody")
+        .find(|drive| drive.drive == "absent")
         .unwrap();
-    assert!(nobody.missing[0].starts_with("not found: "), "{nobody:?}");
+    assert!(absent.missing[0].starts_with("not found: "), "{absent:?}");
     for part in [Part::Searching, Part::Requests, Part::Drives, Part::Writing] {
         assert!(parts.contains(&part), "{part:?}");
     }
@@ -98,7 +98,7 @@ fn an_archive_has_what_can_be_read_and_notes_what_cannot() {
         ("drives/akd-1/status.json", r#""cause": "fault""#),
         ("drives/vlt-1/info.json", r#""model": "VLT""#),
         ("drives/vlt-1/settings.backup", "profidrive backup "),
-        ("drives/nobody/problems.txt", "not found: "),
+        ("drives/absent/problems.txt", "not found: "),
         ("added/machine.toml", "format = 1"),
         ("added/machine-.toml", "format = 1"),
     ] {

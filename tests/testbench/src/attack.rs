@@ -1,5 +1,5 @@
 //! A station that attacks: it sends what it has seen on the network, changed, repeated and in another order, under
-//! the addresses of somebody else. The same seed gives the same attack.
+//! the addresses of another station. The same seed gives the same attack.
 
 use std::collections::VecDeque;
 use std::net::Ipv4Addr;

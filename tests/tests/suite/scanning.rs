@@ -1,4 +1,4 @@
-//! Who is on the network: what each station tells, as a table, for spreadsheets and for programs, and who comes and goes.
+//! Who is on the network: what each station reports, as a table, for spreadsheets and for programs, and who comes and goes.
 
 use std::time::Duration;
 
@@ -59,7 +59,7 @@ fn each_station_tells_who_it_is() {
     client(&lab, &["name", "akd-new", ""]).ok();
 
     let rows = cells(&client(&lab, &["scan", "--csv"]).ok());
-    let told = |name: &str| {
+    let shown = |name: &str| {
         let row = rows.iter().find(|row| cell(row, "name") == name).unwrap();
         [
             "vendor",
@@ -72,24 +72,24 @@ fn each_station_tells_who_it_is() {
         .map(|of| cell(row, of).to_owned())
     };
     assert_eq!(rows.len(), 4);
-    let [vendor, kind, serial, software, state, remarks] = told("akd-1");
+    let [vendor, kind, serial, software, state, remarks] = shown("akd-1");
     assert_eq!((&*vendor, &*kind, &*remarks), ("Kollmorgen", "AKD", ""));
     assert!(
         !serial.is_empty() && software.starts_with('V'),
         "{serial} {software}"
     );
     assert!(state.contains("fault"), "{state}");
-    let [vendor, _, _, software, ..] = told("vlt-1");
+    let [vendor, _, _, software, ..] = shown("vlt-1");
     assert_eq!((&*vendor, software.is_empty()), ("Danfoss", false));
-    let [.., serial, _, _, remarks] = told("akd-far");
+    let [.., serial, _, _, remarks] = shown("akd-far");
     assert_eq!((&*serial, &*remarks), ("", "other subnet"));
-    let [.., remarks] = told("");
+    let [.., remarks] = shown("");
     assert_eq!(remarks, "no name, no IP address");
 
     let text = client(&lab, &["scan"]).ok();
     let line = text.out.lines().find(|line| line.starts_with("akd-1 ")).unwrap();
     assert!(
-        line.contains("Kollmorgen") && line.contains(&told("akd-1")[2]),
+        line.contains("Kollmorgen") && line.contains(&shown("akd-1")[2]),
         "{text:?}"
     );
     assert!(text.out.contains("other subnet"), "{text:?}");
@@ -99,13 +99,13 @@ fn each_station_tells_who_it_is() {
     let station = |name: &str| stations.iter().find(|one| one["name"] == name).unwrap();
     assert_eq!(
         station("akd-1")["info"]["identity"]["serial_number"],
-        told("akd-1")[2].as_str()
+        shown("akd-1")[2].as_str()
     );
     assert_eq!(station("akd-1")["info"]["faults"][0]["number"], 439);
     assert_eq!(station("akd-far")["remarks"], serde_json::json!(["other_subnet"]));
     assert_eq!(station("akd-far")["info"], Value::Null);
 
-    // what discovery tells needs nothing of the devices
+    // what discovery reports needs nothing of the devices
     let document = client(&lab, &["--json", "scan", "--quick"])
         .ok()
         .json_lines()
@@ -118,7 +118,7 @@ fn each_station_tells_who_it_is() {
 }
 
 #[test]
-fn who_comes_and_goes_is_told() {
+fn who_comes_and_goes_is_shown() {
     let lab = Lab::new("scan-watch");
     let mut drives = simulate(&lab, &["--name", "akd-1", "--ip", "192.168.77.51/24"]);
     let limit = Duration::from_secs(20);

@@ -140,7 +140,7 @@ fn stop_all_brings_every_axis_to_rest_beside_its_controller() {
         .filter_map(|one| one["report"]["sent"].as_str())
         .collect();
     assert_eq!(sent, ["DRV.STOP"], "{document}");
-    // whoever runs the axis is told so
+    // the one who runs the axis reads so
     let ended = running.finish(Duration::from_secs(20));
     assert_ne!(ended.code, Some(0), "{ended:?}");
 }

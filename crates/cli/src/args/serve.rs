@@ -22,7 +22,7 @@ pub struct Serve {
     /// Also start the browser
     #[arg(long)]
     pub open: bool,
-    /// Let nobody change anything: each page looks and stops
+    /// Change nothing: each page only looks and stops
     #[arg(long)]
     pub read_only: bool,
     /// Folder for the log of what people change, in place of that in the state folder of the user

@@ -169,9 +169,10 @@ fn source(text: &str) -> Result<Option<Backup>, Failure> {
     if path.is_file() || (text.contains('/') && !at_line) {
         Ok(Some(settings::read(path)?))
     } else if drive.is_err() {
-        Err(Failure::usage(format!(
-            "there is no file {text}, and no drive can have this name"
-        )))
+        let message = format!("there is no file {text}, and no drive can have this name");
+        Err(Failure::usage(message).hint(
+            "two drives or files are compared, or several drives with a folder of backups or the machine file",
+        ))
     } else {
         Ok(None)
     }

@@ -71,7 +71,7 @@ impl PortHolder {
         os::holders(port)
     }
 
-    /// Returns who has a UDP port of an address, in words; `None` where nobody is known to.
+    /// Returns who has a UDP port of an address, in words; `None` where that is not known.
     #[must_use]
     pub fn named(port: u16, address: Ipv4Addr) -> Option<String> {
         let all = Self::of(port).unwrap_or_default();

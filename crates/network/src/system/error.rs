@@ -72,16 +72,23 @@ pub enum Error {
     },
 }
 
+/// Returns the command that permits raw Ethernet to this program.
+#[must_use]
+pub fn grant_raw_ethernet() -> String {
+    let program = std::env::current_exe().map(|path| path.display().to_string());
+    let program = program.unwrap_or_else(|_| "PROGRAM".to_owned());
+    format!("sudo setcap cap_net_raw+ep {program}")
+}
+
 impl Error {
     /// Returns the remedy, where one is known.
     #[must_use]
     pub fn hint(&self) -> Option<String> {
         match self {
-            Self::NoPermission { .. } => Some(
-                "run as root, or grant the capability once: sudo setcap cap_net_raw+ep PROGRAM; \
-                 without a real network: unshare --user --map-root-user --net"
-                    .to_owned(),
-            ),
+            Self::NoPermission { .. } => Some(format!(
+                "run as root, or grant the capability once: {}; without a real network: unshare --user --map-root-user --net",
+                grant_raw_ethernet()
+            )),
             Self::NoRawEthernet => Some(
                 "drives given by their IP address can be read, written and stopped; drives at serial lines need no network"
                     .to_owned(),

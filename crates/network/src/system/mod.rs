@@ -33,7 +33,7 @@ use elsewhere as os;
 use linux as os;
 
 pub use diagnosis::{Link, Permissions, PortHolder, lateness};
-pub use error::Error;
+pub use error::{Error, grant_raw_ethernet};
 pub use interface::InterfaceInfo;
 pub use lock::{FolderLock, LockError};
 pub use medium::{ServerPort, UdpMedium};

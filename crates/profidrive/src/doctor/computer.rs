@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use client::Advice;
 use network::ethernet;
-use network::system::{InterfaceInfo, Link, Permissions, PortHolder};
+use network::system::{InterfaceInfo, Link, Permissions, PortHolder, grant_raw_ethernet};
 use profinet::RPC_PORT;
 
 use crate::Explained;
@@ -66,9 +66,7 @@ fn permission(own: Option<Permissions>, wording: &dyn Wording) -> Finding {
             "the system does not report it",
         ),
         Some(_) => {
-            let program = std::env::current_exe().map(|path| path.display().to_string());
-            let program = program.unwrap_or_else(|_| "PROGRAM".to_owned());
-            let advice = format!("run as root, or permit it once: sudo setcap cap_net_raw+ep {program}");
+            let advice = format!("run as root, or permit it once: {}", grant_raw_ethernet());
             Finding::new(Check::Permission, Severity::Error, "raw Ethernet (CAP_NET_RAW) is not permitted")
                 .because("without raw Ethernet there is no discovery and no cyclic data; drives given by their IP address can be read and written")
                 .remedied(&Advice::from(advice), wording)

@@ -1,4 +1,4 @@
-//! The last minutes of traffic of an interface, kept in files until somebody wants them: in [`bundle`](super::bundle::bundle).
+//! The last minutes of traffic of an interface, kept in files until they are wanted: in [`bundle`](super::bundle::bundle).
 
 use std::collections::VecDeque;
 use std::fs::File;

@@ -22,7 +22,7 @@ pub(super) enum Half {
 
 impl Drive {
     /// Answers a parameter request block; writes the response block into `out` and gives its length. Allocates nothing
-    /// but for the commands that save, strings that are written, and events that nobody takes.
+    /// but for the commands that save, strings that are written, and events that are not taken.
     ///
     /// # Errors
     /// When the block is not a request; the record write is to be refused then.

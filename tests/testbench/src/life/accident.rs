@@ -29,7 +29,7 @@ pub(super) enum Act {
         full: bool,
     },
     Line(Conditions),
-    /// Somebody at the drive sets this value.
+    /// A person at the drive sets this value.
     Panel {
         place: usize,
         which: usize,

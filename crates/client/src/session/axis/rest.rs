@@ -150,7 +150,7 @@ pub(super) struct Closer {
     pub kept: Vec<Reading>,
     pub loss: Box<LossReaction>,
     pub ending: Arc<Ending>,
-    /// A quick stop that nobody requested ended what should have been a ramp stop.
+    /// A quick stop that was not requested ended what should have been a ramp stop.
     pub quick: bool,
 }
 
