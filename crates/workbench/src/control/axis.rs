@@ -450,7 +450,8 @@ async fn hold(
         Ok(axis) => axis,
         Err(problem) => {
             reply.refused(number, &problem);
-            act::note(shared, caller, &taking, problem.message().to_owned()).await;
+            // who wanted it was told; for other pages nothing has changed
+            act::noted_quietly(shared, caller, &taking, problem.message().to_owned()).await;
             return;
         }
     };

@@ -134,14 +134,23 @@ fn a_jog_lasts_as_long_as_fresh_beats_and_control_too() {
     let id = known(&server, "axis-1");
     let mut hands = Hands::of(&server, &server.control);
     let lease = lease(&hands.take(&id));
-    assert_eq!(hands.order("enable", &id, lease, 0, &json!({}))["type"], "accepted");
+    assert_eq!(
+        hands.order("enable", &id, lease, 0, &json!({}))["type"],
+        "accepted"
+    );
     let t = hands.time();
-    let jog = hands.send("jog", &id, &json!({ "lease": lease, "epoch": 0, "t": t, "speed": 20 }));
+    let jog = hands.send(
+        "jog",
+        &id,
+        &json!({ "lease": lease, "epoch": 0, "t": t, "speed": 20 }),
+    );
     let held = json!({ "drive": id, "n": jog });
     turns(&server, &mut hands, &id, &held);
     // no beat comes any more: first the jog ends, then control
     rests(&server, &id);
-    crate::server::eventually(&server, "/api/v1/server", |report| report["controlled"] == json!([]));
+    crate::server::eventually(&server, "/api/v1/server", |report| {
+        report["controlled"] == json!([])
+    });
     let late = hands.order("enable", &id, lease, 0, &json!({}));
     assert!(sentence(&late).contains("no control"), "{late}");
     let actions: Vec<String> = server
@@ -162,7 +171,11 @@ fn beats_that_come_too_late_keep_nothing_going() {
     let lease = lease(&hands.take(&id));
     hands.order("enable", &id, lease, 0, &json!({}));
     let t = hands.time();
-    let jog = hands.send("jog", &id, &json!({ "lease": lease, "epoch": 0, "t": t, "speed": 20 }));
+    let jog = hands.send(
+        "jog",
+        &id,
+        &json!({ "lease": lease, "epoch": 0, "t": t, "speed": 20 }),
+    );
     let held = json!({ "drive": id, "n": jog });
     turns(&server, &mut hands, &id, &held);
     // as from a network that has held them back: there are enough of them, and each is old
@@ -177,9 +190,16 @@ fn beats_that_come_too_late_keep_nothing_going() {
         std::thread::sleep(Duration::from_millis(40));
     }
     let t = hands.time() - 300.0;
-    let late = hands.send("jog", &id, &json!({ "lease": lease, "epoch": 0, "t": t, "speed": 20 }));
+    let late = hands.send(
+        "jog",
+        &id,
+        &json!({ "lease": lease, "epoch": 0, "t": t, "speed": 20 }),
+    );
     let late = hands.answer(late);
-    assert!(sentence(&late).contains("too late") || sentence(&late).contains("no control"), "{late}");
+    assert!(
+        sentence(&late).contains("too late") || sentence(&late).contains("no control"),
+        "{late}"
+    );
 }
 
 #[test]
@@ -197,7 +217,10 @@ fn a_lease_is_of_its_socket_and_a_stop_of_everybody() {
     thief.send("halt", &id, &json!({ "lease": lease }));
     let mut looker = Hands::of(&server, &server.view);
     assert!(sentence(&looker.take(&id)).contains("only looks"));
-    assert_eq!(hands.order("enable", &id, lease, 0, &json!({}))["type"], "accepted");
+    assert_eq!(
+        hands.order("enable", &id, lease, 0, &json!({}))["type"],
+        "accepted"
+    );
     let go = hands.order("velocity", &id, lease, 0, &json!({ "speed": 20 }));
     assert_eq!(go["type"], "accepted", "{go}");
     turns(&server, &mut hands, &id, &Value::Null);
@@ -240,7 +263,9 @@ fn a_stop_passes_a_socket_that_takes_no_answers() {
     hands.order("velocity", &id, lease, 0, &json!({ "speed": 20 }));
     turns(&server, &mut hands, &id, &Value::Null);
     // by the way of a program, while nobody reads the socket
-    let stopped = server.ask("POST", "/api/v1/stop", &Running::bearer(&server.view), "").json();
+    let stopped = server
+        .ask("POST", "/api/v1/stop", &Running::bearer(&server.view), "")
+        .json();
     assert_eq!(stopped["axes"], json!([id]));
     rests(&server, &id);
     let log = server.log();
@@ -289,7 +314,9 @@ fn a_socket_that_breaks_the_rules_is_closed_and_its_axis_stops() {
         let closed = hands.page.closed();
         assert!(closed == Some(code) || closed.is_none(), "{closed:?}");
         rests(&server, &id);
-        crate::server::eventually(&server, "/api/v1/server", |report| report["controlled"] == json!([]));
+        crate::server::eventually(&server, "/api/v1/server", |report| {
+            report["controlled"] == json!([])
+        });
     }
     // a flood ends its socket; STOP is not counted
     let mut flood = Hands::of(&server, &server.control);

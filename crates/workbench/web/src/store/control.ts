@@ -6,6 +6,8 @@ import { access } from "./store";
 const PROTOCOL = "profidrive.control.1";
 /** Time between two beats, in ms. */
 const BEAT = 50;
+/** Without an echo of a beat for this time control has ended, in ms: the workbench keeps it for 1 s. */
+const ENDED = 1500;
 /** Round trips that are kept, and which of them may be how slow for a jog, in ms. */
 const TRIPS = 100;
 export const SLOW = 100;
@@ -83,6 +85,8 @@ let beats = 0;
 let last = 0;
 let frame = 0;
 let trips: number[] = [];
+/** When a beat came back last. */
+let echoed = 0;
 /** Commands without an answer: of which drive. */
 const pending = new Map<number, string>();
 
@@ -116,6 +120,7 @@ function beat(time: number): void {
 }
 
 function begin(): void {
+  if (frame === 0) echoed = performance.now();
   if (frame === 0) frame = requestAnimationFrame(beat);
 }
 
@@ -206,6 +211,7 @@ export function stopBySocket(): boolean {
 
 function forget(): void {
   batch(() => {
+    for (const drive of leases.value.keys()) say(drive, t("control.ended"), true);
     connected.value = false;
     leases.value = new Map();
     axes.value = [];
@@ -228,6 +234,7 @@ function receive(message: Incoming): void {
       tries = 0;
       return;
     case "beat":
+      echoed = performance.now();
       note(performance.now() - message.t);
       return;
     case "accepted":
@@ -291,20 +298,29 @@ function open(): void {
   const opened = new WebSocket(address, PROTOCOL);
   socket = opened;
   opened.onmessage = ({ data }) => receive(JSON.parse(data) as Incoming);
-  opened.onclose = () => {
-    socket = null;
-    // nothing is restored: no lease, no motion
-    forget();
-    if (access.value.kind === "in") {
-      setTimeout(open, Math.min(LONGEST, FIRST * 2 ** tries) * (0.5 + Math.random() / 2));
-      tries += 1;
-    }
-  };
+  opened.onclose = () => lost(opened);
+}
+
+/** Gives up a socket: nothing is restored, no lease and no motion. */
+function lost(gone: WebSocket): void {
+  if (socket !== gone) return;
+  socket = null;
+  gone.onmessage = null;
+  gone.close();
+  forget();
+  if (access.value.kind === "in") {
+    setTimeout(open, Math.min(LONGEST, FIRST * 2 ** tries) * (0.5 + Math.random() / 2));
+    tries += 1;
+  }
 }
 
 /** Opens the socket, and gives everything back when nobody can see the page. */
 export function runControl(): void {
   open();
+  setInterval(() => {
+    // without beats the workbench has ended control by now
+    if (socket !== null && leases.value.size > 0 && performance.now() - echoed > ENDED) lost(socket);
+  }, 250);
   const leave = () => {
     letGo();
     for (const drive of leases.value.keys()) release(drive);
