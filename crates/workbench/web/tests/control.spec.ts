@@ -1,5 +1,6 @@
+import { join } from "node:path";
 import type { Browser, Page } from "@playwright/test";
-import { end, expect, idOf, idOfStation, type Running, rows, serve, test, watch } from "./bench";
+import { end, expect, idOf, idOfStation, pictures, type Running, rows, serve, test, watch } from "./bench";
 import { wire } from "./bench/wire";
 
 /** A server of its own for a test that moves drives. */
@@ -86,6 +87,7 @@ test("a newcomer takes control, enables, jogs, and releases", async ({ page }) =
     await expect(page.getByRole("button", { name: "STOP axis-1" })).toBeVisible();
     await turning(page, server.origin, id);
     await expect(page.getByText("Torque on, moving")).toBeVisible();
+    await page.screenshot({ path: join(pictures, "control-jog.png") });
     await page.mouse.up();
     await rest(page, server.origin, id, performance.now());
     await expect(page.getByText("Torque on, at rest")).toBeVisible();

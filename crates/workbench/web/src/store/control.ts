@@ -56,7 +56,7 @@ export const lastStop = signal<{ epoch: number; by: string; drives: string[] } |
 export const said = signal<ReadonlyMap<string, Said>>(new Map());
 /** Who wants a drive that this page has. */
 export const wanted = signal<{ drive: string; by: string } | null>(null);
-/** Round trip of the slowest of 100 beats, in ms; nothing before there are ten. */
+/** Round trip that 99 of the last 100 beats keep to, in ms; nothing before there are ten. */
 export const trip = signal<number | null>(null);
 /** The button that is held: its drive, and the number of its command. */
 export const held = signal<{ drive: string; n: number } | null>(null);
@@ -128,7 +128,8 @@ function note(ms: number): void {
   trips = [...trips, ms].slice(-TRIPS);
   if (trips.length < 10) return;
   const sorted = [...trips].sort((a, b) => a - b);
-  trip.value = sorted[Math.min(sorted.length - 1, Math.floor(sorted.length * 0.99))] ?? null;
+  // of a hundred one may be slow
+  trip.value = sorted[Math.ceil(sorted.length * 0.99) - 1] ?? null;
 }
 
 /** Sends a command for an axis of this page. Returns its number. */
