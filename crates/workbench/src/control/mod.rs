@@ -8,6 +8,7 @@ mod fresh;
 mod ledger;
 #[cfg(test)]
 mod model;
+mod running;
 mod socket;
 
 use std::collections::BTreeMap;
@@ -19,8 +20,8 @@ use axum::extract::ws::Utf8Bytes;
 use serde::Serialize;
 use tokio::sync::broadcast;
 
-use axis::Running;
 use ledger::Ledger;
+use running::Running;
 
 pub(crate) use socket::{__path_control, control};
 

@@ -9,8 +9,9 @@ use profidrive::motion::{self, HeldAxis, Hold, Observer};
 use profidrive::{Network, Wait, open_plan};
 use tokio::sync::mpsc;
 
-use super::axis::{Command, Order, Reply, Running, turn};
+use super::axis::turn;
 use super::ledger::{Holder, Stamp};
+use super::running::{Command, Order, Reply, Running};
 use super::{Control, HOLD};
 
 const MS: Duration = Duration::from_millis(1);

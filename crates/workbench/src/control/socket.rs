@@ -16,9 +16,10 @@ use serde::{Deserialize, Serialize};
 use tokio::sync::{OwnedSemaphorePermit, broadcast, mpsc};
 use tokio::time::{MissedTickBehavior, interval, timeout};
 
-use super::axis::{Command, Order, Reply, Running, attend, conflict};
+use super::axis::attend;
 use super::fresh::Freshness;
 use super::ledger::{Denied, Holder, Stamp};
+use super::running::{Command, Order, Reply, Running, conflict};
 use super::{HOLD, LEASE};
 use crate::access::{Caller, Role};
 use crate::act::{self, Intent};
@@ -397,15 +398,15 @@ impl Page {
         };
         let request: Request = serde_json::from_str(&text)
             .map_err(|_| Some((close_code::POLICY, "not a message of the protocol")))?;
-        if matches!(request, Request::Stop) {
-            self.stop();
-            return Ok(());
-        }
         let now = Instant::now();
         if now.saturating_duration_since(self.second) >= Duration::from_secs(1) {
             (self.second, self.messages) = (now, 0);
         }
-        self.messages += 1;
+        self.messages = self.messages.saturating_add(1);
+        if matches!(request, Request::Stop) {
+            self.stop();
+            return Ok(());
+        }
         if self.messages > RATE {
             return Err(Some((close_code::POLICY, "too many messages")));
         }
@@ -413,9 +414,12 @@ impl Page {
         Ok(())
     }
 
-    /// Stops everything now; the log comes behind.
+    /// Stops everything now; the log comes behind. A flood of stops is carried out, and not logged one by one.
     fn stop(&self) {
         let stopping = self.shared.control.stop(&self.caller.who);
+        if self.messages > RATE {
+            return;
+        }
         let (shared, caller) = (Arc::clone(&self.shared), self.caller.clone());
         tokio::spawn(async move { act::note_stop(&shared, &caller, &stopping).await });
     }
@@ -556,6 +560,13 @@ impl Page {
         }
         if self.own.len() >= AXES {
             return refused("this page has control of 8 axes, which is the most");
+        }
+        if !self
+            .shared
+            .board
+            .look(|stations| stations.known.contains_key(drive))
+        {
+            return refused("no such drive has answered");
         }
         let control = &self.shared.control;
         let holder = Holder {

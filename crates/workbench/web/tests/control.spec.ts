@@ -1,5 +1,7 @@
+import { join } from "node:path";
 import type { Browser, Page } from "@playwright/test";
-import { end, expect, idOf, type Running, rows, serve, test, watch } from "./bench";
+import { end, expect, idOf, idOfStation, pictures, type Running, rows, serve, test, watch } from "./bench";
+import { wire } from "./bench/wire";
 
 /** A server of its own for a test that moves drives. */
 async function alone(test: (server: Running) => Promise<void>): Promise<void> {
@@ -85,6 +87,7 @@ test("a newcomer takes control, enables, jogs, and releases", async ({ page }) =
     await expect(page.getByRole("button", { name: "STOP axis-1" })).toBeVisible();
     await turning(page, server.origin, id);
     await expect(page.getByText("Torque on, moving")).toBeVisible();
+    await page.screenshot({ path: join(pictures, "control-jog.png") });
     await page.mouse.up();
     await rest(page, server.origin, id, performance.now());
     await expect(page.getByText("Torque on, at rest")).toBeVisible();
@@ -308,3 +311,41 @@ test("a page that is frozen, hidden, closed or killed, and a network that is cut
     await watcher.context().close();
   });
 });
+
+// the drive is in another process, at the other end of a cable: nothing but itself can stop it
+for (const signal of ["SIGKILL", "SIGSTOP"] as const) {
+  test(`a server that ends by ${signal} leaves the axis to the watchdog of the drive`, async ({ page }) => {
+    const cable = wire(1);
+    const server = await serve("-i", "bench-here", "--listen", "127.0.0.1:0");
+    try {
+      await page.goto(server.url);
+      await expect(page.getByRole("row", { name: "axis-1" })).toContainText("no controller is connected", {
+        timeout: 30_000,
+      });
+      const id = await idOfStation(page, "axis-1");
+      await page.goto(`${server.origin}/drives/${encodeURIComponent(id)}/control`);
+      const take = page.getByRole("button", { name: "Take control" });
+      await expect(take).toBeDisabled();
+      for (const line of ["I see the axis", "Nobody and nothing is in its way", "I reach the emergency stop"]) {
+        await page.getByRole("checkbox", { name: line }).check();
+      }
+      await take.click();
+      await expect(page.getByText(/This page has control/)).toBeVisible();
+      await page.getByRole("button", { name: "Enable" }).click();
+      await expect(page.getByText("Torque on, at rest")).toBeVisible();
+      await page.getByRole("tab", { name: "Velocity" }).click();
+      await page.getByRole("button", { name: "Turn at this speed" }).click();
+      await expect(page.getByText("Torque on, moving")).toBeVisible();
+      const since = performance.now();
+      server.process.kill(signal);
+      const fault = await cable.happens("fault F702", since);
+      const off = await cable.happens("-> S1 switching on inhibited", since);
+      console.log(`${signal} of the server: F702 after ${fault.toFixed(0)} ms, off after ${off.toFixed(0)} ms`);
+      await expect(page.getByText(/Connection to the workbench lost/)).toBeVisible();
+      await expect(page.getByText("IN CONTROL")).toHaveCount(0);
+    } finally {
+      await end(server);
+      cable.end();
+    }
+  });
+}

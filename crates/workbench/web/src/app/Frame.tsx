@@ -21,6 +21,10 @@ import { address, OF_DRIVE, screenOf, selected, selectedId } from "./selected";
 /** What became of the last STOP. */
 const stopped = signal("");
 
+/** STOP is sent when the pointer goes down, and not once more by the click of this press, ms. */
+const PRESS = 1000;
+let pressedAt = Number.NEGATIVE_INFINITY;
+
 /** The event that somebody has read. */
 const shown = signal(-1);
 
@@ -157,7 +161,21 @@ function Stop({ station }: { station: Station | undefined }) {
         <bdi>{why}</bdi> <span class="small">{t("stop.safety")}</span>
         {leases.value.size > 0 && <span class="small">{t("frame.control.keys")}</span>}
       </p>
-      <button type="button" class="stop" aria-describedby="stop-why" onClick={() => void pressStop()}>
+      <button
+        type="button"
+        class="stop"
+        aria-describedby="stop-why"
+        onPointerDown={(event) => {
+          if (event.button === 0) {
+            pressedAt = event.timeStamp;
+            void pressStop();
+          }
+        }}
+        onClick={(event) => {
+          // the click that ends a press is no second one; a key has no press before it
+          if (event.timeStamp - pressedAt > PRESS) void pressStop();
+        }}
+      >
         {text}
       </button>
     </>

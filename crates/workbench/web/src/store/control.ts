@@ -6,6 +6,8 @@ import { access } from "./store";
 const PROTOCOL = "profidrive.control.1";
 /** Time between two beats, in ms. */
 const BEAT = 50;
+/** Without an echo of a beat for this time control has ended, in ms: the workbench keeps it for 1 s. */
+const ENDED = 1500;
 /** Round trips that are kept, and which of them may be how slow for a jog, in ms. */
 const TRIPS = 100;
 export const SLOW = 100;
@@ -54,7 +56,7 @@ export const lastStop = signal<{ epoch: number; by: string; drives: string[] } |
 export const said = signal<ReadonlyMap<string, Said>>(new Map());
 /** Who wants a drive that this page has. */
 export const wanted = signal<{ drive: string; by: string } | null>(null);
-/** Round trip of the slowest of 100 beats, in ms; nothing before there are ten. */
+/** Round trip that 99 of the last 100 beats keep to, in ms; nothing before there are ten. */
 export const trip = signal<number | null>(null);
 /** The button that is held: its drive, and the number of its command. */
 export const held = signal<{ drive: string; n: number } | null>(null);
@@ -83,6 +85,8 @@ let beats = 0;
 let last = 0;
 let frame = 0;
 let trips: number[] = [];
+/** When a beat came back last. */
+let echoed = 0;
 /** Commands without an answer: of which drive. */
 const pending = new Map<number, string>();
 
@@ -116,6 +120,7 @@ function beat(time: number): void {
 }
 
 function begin(): void {
+  if (frame === 0) echoed = performance.now();
   if (frame === 0) frame = requestAnimationFrame(beat);
 }
 
@@ -123,7 +128,8 @@ function note(ms: number): void {
   trips = [...trips, ms].slice(-TRIPS);
   if (trips.length < 10) return;
   const sorted = [...trips].sort((a, b) => a - b);
-  trip.value = sorted[Math.min(sorted.length - 1, Math.floor(sorted.length * 0.99))] ?? null;
+  // of a hundred one may be slow
+  trip.value = sorted[Math.ceil(sorted.length * 0.99) - 1] ?? null;
 }
 
 /** Sends a command for an axis of this page. Returns its number. */
@@ -206,6 +212,7 @@ export function stopBySocket(): boolean {
 
 function forget(): void {
   batch(() => {
+    for (const drive of leases.value.keys()) say(drive, t("control.ended"), true);
     connected.value = false;
     leases.value = new Map();
     axes.value = [];
@@ -228,6 +235,7 @@ function receive(message: Incoming): void {
       tries = 0;
       return;
     case "beat":
+      echoed = performance.now();
       note(performance.now() - message.t);
       return;
     case "accepted":
@@ -291,20 +299,29 @@ function open(): void {
   const opened = new WebSocket(address, PROTOCOL);
   socket = opened;
   opened.onmessage = ({ data }) => receive(JSON.parse(data) as Incoming);
-  opened.onclose = () => {
-    socket = null;
-    // nothing is restored: no lease, no motion
-    forget();
-    if (access.value.kind === "in") {
-      setTimeout(open, Math.min(LONGEST, FIRST * 2 ** tries) * (0.5 + Math.random() / 2));
-      tries += 1;
-    }
-  };
+  opened.onclose = () => lost(opened);
+}
+
+/** Gives up a socket: nothing is restored, no lease and no motion. */
+function lost(gone: WebSocket): void {
+  if (socket !== gone) return;
+  socket = null;
+  gone.onmessage = null;
+  gone.close();
+  forget();
+  if (access.value.kind === "in") {
+    setTimeout(open, Math.min(LONGEST, FIRST * 2 ** tries) * (0.5 + Math.random() / 2));
+    tries += 1;
+  }
 }
 
 /** Opens the socket, and gives everything back when nobody can see the page. */
 export function runControl(): void {
   open();
+  setInterval(() => {
+    // without beats the workbench has ended control by now
+    if (socket !== null && leases.value.size > 0 && performance.now() - echoed > ENDED) lost(socket);
+  }, 250);
   const leave = () => {
     letGo();
     for (const drive of leases.value.keys()) release(drive);

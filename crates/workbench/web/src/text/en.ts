@@ -236,6 +236,7 @@ export const en = {
   "control.title": "Control",
   "control.select": "Select a drive to take control of it.",
   "control.lost": "The connection for control is not open.",
+  "control.ended": "The connection was lost. Control has ended: the axis stops by its deadline.",
   "control.view": "This session only looks and stops: it takes no control.",
   "control.addresses": "The drives were given by their addresses: control needs a network interface (serve -i).",
   "control.taken": "Session {who} has control of this drive.",

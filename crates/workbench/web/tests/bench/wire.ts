@@ -2,6 +2,7 @@
 import { type ChildProcess, execFileSync, spawn } from "node:child_process";
 import { readFileSync, rmSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
+import { createInterface } from "node:readline";
 import { pictures, program } from "../bench";
 
 const ip = (...words: string[]) => execFileSync("ip", words, { stdio: "inherit" });
@@ -9,6 +10,8 @@ const ip = (...words: string[]) => execFileSync("ip", words, { stdio: "inherit" 
 /** Drives at the end of a cable. */
 export interface Wire {
   drives: ChildProcess;
+  /** Waits for an event of the drives; returns after how many ms, by the clock of this process. */
+  happens(text: string, since: number): Promise<number>;
   /** Kills the drives and removes the cable. */
   end(): void;
 }
@@ -25,9 +28,18 @@ export function wire(count: number): Wire {
   ip("addr", "add", "192.168.98.1/24", "dev", "bench-here");
   ip("link", "set", "bench-here", "up");
   ip("link", "set", "bench-there", "up");
-  const drives = spawn(program, ["simulate", "-q", "-i", "bench-there", file], { stdio: "ignore" });
+  const drives = spawn(program, ["simulate", "-i", "bench-there", file], { stdio: ["ignore", "pipe", "ignore"] });
+  const seen: { text: string; time: number }[] = [];
+  createInterface({ input: drives.stdout }).on("line", (text) => seen.push({ text, time: performance.now() }));
   return {
     drives,
+    async happens(text, since) {
+      for (;;) {
+        const found = seen.find((line) => line.time >= since && line.text.includes(text));
+        if (found !== undefined) return found.time - since;
+        await new Promise((resolve) => setTimeout(resolve, 5));
+      }
+    },
     end() {
       drives.kill("SIGKILL");
       ip("link", "del", "bench-here");
@@ -46,9 +58,13 @@ export interface Frame {
 export async function record(): Promise<{ frames(): Promise<Frame[]> }> {
   const file = join(pictures, "bench.pcapng");
   rmSync(file, { force: true });
-  const dumpcap = spawn("dumpcap", ["-q", "-i", "bench-here", "-f", "ether proto 0x8892", "-w", file], {
-    stdio: ["ignore", "ignore", "pipe"],
-  });
+  const dumpcap = spawn(
+    "dumpcap",
+    ["-q", "-i", "bench-here", "-f", "ether proto 0x8892 or (vlan and ether proto 0x8892)", "-w", file],
+    {
+      stdio: ["ignore", "ignore", "pipe"],
+    },
+  );
   await new Promise<void>((resolve) => {
     dumpcap.stderr.on("data", (text: Buffer) => {
       if (text.toString().includes("File:")) resolve();

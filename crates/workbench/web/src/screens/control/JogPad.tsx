@@ -14,9 +14,20 @@ function rpm(speed: number): number {
 }
 
 /** Buttons that move the axis while they are held. Whatever ends a hold halts the axis. */
-export function JogPad({ drive, speed, may }: { drive: string; speed: number | null; may: boolean }) {
-  const usable = may && speed !== null && speed > 0;
+export function JogPad({
+  drive,
+  speed,
+  may,
+  slow,
+}: {
+  drive: string;
+  speed: number | null;
+  may: boolean;
+  slow: boolean;
+}) {
   const held = control.held.value;
+  // what is too slow begins no jog; one under way ends by its beats
+  const usable = may && speed !== null && speed > 0 && (!slow || held !== null);
   useEffect(() => {
     if (!usable) control.letGo();
   }, [usable]);

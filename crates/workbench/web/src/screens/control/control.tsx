@@ -250,7 +250,7 @@ function Motion({ station }: { station: Station }) {
       {here === "jog" && (
         <>
           <Field title={t("control.speed")} value={jogSpeed} unit="rpm" />
-          <JogPad drive={id} speed={numberOf(jogSpeed.value)} may={on && !slow} />
+          <JogPad drive={id} speed={numberOf(jogSpeed.value)} may={on} slow={slow} />
           {slow && <p class="fault">{t("control.slow", { ms: Math.round(control.trip.value ?? 0) })}</p>}
         </>
       )}

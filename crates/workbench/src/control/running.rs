@@ -1,0 +1,391 @@
+//! What an axis under control is to do, and what reaches it beside its queue. Knows nothing of the server.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
+use std::time::{Duration, Instant};
+
+use profidrive::client::axis::{Progress, Purpose};
+use profidrive::client::{AxisStatus, BeatHandle, StopHandle};
+use profidrive::motion::HeldAxis;
+use serde::Serialize;
+use tokio::sync::{mpsc, watch};
+
+use super::ledger::Stamp;
+use super::{HOLD, LEASE};
+use crate::problem::Problem;
+
+/// Commands that wait for their turn.
+pub(super) const QUEUE: usize = 8;
+
+/// What an axis is to do.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Order {
+    Enable,
+    Disable,
+    Acknowledge,
+    /// At this speed in rpm, while a button is held.
+    Jog(f64),
+    /// At this speed in rpm, until something else is requested.
+    Velocity(f64),
+    /// To a position or by a distance in turns, at a speed in rpm.
+    Move {
+        turns: f64,
+        relative: bool,
+        speed: f64,
+    },
+    /// The homing procedure of the drive.
+    Home,
+    /// A motion task of the drive.
+    Task(u16),
+}
+
+impl Order {
+    /// Its name in the log.
+    pub(super) const fn action(self) -> &'static str {
+        match self {
+            Self::Enable => "enable",
+            Self::Disable => "disable",
+            Self::Acknowledge => "acknowledge",
+            Self::Jog(_) => "jog",
+            Self::Velocity(_) => "velocity",
+            Self::Move { .. } => "move",
+            Self::Home => "home",
+            Self::Task(_) => "task",
+        }
+    }
+
+    pub(super) fn value(self) -> Option<String> {
+        Some(match self {
+            Self::Jog(speed) | Self::Velocity(speed) => format!("{speed} rpm"),
+            Self::Move {
+                turns,
+                relative,
+                speed,
+            } => format!(
+                "{} {turns} rev at {speed} rpm",
+                if relative { "by" } else { "to" }
+            ),
+            Self::Task(number) => number.to_string(),
+            Self::Enable | Self::Disable | Self::Acknowledge | Self::Home => return None,
+        })
+    }
+
+    /// How it is kept going; nothing where nothing moves by it.
+    pub(super) const fn kept(self) -> Option<Kept> {
+        match self {
+            Self::Jog(_) => Some(Kept::ByButton),
+            Self::Velocity(_) | Self::Move { .. } | Self::Home | Self::Task(_) => Some(Kept::ByPage),
+            Self::Enable | Self::Disable | Self::Acknowledge => None,
+        }
+    }
+}
+
+/// What keeps a motion going.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Kept {
+    /// A button that is held.
+    ByButton,
+    /// The page, as long as it is there.
+    ByPage,
+}
+
+/// A command, and where its answer goes.
+#[derive(Debug)]
+pub(super) struct Command {
+    pub order: Order,
+    pub stamp: Stamp,
+    pub reply: Reply,
+}
+
+/// Where answers of one socket go. A socket that takes no more is closed by its own task.
+#[derive(Debug, Clone)]
+pub(super) struct Reply(pub mpsc::Sender<String>);
+
+#[derive(Serialize)]
+struct Accepted {
+    r#type: &'static str,
+    n: u64,
+}
+
+#[derive(Serialize)]
+struct Refused<'r> {
+    r#type: &'static str,
+    n: u64,
+    sentence: &'r str,
+    hint: Option<&'r str>,
+}
+
+impl Reply {
+    pub fn send(&self, message: &impl Serialize) {
+        // a full queue: the socket ends by itself
+        let _ = self
+            .0
+            .try_send(serde_json::to_string(message).unwrap_or_default());
+    }
+
+    pub fn accepted(&self, n: u64) {
+        self.send(&Accepted {
+            r#type: "accepted",
+            n,
+        });
+    }
+
+    pub fn refused(&self, n: u64, problem: &Problem) {
+        let error = problem.error();
+        self.send(&Refused {
+            r#type: "refused",
+            n,
+            sentence: &error.message,
+            hint: error.hint.as_deref(),
+        });
+    }
+}
+
+/// How an axis is.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub(super) struct Picture {
+    /// The drive, as it is called in paths.
+    drive: String,
+    lease: u64,
+    /// Who has it, as in the log.
+    holder: String,
+    purpose: &'static str,
+    /// `taking`, `off`, `enabled`, `moving`, `stopping` or `releasing`.
+    phase: &'static str,
+    /// Whether a command is carried out.
+    busy: bool,
+    speed: Option<f64>,
+    speed_set: Option<f64>,
+    unit: &'static str,
+    /// In turns.
+    position: Option<f64>,
+    /// Whether the target of a move is reached.
+    reached: bool,
+    homed: Option<bool>,
+    /// Why it stopped by itself.
+    trouble: Option<String>,
+    /// Whether the connection is lost: all of this is what the drive reported last.
+    lost: bool,
+}
+
+/// The motion that is kept going.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Motion {
+    /// The number of its command.
+    number: u64,
+    kept: Kept,
+}
+
+/// An axis that somebody has, from the wish to take it until it is given back.
+#[derive(Debug)]
+pub(super) struct Running {
+    pub drive: String,
+    pub lease: u64,
+    holder: String,
+    pub(super) purpose: Purpose,
+    orders: mpsc::Sender<Command>,
+    /// Once the axis is taken.
+    handles: OnceLock<(StopHandle, BeatHandle)>,
+    motion: Mutex<Option<Motion>>,
+    /// When a fresh beat came last.
+    beaten: Mutex<Instant>,
+    /// Its page is gone, or gives it back.
+    pub(super) ended: watch::Sender<bool>,
+    pub(super) busy: AtomicBool,
+    picture: Mutex<Picture>,
+}
+
+impl Running {
+    pub fn new(
+        drive: &str,
+        lease: u64,
+        holder: &str,
+        purpose: Purpose,
+    ) -> (Arc<Self>, mpsc::Receiver<Command>) {
+        let (orders, queue) = mpsc::channel(QUEUE);
+        let running = Self {
+            drive: drive.to_owned(),
+            lease,
+            holder: holder.to_owned(),
+            purpose,
+            orders,
+            handles: OnceLock::new(),
+            motion: Mutex::new(None),
+            beaten: Mutex::new(Instant::now()),
+            ended: watch::Sender::new(false),
+            busy: AtomicBool::new(true),
+            picture: Mutex::new(Picture {
+                drive: drive.to_owned(),
+                lease,
+                holder: holder.to_owned(),
+                purpose: purpose_name(purpose),
+                phase: "taking",
+                busy: true,
+                ..Picture::default()
+            }),
+        };
+        (Arc::new(running), queue)
+    }
+
+    /// Notes that the axis is taken. From now on nothing moves without beats.
+    pub fn hold_by(&self, axis: &HeldAxis) {
+        let (stop, beat) = (axis.stop_handle(), axis.beat_handle());
+        beat.beat(Duration::ZERO);
+        // it is taken once
+        let _ = self.handles.set((stop, beat));
+    }
+
+    fn motion(&self) -> MutexGuard<'_, Option<Motion>> {
+        self.motion.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Returns how it is.
+    pub fn picture(&self) -> Picture {
+        let picture = self.picture.lock().unwrap_or_else(PoisonError::into_inner);
+        Picture {
+            busy: self.busy.load(Ordering::Relaxed),
+            ..picture.clone()
+        }
+    }
+
+    /// Stops it by its quick stop.
+    pub fn stop(&self) {
+        *self.motion() = None;
+        if let Some((stop, beat)) = self.handles.get() {
+            beat.end();
+            stop.quick_stop();
+        }
+    }
+
+    /// Halts the motion along its ramp; the axis stays enabled.
+    pub fn halt(&self) {
+        *self.motion() = None;
+        if let Some((_, beat)) = self.handles.get() {
+            beat.end();
+        }
+    }
+
+    /// Takes a fresh beat of its page. `held` is the number of the command whose button is held.
+    pub fn beat(&self, held: Option<u64>) {
+        *self.beaten.lock().unwrap_or_else(PoisonError::into_inner) = Instant::now();
+        let Some((_, beat)) = self.handles.get() else {
+            return;
+        };
+        let mut motion = self.motion();
+        match *motion {
+            Some(Motion {
+                number,
+                kept: Kept::ByButton,
+            }) if held != Some(number) => {
+                // the button is up: the end is not waited for
+                *motion = None;
+                beat.beat(Duration::ZERO);
+                beat.end();
+            }
+            Some(Motion {
+                kept: Kept::ByButton, ..
+            }) => beat.beat(HOLD),
+            Some(Motion {
+                kept: Kept::ByPage, ..
+            }) => beat.beat(LEASE),
+            // the lease goes on, and nothing may move: a command that comes late to its turn begins no motion
+            None => beat.beat(Duration::ZERO),
+        }
+    }
+
+    /// Begins to keep a motion going, before its command has its turn.
+    fn keep(&self, number: u64, kept: Kept) {
+        let mut motion = self.motion();
+        *motion = Some(Motion { number, kept });
+        if let Some((_, beat)) = self.handles.get() {
+            beat.beat(match kept {
+                Kept::ByButton => HOLD,
+                Kept::ByPage => LEASE,
+            });
+        }
+    }
+
+    /// Hands a command to the task of the axis.
+    pub fn order(&self, command: Command) {
+        let (number, reply) = (command.stamp.number, command.reply.clone());
+        let kept = command.order.kept();
+        if let Some(kept) = kept {
+            self.keep(number, kept);
+        }
+        if self.orders.try_send(command).is_err() {
+            if kept.is_some() {
+                self.halt();
+            }
+            reply.refused(number, &conflict("too many commands wait for this drive"));
+        }
+    }
+
+    /// Ends it: the axis is ramped down and given back.
+    pub fn end(&self) {
+        *self.motion() = None;
+        if let Some((stop, beat)) = self.handles.get() {
+            beat.end();
+            stop.stop();
+        }
+        self.ended.send_replace(true);
+    }
+
+    pub(super) fn is_kept(&self, number: u64) -> bool {
+        self.motion().is_some_and(|motion| motion.number == number)
+    }
+
+    pub(super) fn unbeaten(&self) -> Duration {
+        self.beaten
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .elapsed()
+    }
+
+    pub(super) fn show(&self, status: &AxisStatus) {
+        let view = &status.view;
+        let phase = match () {
+            () if view.goal.moves() => "moving",
+            () if view.goal.operates() => "enabled",
+            () if view.at_rest => "off",
+            () => "stopping",
+        };
+        let trouble = match view.progress {
+            Progress::Failed(trouble) => Some(trouble.to_string()),
+            Progress::Pursuing | Progress::Reached => None,
+        };
+        let mut picture = self.picture.lock().unwrap_or_else(PoisonError::into_inner);
+        *picture = Picture {
+            drive: self.drive.clone(),
+            lease: self.lease,
+            holder: self.holder.clone(),
+            purpose: purpose_name(self.purpose),
+            phase,
+            busy: false,
+            speed: status.speed_actual,
+            speed_set: status.speed_set,
+            unit: status.unit.symbol(),
+            position: status.position,
+            reached: view.progress == Progress::Reached,
+            homed: (self.purpose == Purpose::Move)
+                .then(|| view.seen.map(|seen| seen.homed()))
+                .flatten(),
+            trouble,
+            lost: status.lost,
+        };
+    }
+
+    pub(super) fn phase(&self, phase: &'static str) {
+        self.picture.lock().unwrap_or_else(PoisonError::into_inner).phase = phase;
+    }
+}
+
+pub(super) const fn purpose_name(purpose: Purpose) -> &'static str {
+    match purpose {
+        Purpose::Move => "position",
+        _ => "speed",
+    }
+}
+
+pub(super) fn conflict(detail: &str) -> Problem {
+    Problem::new(axum::http::StatusCode::CONFLICT, "refused", detail)
+}
