@@ -34,7 +34,8 @@ impl LivePlot {
     pub fn check(output: &Output) -> Result<(), Failure> {
         let draws = "--plot FILE.svg draws to a file";
         if !output.live() {
-            let message = "--live draws on a terminal: the output is no terminal, or --json or --quiet is given";
+            let message =
+                "--live draws on a terminal: the output is no terminal, or --json or --quiet is given";
             return Err(Failure::usage(message).hint(draws));
         }
         // stdout may be a terminal that is not that of this program: its keys cannot be read

@@ -284,7 +284,10 @@ impl MotionError {
                 Some(Advice::from(Action::Write { parameter, value }).and(" puts it back"))
             }
             Self::AboveBound { .. } => Some("choose a speed within it".into()),
-            Self::NotBounded { .. } => Some("set a limit of the drive itself; a motion that has a speed of its own takes one in rpm".into()),
+            Self::NotBounded { .. } => Some(
+                "set a limit of the drive itself; a motion that has a speed of its own takes one in rpm"
+                    .into(),
+            ),
             Self::NoPpo { .. } => Some("use the number of a telegram".into()),
             Self::NeedsRestart { .. } => Some("remove the cause, then switch the drive off and on".into()),
             Self::NoClearParameter { .. } => {

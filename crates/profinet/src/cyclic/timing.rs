@@ -33,7 +33,9 @@ pub enum IocrError {
     #[error("watchdog factor {0} is outside 1 to 7680")]
     WatchdogFactor(u16),
     /// DataHoldFactor outside 1 to the second number: more would be beyond 0x1E00 or hold longer than 1.92 s.
-    #[error("watchdog and data hold of {0} update times: 1 to {1} are possible with this update time (at most 1.92 s)")]
+    #[error(
+        "watchdog and data hold of {0} update times: 1 to {1} are possible with this update time (at most 1.92 s)"
+    )]
     DataHoldFactor(u16, u16),
     /// No API, or an API without any object.
     #[error("no API, or an API without an object")]
