@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from profidrive.backup import Backup
     from profidrive.network import Drive, Drives, Network, open
     from profidrive.plant import Plant, PlantDrive, VirtualDrive, World
+    from profidrive.recording import Recording
     from profidrive.table import Table
     from profidrive.trace import Trace
 
@@ -30,6 +31,7 @@ _LAZY = {
     "Network": "network",
     "Plant": "plant",
     "PlantDrive": "plant",
+    "Recording": "recording",
     "Table": "table",
     "Trace": "trace",
     "VirtualDrive": "plant",
@@ -84,6 +86,7 @@ __all__ = [
     "Plant",
     "PlantDrive",
     "ProfidriveError",
+    "Recording",
     "State",
     "Table",
     "Trace",

@@ -15,6 +15,7 @@ from profidrive._values import optional_span, span, value_text
 from profidrive.axis import Control
 from profidrive.backup import Backup
 from profidrive.errors import DriveGroupError, LocalError, ProfidriveError, UsageError
+from profidrive.recording import Recording
 from profidrive.reports import (
     BlinkReport,
     DescribeReport,
@@ -123,6 +124,19 @@ def restore(
     kept = None if way_back is None else os.fspath(way_back)
     chosen = [only] if isinstance(only, str) else list(only)
     return Call(_profidrive.Verb.restore(settings.text, name, chosen, save, dry_run, kept), RestoreReport._of)
+
+
+def _recorded(
+    network: _profidrive.Network,
+    names: list[str],
+    signals: str | Sequence[str],
+    time: Duration,
+    every: Duration | Literal["cycle"],
+    most: int,
+) -> Recording:
+    wanted = [signals] if isinstance(signals, str) else list(signals)
+    interval = None if every == "cycle" else span(every)
+    return Recording(network.record(names, wanted, interval, span(time), most))
 
 
 def _backup_of(source: Backup | Path) -> tuple[Backup, str]:
@@ -328,6 +342,20 @@ class Drive:
             way_back = _free(os.fspath(backup))
         return self._do(restore(settings, name, only, save, False, way_back))
 
+    def record(
+        self, signals: str | Sequence[str], *, for_: Duration, every: Duration | Literal["cycle"] = 0.1, max_rows: int = 10_000_000
+    ) -> Recording:
+        """Records signals for a time, and returns them as a table.
+
+        Args:
+            signals: parameters that are read at an interval; with every cycle signals of the telegram, such as `ZSW1`, or `all`.
+            for_: how long.
+            every: the interval, or `"cycle"`: each cycle of a connection that commands nothing. The drive must have no controller,
+                and its power stage must be off.
+            max_rows: the recording ends where it has so many.
+        """
+        return _recorded(self._network, [self.name], signals, for_, every, max_rows)
+
     def stop(self, *, disable: bool = False) -> StopReport:
         """Brings the drive to rest by the means that it has, whoever commands it, and waits for that. Any thread may call it.
 
@@ -458,6 +486,20 @@ class Drives(Sequence[Drive]):
         """Compares the settings of each drive with a backup, its file or another drive."""
         settings, name = (other.backup(), other.name) if isinstance(other, Drive) else _backup_of(other)
         return self._do("diff", diff(settings, name))
+
+    def record(
+        self, signals: str | Sequence[str], *, for_: Duration, every: Duration | Literal["cycle"] = 0.1, max_rows: int = 10_000_000
+    ) -> Recording:
+        """Records signals of all drives for a time, and returns them as one table.
+
+        Args:
+            signals: parameters that are read at an interval; with every cycle signals of the telegram, such as `ZSW1`, or `all`.
+            for_: how long.
+            every: the interval, or `"cycle"`: each cycle of a connection that commands nothing. The drives must have no controller,
+                and their power stages must be off.
+            max_rows: the recording ends where it has so many.
+        """
+        return _recorded(self._network, list(self._names), signals, for_, every, max_rows)
 
     def stop(self, *, disable: bool = False) -> dict[str, StopReport]:
         """Brings each drive to rest."""

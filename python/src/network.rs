@@ -8,6 +8,7 @@ use std::time::{Duration, Instant as Clock};
 use client::{Drive, DriveAddress};
 use profidrive::addressing::{self, AddressingError, NewAddress, NewName};
 use profidrive::fleet::{self, Member, Selected};
+use profidrive::recording::{Every, Request};
 use profidrive::{Access, Caller, DriveError, IpSuite, Opening, Selector, StopRequests, scan};
 use pyo3::exceptions::PyBaseException;
 use pyo3::prelude::*;
@@ -15,6 +16,7 @@ use pyo3::prelude::*;
 use crate::attention::{LOOK, Signals, wait};
 use crate::axis::{Axis, Wanted};
 use crate::errors::{Failure, closed, explained, of_client, of_drive, of_open};
+use crate::recording::{Recording, record};
 use crate::time::Span;
 use crate::trace::document;
 use crate::verb::Verb;
@@ -406,6 +408,30 @@ impl Network {
             (name, failure.map(|failure| PyErr::from(failure).into_value(py)))
         };
         Ok(members.into_iter().map(named).collect())
+    }
+
+    /// Records signals of these drives: at an interval, or with each cycle where none is given.
+    fn record(
+        &self,
+        py: Python<'_>,
+        names: Vec<String>,
+        signals: Vec<String>,
+        every: Option<Span>,
+        time: Span,
+        most: usize,
+    ) -> PyResult<Recording> {
+        let every = match every {
+            Some(every) => Every::Interval(every.read()?),
+            None => Every::CYCLE,
+        };
+        let request = Request {
+            time: Some(time.read()?),
+            ..Request::new(signals, every)
+        };
+        self.search(py, async |joined, caller| {
+            let members = joined.members(caller, &names).await?;
+            record(caller, caller.wall_clock(), members, &request, most).await
+        })
     }
 
     /// Finds all stations and reads who they are; a report as JSON.

@@ -155,3 +155,29 @@ def test_a_drive_with_a_controller_is_not_restored_and_faults_are_acknowledged(w
     assert acknowledged.acknowledged
     assert drive.faults().faults == ()
     assert drive.ack().acknowledged is False
+
+
+def test_signals_are_recorded_as_a_table(world: World, tmp_path: Path) -> None:
+    drives = world.network.select("akd-*")
+    recording = drives.record(["DRV.ACC", "p922"], for_="1s", every="100ms")
+    assert recording.columns[:4] == ("t", "wall", "drive", "gap")
+    assert recording.units["DRV.ACC"] == "rpm/s"
+    assert [one.drive for one in recording.drives] == ["akd-1", "akd-2"]
+    assert all(9 <= one.rows <= 11 and one.missed == 0 for one in recording.drives)
+    assert set(recording["DRV.ACC"]) == {3000.0}
+    recording.write(str(tmp_path / "run.csv"))
+    recording.draw(tmp_path / "run.svg", "two drives")
+    assert (tmp_path / "run.csv").read_text().count("\n") > 18
+    cyclic = world.network["akd-1"].record("all", for_="1s", every="cycle")
+    assert len(cyclic) > 50
+    assert "ZSW1" in cyclic.columns
+    assert len(world.network["akd-1"].record("ZSW1", for_="1s", every="cycle", max_rows=7)) == 7
+    with pytest.raises(UsageError):
+        drives.record([], for_=1)
+    with pytest.raises(ProfidriveError, match="NOTHING"):
+        drives.record("NOTHING", for_=1)
+    pulled = {"drive.akd-2.event": [{"at": "5s", "do": "cable=pulled"}]}
+    network = Plant.of("akd", "akd").with_changes(pulled).start().network
+    lost = network.select("akd-*").record("DRV.ACC", for_="60s", every="100ms").drives
+    assert (lost[0].missed, lost[0].outages) == (0, 0)
+    assert lost[1].missed > 100
