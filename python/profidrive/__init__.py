@@ -15,18 +15,23 @@ from profidrive.types import State
 if TYPE_CHECKING:
     from profidrive import events, reports
     from profidrive.axis import Axis, Control
-    from profidrive.network import Drive, Network, open
+    from profidrive.backup import Backup
+    from profidrive.network import Drive, Drives, Network, open
     from profidrive.plant import Plant, PlantDrive, VirtualDrive, World
+    from profidrive.recording import Recording
     from profidrive.table import Table
     from profidrive.trace import Trace
 
 _LAZY = {
     "Axis": "axis",
+    "Backup": "backup",
     "Control": "axis",
     "Drive": "network",
+    "Drives": "network",
     "Network": "network",
     "Plant": "plant",
     "PlantDrive": "plant",
+    "Recording": "recording",
     "Table": "table",
     "Trace": "trace",
     "VirtualDrive": "plant",
@@ -71,14 +76,17 @@ def build_info() -> BuildInfo:
 
 __all__ = [
     "Axis",
+    "Backup",
     "BuildInfo",
     "Control",
     "Drive",
+    "Drives",
     "ErrorKind",
     "Network",
     "Plant",
     "PlantDrive",
     "ProfidriveError",
+    "Recording",
     "State",
     "Table",
     "Trace",

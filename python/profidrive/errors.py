@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 if TYPE_CHECKING:
     from profidrive.events import ExpectationResult
-    from profidrive.reports import Fault, MotionReport, Quantity, WriteReport
+    from profidrive.reports import Fault, MotionReport, Quantity, RestoreReport, WriteReport
 
 
 class ErrorKind(str, Enum):
@@ -89,6 +89,8 @@ class RefusedError(ProfidriveError):
     kind = ErrorKind.REFUSED
     owner: str | None = None
     """Station name of the controller that has the drive, where that is the reason and the drive reports it."""
+    restore: RestoreReport | None = None
+    """What a restore has written, where the drive refused some of it."""
     parameter: str | None = None
     """The parameter as its vendor writes it."""
     pnu: int | None = None
@@ -166,6 +168,8 @@ class DifferenceError(ProfidriveError, AssertionError):
     kind = ErrorKind.DIFFERENCE
     report: WriteReport | None = None
     """What was written, where the drive has another value since."""
+    restore: RestoreReport | None = None
+    """What a restore has written, where the drive is not as its backup says."""
 
 
 class ExpectationFailed(DifferenceError):
@@ -207,6 +211,16 @@ class MisuseError(ProfidriveError, RuntimeError):
     kind = ErrorKind.USAGE
 
 
+class DriveGroupError(ProfidriveError):
+    """Some drives of many failed."""
+
+    kind = ErrorKind.PARTIAL
+    errors: Mapping[str, ProfidriveError] = {}
+    """The error of each drive that failed."""
+    results: Mapping[str, object] = {}
+    """What came of the others."""
+
+
 _KINDS: Mapping[str, type[ProfidriveError]] = {
     found.kind.value: found
     for found in (
@@ -230,6 +244,7 @@ _NAMED: Mapping[str, type[ProfidriveError]] = {
 }
 _DOCUMENTS = {
     "report": "WriteReport",
+    "restore": "RestoreReport",
     "fault": "Fault",
     "motion": "MotionReport",
     "target": "Quantity",
@@ -258,6 +273,7 @@ __all__ = [
     "AxisFault",
     "ConnectionLost",
     "DifferenceError",
+    "DriveGroupError",
     "ErrorKind",
     "ExpectationFailed",
     "InternalError",

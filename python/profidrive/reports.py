@@ -876,29 +876,950 @@ class AxisState:
         )
 
 
+@dataclass(frozen=True, slots=True)
+class ValueText:
+    """A value, or a bit, and what it means."""
+
+    value: int
+    """The value, or the number of the bit."""
+    text: str
+    """What it means."""
+
+    @classmethod
+    def _of(cls, data: Mapping[str, Any]) -> ValueText:
+        return cls(
+            value=data["value"],
+            text=data["text"],
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class ParameterDescription:
+    """A parameter as the tables of a model have it."""
+
+    pnu: int
+    """Parameter number."""
+    index: int | None
+    """Element of a number that collects parameters."""
+    number: str
+    """The number as the vendor writes it: `p2108`, `1-20`, `ID 103`."""
+    name: str
+    """The vendor's name."""
+    common_names: tuple[str, ...]
+    """Names that mean the same on the drives of every vendor: `ramp-up`."""
+    description: str
+    """What it is."""
+    unit: str
+    """Unit of the value, empty for none."""
+    access: str
+    """`read`, `read, write` or `command`."""
+    elements: int
+    """Number of elements."""
+    octets: int
+    """Octets of one element."""
+    signed: bool
+    """Whether the number has a sign."""
+    high: int | None
+    """Parameter number of the high half of a 64-bit value."""
+    saved: bool
+    """Whether the drive can keep the value over a power cycle."""
+    minimum: float | None
+    """Lowest value; null where only the data type limits it."""
+    maximum: float | None
+    """Highest value; null where only the data type limits it."""
+    default: float | None
+    """Value as delivered."""
+    choices: tuple[ValueText, ...]
+    """The values of a list."""
+    bits: tuple[ValueText, ...]
+    """The bits of a word."""
+    source: str
+    """Where this is from: manual and section."""
+
+    @classmethod
+    def _of(cls, data: Mapping[str, Any]) -> ParameterDescription:
+        return cls(
+            pnu=data["pnu"],
+            index=data["index"],
+            number=data["number"],
+            name=data["name"],
+            common_names=tuple(item for item in data["common_names"]),
+            description=data["description"],
+            unit=data["unit"],
+            access=data["access"],
+            elements=data["elements"],
+            octets=data["octets"],
+            signed=data["signed"],
+            high=data["high"],
+            saved=data["saved"],
+            minimum=data["minimum"],
+            maximum=data["maximum"],
+            default=data["default"],
+            choices=tuple(ValueText._of(item) for item in data["choices"]),
+            bits=tuple(ValueText._of(item) for item in data["bits"]),
+            source=data["source"],
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class ReportedDescription:
+    """A parameter as a drive describes it."""
+
+    name: str | None
+    """Name in the words of the drive."""
+    data_type: str | None
+    """Name of the data type."""
+    unit: str
+    """Unit of the limits."""
+    minimum: float | None
+    """Lowest value; null where only the data type limits it."""
+    maximum: float | None
+    """Highest value; null where only the data type limits it."""
+    elements: int
+    """Number of elements."""
+    read_only: bool
+    """Whether it cannot be written."""
+    changed: bool
+    """Whether it differs from the value as delivered."""
+    texts: tuple[ValueText, ...]
+    """Texts of its values."""
+
+    @classmethod
+    def _of(cls, data: Mapping[str, Any]) -> ReportedDescription:
+        return cls(
+            name=data["name"],
+            data_type=data["data_type"],
+            unit=data["unit"],
+            minimum=data["minimum"],
+            maximum=data["maximum"],
+            elements=data["elements"],
+            read_only=data["read_only"],
+            changed=data["changed"],
+            texts=tuple(ValueText._of(item) for item in data["texts"]),
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class DescribeReport:
+    """One parameter in full."""
+
+    drive: str
+    """The drive."""
+    model: str
+    """Name of its model."""
+    parameter: ParameterDescription | None
+    """The parameter as the tables have it; null where they do not."""
+    saved_by: str | None
+    """What lets the drive save the value over a power cycle: `nothing`, `every-write`, `request` (a write that requests it) or
+`command` (for all values at once); null where it is in no table."""
+    scaling: str | None
+    """How the number that travels becomes a value: `raw 1000 = 1 rpm/s`."""
+    reported: ReportedDescription | None
+    """How the drive describes it; null where it does not."""
+    values: tuple[Parameter, ...]
+    """Its values now."""
+
+    @classmethod
+    def _of(cls, data: Mapping[str, Any]) -> DescribeReport:
+        return cls(
+            drive=data["drive"],
+            model=data["model"],
+            parameter=None if data["parameter"] is None else ParameterDescription._of(data["parameter"]),
+            saved_by=data["saved_by"],
+            scaling=data["scaling"],
+            reported=None if data["reported"] is None else ReportedDescription._of(data["reported"]),
+            values=tuple(Parameter._of(item) for item in data["values"]),
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class ListReport:
+    """The parameters of a drive."""
+
+    drive: str
+    """The drive."""
+    model: str
+    """Name of its model."""
+    parameters: tuple[ParameterDescription, ...]
+    """The parameters as the tables have them."""
+    numbers: tuple[int, ...]
+    """Their numbers alone, for a drive without tables."""
+    values: tuple[Parameter, ...]
+    """Their values instead, where they were requested."""
+
+    @classmethod
+    def _of(cls, data: Mapping[str, Any]) -> ListReport:
+        return cls(
+            drive=data["drive"],
+            model=data["model"],
+            parameters=tuple(ParameterDescription._of(item) for item in data["parameters"]),
+            numbers=tuple(item for item in data["numbers"]),
+            values=tuple(Parameter._of(item) for item in data["values"]),
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Station:
+    """A station on the network, as it answers to discovery."""
+
+    name: str | None
+    """Name of station."""
+    mac: str
+    """Ethernet address."""
+    ip: str | None
+    """IP address."""
+    mask: str | None
+    """Subnet mask."""
+    prefix: int | None
+    """Prefix length of the subnet mask."""
+    gateway: str | None
+    """Gateway."""
+    vendor_id: int
+    """VendorID."""
+    vendor: str | None
+    """Name of the vendor, where it is in the tables."""
+    device_id: int
+    """DeviceID."""
+    instance: int
+    """Instance of the device."""
+    type: str
+    """Type of station in the vendor's words."""
+    role: str | None
+    """`device`, `controller` or `supervisor`."""
+    model: str | None
+    """Model whose tables are built in: `AKD`, `VLT`, `Vacon`."""
+
+    @classmethod
+    def _of(cls, data: Mapping[str, Any]) -> Station:
+        return cls(
+            name=data["name"],
+            mac=data["mac"],
+            ip=data["ip"],
+            mask=data["mask"],
+            prefix=data["prefix"],
+            gateway=data["gateway"],
+            vendor_id=data["vendor_id"],
+            vendor=data["vendor"],
+            device_id=data["device_id"],
+            instance=data["instance"],
+            type=data["type"],
+            role=data["role"],
+            model=data["model"],
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Identity:
+    """Identification and maintenance records."""
+
+    vendor_id: int
+    """Vendor."""
+    order_id: str
+    """Order number."""
+    serial_number: str
+    """Serial number."""
+    hardware_revision: int
+    """Hardware revision."""
+    software_revision: str
+    """Software revision."""
+    profile_id: int
+    """Profile, 0x3A00 for PROFIdrive."""
+    profile_type: int
+    """Type within the profile."""
+    function: str
+    """Function (I&M1)."""
+    location: str
+    """Location (I&M1)."""
+    installed: str
+    """Installation date (I&M2)."""
+    descriptor: str
+    """Descriptor (I&M3)."""
+
+    @classmethod
+    def _of(cls, data: Mapping[str, Any]) -> Identity:
+        return cls(
+            vendor_id=data["vendor_id"],
+            order_id=data["order_id"],
+            serial_number=data["serial_number"],
+            hardware_revision=data["hardware_revision"],
+            software_revision=data["software_revision"],
+            profile_id=data["profile_id"],
+            profile_type=data["profile_type"],
+            function=data["function"],
+            location=data["location"],
+            installed=data["installed"],
+            descriptor=data["descriptor"],
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Neighbour:
+    """A station at the other end of a cable."""
+
+    own_port: str
+    """The drive's own port."""
+    port: str
+    """The port of the neighbour."""
+    station: str | None
+    """Name of the neighbour."""
+    mac: str
+    """Its Ethernet address."""
+
+    @classmethod
+    def _of(cls, data: Mapping[str, Any]) -> Neighbour:
+        return cls(
+            own_port=data["own_port"],
+            port=data["port"],
+            station=data["station"],
+            mac=data["mac"],
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Submodule:
+    """A submodule that is plugged."""
+
+    subslot: int
+    """Subslot."""
+    ident: int
+    """Ident number."""
+
+    @classmethod
+    def _of(cls, data: Mapping[str, Any]) -> Submodule:
+        return cls(
+            subslot=data["subslot"],
+            ident=data["ident"],
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Module:
+    """A module that is plugged."""
+
+    api: int
+    """API."""
+    slot: int
+    """Slot."""
+    ident: int
+    """Ident number."""
+    submodules: tuple[Submodule, ...]
+    """Its submodules."""
+
+    @classmethod
+    def _of(cls, data: Mapping[str, Any]) -> Module:
+        return cls(
+            api=data["api"],
+            slot=data["slot"],
+            ident=data["ident"],
+            submodules=tuple(Submodule._of(item) for item in data["submodules"]),
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Software:
+    """Software of a drive unit or of a drive object: `manufacturer 261 (0x0105), type 100, software 1.15, 2017-10-01`."""
+
+    manufacturer: int
+    """Number of the manufacturer."""
+    kind: int
+    """Type, a number of the manufacturer."""
+    version: str
+    """Version."""
+    date: str
+    """Date, YYYY-MM-DD."""
+
+    @classmethod
+    def _of(cls, data: Mapping[str, Any]) -> Software:
+        return cls(
+            manufacturer=data["manufacturer"],
+            kind=data["kind"],
+            version=data["version"],
+            date=data["date"],
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class ProfileVersion:
+    """The profile of a drive: `3 PROFIdrive, version 4.1`."""
+
+    number: int
+    """Number of the profile; 3 is PROFIdrive."""
+    version: str
+    """Version."""
+
+    @classmethod
+    def _of(cls, data: Mapping[str, Any]) -> ProfileVersion:
+        return cls(
+            number=data["number"],
+            version=data["version"],
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class DriveObject:
+    """One axis, or another object, of a drive unit."""
+
+    manufacturer: int
+    """Number of the manufacturer."""
+    kind: int
+    """Type, a number of the manufacturer."""
+    version: str
+    """Version."""
+    date: str
+    """Date, YYYY-MM-DD."""
+    class_: int | None
+    """Class: 1 is an axis, 5 an encoder."""
+    id: int | None
+    """DO-ID."""
+
+    @classmethod
+    def _of(cls, data: Mapping[str, Any]) -> DriveObject:
+        return cls(
+            manufacturer=data["manufacturer"],
+            kind=data["kind"],
+            version=data["version"],
+            date=data["date"],
+            class_=data["class"],
+            id=data["id"],
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class ProfileIdentity:
+    """What a drive says about itself, beside its identification records. What it does not have is null."""
+
+    drive_unit: Software | None
+    """The drive unit (PNU 964)."""
+    profile: ProfileVersion | None
+    """The profile (PNU 965)."""
+    drive_object: DriveObject | None
+    """The drive object (PNU 975)."""
+
+    @classmethod
+    def _of(cls, data: Mapping[str, Any]) -> ProfileIdentity:
+        return cls(
+            drive_unit=None if data["drive_unit"] is None else Software._of(data["drive_unit"]),
+            profile=None if data["profile"] is None else ProfileVersion._of(data["profile"]),
+            drive_object=None if data["drive_object"] is None else DriveObject._of(data["drive_object"]),
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class InfoReport:
+    """Who a drive is and in which state."""
+
+    drive: str
+    """The drive as it was called."""
+    model: str
+    """Name of its model."""
+    is_drive: bool
+    """Whether it is a drive."""
+    station: Station
+    """How it answers to discovery."""
+    identity: Identity | None
+    """Its identification records (I&M0 to I&M3)."""
+    state: DriveState | None
+    """State of the drive."""
+    profile: str
+    """Whose words these are: `PROFIdrive`, `FC profile`, .."""
+    mode: str
+    """Mode that decides over the bits: `velocity` or `position`."""
+    stw1: Word | None
+    """Control word that the drive acts on."""
+    zsw1: Word | None
+    """Status word of the drive."""
+    fault_bit: bool | None
+    """Whether the status word reports a fault."""
+    warning_bit: bool | None
+    """Whether the status word reports a warning."""
+    controller: Controller | None
+    """Who has its cyclic connection; null where it does not report that."""
+    neighbours: tuple[Neighbour, ...]
+    """Who is at the other end of its cables."""
+    modules: tuple[Module, ...]
+    """The modules that are plugged."""
+    route: str | None
+    """How its records were read: `device access`, `implicit reads`, `connection as IO controller`."""
+    identification: ProfileIdentity
+    """What its identification parameters (PNU 964, 965 and 975) say."""
+    parameters: tuple[Parameter, ...]
+    """The parameters that identify it."""
+    faults: tuple[Fault, ...]
+    """Its fault buffer."""
+    refused: tuple[str, ...]
+    """Records and parameters that it refused, with its reason."""
+
+    @classmethod
+    def _of(cls, data: Mapping[str, Any]) -> InfoReport:
+        return cls(
+            drive=data["drive"],
+            model=data["model"],
+            is_drive=data["is_drive"],
+            station=Station._of(data["station"]),
+            identity=None if data["identity"] is None else Identity._of(data["identity"]),
+            state=None if data["state"] is None else DriveState(data["state"]),
+            profile=data["profile"],
+            mode=data["mode"],
+            stw1=None if data["stw1"] is None else Word._of(data["stw1"]),
+            zsw1=None if data["zsw1"] is None else Word._of(data["zsw1"]),
+            fault_bit=data["fault_bit"],
+            warning_bit=data["warning_bit"],
+            controller=None if data["controller"] is None else Controller._of(data["controller"]),
+            neighbours=tuple(Neighbour._of(item) for item in data["neighbours"]),
+            modules=tuple(Module._of(item) for item in data["modules"]),
+            route=data["route"],
+            identification=ProfileIdentity._of(data["identification"]),
+            parameters=tuple(Parameter._of(item) for item in data["parameters"]),
+            faults=tuple(Fault._of(item) for item in data["faults"]),
+            refused=tuple(item for item in data["refused"]),
+        )
+
+
+class Remark(str, Enum):
+    """What is to be known about the name or the address of a station."""
+
+    NO_NAME = "no_name"
+    """It has no name: no controller finds it."""
+    NO_ADDRESS = "no_address"
+    """It has no IP address: nothing can be read."""
+    OTHER_SUBNET = "other_subnet"
+    """It is in another subnet and has no gateway: no answer can come to this computer."""
+    ROUTED = "routed"
+    """It is in another subnet: it takes a router between them."""
+    NAME_TWICE = "name_twice"
+    """Another station has the same name."""
+    ADDRESS_TWICE = "address_twice"
+    """Another station has the same address."""
+    CONFLICT = "conflict"
+    """It reports itself that another station has its address."""
+
+
+@dataclass(frozen=True, slots=True)
+class Scanned:
+    """A station that answered."""
+
+    name: str | None
+    """Name of station."""
+    mac: str
+    """Ethernet address."""
+    ip: str | None
+    """IP address."""
+    mask: str | None
+    """Subnet mask."""
+    prefix: int | None
+    """Prefix length of the subnet mask."""
+    gateway: str | None
+    """Gateway."""
+    vendor_id: int
+    """VendorID."""
+    vendor: str | None
+    """Name of the vendor, where it is in the tables."""
+    device_id: int
+    """DeviceID."""
+    instance: int
+    """Instance of the device."""
+    type: str
+    """Type of station in the vendor's words."""
+    role: str | None
+    """`device`, `controller` or `supervisor`."""
+    model: str | None
+    """Model whose tables are built in: `AKD`, `VLT`, `Vacon`."""
+    remarks: tuple[Remark, ...]
+    """What is to be known about its name and its address."""
+    info: InfoReport | None
+    """Its own description; null where it was not read."""
+    unread: str | None
+    """Why it was not read, or what of it was not answered; null where all was read, or where this was not requested."""
+
+    @classmethod
+    def _of(cls, data: Mapping[str, Any]) -> Scanned:
+        return cls(
+            name=data["name"],
+            mac=data["mac"],
+            ip=data["ip"],
+            mask=data["mask"],
+            prefix=data["prefix"],
+            gateway=data["gateway"],
+            vendor_id=data["vendor_id"],
+            vendor=data["vendor"],
+            device_id=data["device_id"],
+            instance=data["instance"],
+            type=data["type"],
+            role=data["role"],
+            model=data["model"],
+            remarks=tuple(Remark(item) for item in data["remarks"]),
+            info=None if data["info"] is None else InfoReport._of(data["info"]),
+            unread=data["unread"],
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class ScanReport:
+    """The stations on a network."""
+
+    stations: tuple[Scanned, ...]
+    """The stations that answered."""
+
+    @classmethod
+    def _of(cls, data: Mapping[str, Any]) -> ScanReport:
+        return cls(
+            stations=tuple(Scanned._of(item) for item in data["stations"]),
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class NameReport:
+    """A new name of a station."""
+
+    mac: str
+    """Ethernet address of the station."""
+    old: str | None
+    """Its name before."""
+    name: str | None
+    """Its name now; null where it was taken away."""
+    permanent: bool
+    """Whether the name is kept over power-off."""
+    dry_run: bool
+    """Whether nothing was changed."""
+
+    @classmethod
+    def _of(cls, data: Mapping[str, Any]) -> NameReport:
+        return cls(
+            mac=data["mac"],
+            old=data["old"],
+            name=data["name"],
+            permanent=data["permanent"],
+            dry_run=data["dry_run"],
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class IpReport:
+    """A new IP address of a station."""
+
+    mac: str
+    """Ethernet address of the station."""
+    name: str | None
+    """Its name."""
+    ip: str
+    """Its IP address."""
+    mask: str
+    """Its subnet mask."""
+    gateway: str | None
+    """Its gateway."""
+    permanent: bool
+    """Whether the address is kept over power-off."""
+    dry_run: bool
+    """Whether nothing was changed."""
+
+    @classmethod
+    def _of(cls, data: Mapping[str, Any]) -> IpReport:
+        return cls(
+            mac=data["mac"],
+            name=data["name"],
+            ip=data["ip"],
+            mask=data["mask"],
+            gateway=data["gateway"],
+            permanent=data["permanent"],
+            dry_run=data["dry_run"],
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class BlinkReport:
+    """A station that blinked."""
+
+    mac: str
+    """Ethernet address of the station."""
+
+    @classmethod
+    def _of(cls, data: Mapping[str, Any]) -> BlinkReport:
+        return cls(
+            mac=data["mac"],
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class NumberedTask:
+    """A motion task with its number."""
+
+    number: int
+    """Number of the task."""
+    empty: bool
+    """Whether it has no values."""
+    values: tuple[Parameter, ...]
+    """Its values."""
+
+    @classmethod
+    def _of(cls, data: Mapping[str, Any]) -> NumberedTask:
+        return cls(
+            number=data["number"],
+            empty=data["empty"],
+            values=tuple(Parameter._of(item) for item in data["values"]),
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class BackupReport:
+    """The settings of a drive."""
+
+    drive: str
+    """The drive."""
+    model: str
+    """Name of its model."""
+    file: str | None
+    """The file that was written."""
+    parameters: tuple[Parameter, ...]
+    """The settings."""
+    refused: tuple[Parameter, ...]
+    """The settings that could not be read, with the reason."""
+    tasks: tuple[NumberedTask, ...] | None
+    """The motion tasks; null where they are left out."""
+    complete: bool
+    """Whether no setting and no motion task is missing."""
+
+    @classmethod
+    def _of(cls, data: Mapping[str, Any]) -> BackupReport:
+        return cls(
+            drive=data["drive"],
+            model=data["model"],
+            file=data["file"],
+            parameters=tuple(Parameter._of(item) for item in data["parameters"]),
+            refused=tuple(Parameter._of(item) for item in data["refused"]),
+            tasks=None if data["tasks"] is None else tuple(NumberedTask._of(item) for item in data["tasks"]),
+            complete=data["complete"],
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Difference:
+    """A setting that differs."""
+
+    pnu: int | None
+    """Parameter number."""
+    index: int | None
+    """Element of an array."""
+    name: str | None
+    """The vendor's name."""
+    connection: bool
+    """Whether a controller decides it by connecting: telegram, mapping, command source, address."""
+    left: Parameter | None
+    """The value on the left; null where it is missing."""
+    right: Parameter | None
+    """The value on the right; null where it is missing."""
+
+    @classmethod
+    def _of(cls, data: Mapping[str, Any]) -> Difference:
+        return cls(
+            pnu=data["pnu"],
+            index=data["index"],
+            name=data["name"],
+            connection=data["connection"],
+            left=None if data["left"] is None else Parameter._of(data["left"]),
+            right=None if data["right"] is None else Parameter._of(data["right"]),
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class MotionTask:
+    """A motion task of the drive's own table."""
+
+    empty: bool
+    """Whether it has no values."""
+    values: tuple[Parameter, ...]
+    """Its values."""
+
+    @classmethod
+    def _of(cls, data: Mapping[str, Any]) -> MotionTask:
+        return cls(
+            empty=data["empty"],
+            values=tuple(Parameter._of(item) for item in data["values"]),
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class TaskDifference:
+    """A motion task that differs."""
+
+    number: int
+    """Number of the task."""
+    left: MotionTask
+    """The task on the left."""
+    right: MotionTask
+    """The task on the right."""
+
+    @classmethod
+    def _of(cls, data: Mapping[str, Any]) -> TaskDifference:
+        return cls(
+            number=data["number"],
+            left=MotionTask._of(data["left"]),
+            right=MotionTask._of(data["right"]),
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class DiffReport:
+    """What differs between two sets of settings."""
+
+    left: str
+    """File or drive on the left."""
+    right: str
+    """File or drive on the right."""
+    differences: tuple[Difference, ...]
+    """The settings that differ."""
+    tasks: tuple[TaskDifference, ...]
+    """The motion tasks that differ."""
+
+    @classmethod
+    def _of(cls, data: Mapping[str, Any]) -> DiffReport:
+        return cls(
+            left=data["left"],
+            right=data["right"],
+            differences=tuple(Difference._of(item) for item in data["differences"]),
+            tasks=tuple(TaskDifference._of(item) for item in data["tasks"]),
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class SkippedSetting:
+    """A setting of a file that is not written."""
+
+    why: str
+    """Why."""
+    refused: bool
+    """Whether that is because the drive cannot have it."""
+    setting: Parameter
+    """The setting in the file."""
+
+    @classmethod
+    def _of(cls, data: Mapping[str, Any]) -> SkippedSetting:
+        return cls(
+            why=data["why"],
+            refused=data["refused"],
+            setting=Parameter._of(data["setting"]),
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class MotionTaskChange:
+    """A motion task that is changed."""
+
+    number: int
+    """Number of the task."""
+    old: MotionTask
+    """The task before."""
+    new: MotionTask
+    """The task that the drive is to have."""
+    step: str
+    """How far it is, as for a setting."""
+    error: ParameterError | None
+    """Why it was not written."""
+
+    @classmethod
+    def _of(cls, data: Mapping[str, Any]) -> MotionTaskChange:
+        return cls(
+            number=data["number"],
+            old=MotionTask._of(data["old"]),
+            new=MotionTask._of(data["new"]),
+            step=data["step"],
+            error=None if data["error"] is None else ParameterError._of(data["error"]),
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class RestoreReport:
+    """Settings that were restored, or in a dry run would be."""
+
+    drive: str
+    """The drive."""
+    file: str
+    """The file with the settings."""
+    dry_run: bool
+    """Whether nothing was written."""
+    complete: bool
+    """Whether everything that was to be written is written and read back."""
+    saved: bool
+    """Whether the drive saved it."""
+    way_back: str | None
+    """The file with the values before; null where nothing was written."""
+    changes: tuple[SettingChange, ...]
+    """The values."""
+    skipped: tuple[SkippedSetting, ...]
+    """What is in the file and is not written."""
+    tasks: tuple[MotionTaskChange, ...]
+    """The motion tasks."""
+    tasks_left_out: str | None
+    """Why no motion task of the file is written."""
+
+    @classmethod
+    def _of(cls, data: Mapping[str, Any]) -> RestoreReport:
+        return cls(
+            drive=data["drive"],
+            file=data["file"],
+            dry_run=data["dry_run"],
+            complete=data["complete"],
+            saved=data["saved"],
+            way_back=data["way_back"],
+            changes=tuple(SettingChange._of(item) for item in data["changes"]),
+            skipped=tuple(SkippedSetting._of(item) for item in data["skipped"]),
+            tasks=tuple(MotionTaskChange._of(item) for item in data["tasks"]),
+            tasks_left_out=data["tasks_left_out"],
+        )
+
+
 __all__ = [
     "Action",
     "AxisState",
+    "BackupReport",
+    "BlinkReport",
     "Controller",
+    "DescribeReport",
+    "DiffReport",
+    "Difference",
+    "DriveObject",
     "DriveState",
     "Fault",
     "FaultsReport",
     "Frames",
+    "Identity",
+    "InfoReport",
+    "IpReport",
+    "ListReport",
     "LoadStatus",
     "LogEntry",
     "LossReaction",
+    "Module",
     "MotionReport",
+    "MotionTask",
+    "MotionTaskChange",
     "MoveReport",
+    "NameReport",
+    "Neighbour",
+    "NumberedTask",
     "Parameter",
     "ParameterContent",
+    "ParameterDescription",
     "ParameterError",
     "ParametersReport",
+    "ProfileIdentity",
+    "ProfileVersion",
     "PutBack",
     "Quantity",
+    "Remark",
+    "ReportedDescription",
+    "RestoreReport",
+    "ScanReport",
+    "Scanned",
     "SettingChange",
+    "SkippedSetting",
+    "Software",
+    "Station",
     "StatusNote",
     "StatusReport",
     "StopReport",
+    "Submodule",
+    "TaskDifference",
+    "ValueText",
     "Warning",
     "Word",
     "WriteReport",

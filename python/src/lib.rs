@@ -8,9 +8,11 @@ mod axis;
 mod errors;
 mod network;
 mod plant;
+mod recording;
 mod table;
 mod time;
 mod trace;
+mod verb;
 mod words;
 mod world;
 
@@ -51,6 +53,8 @@ fn _profidrive(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(network::leave_all, module)?)?;
     module.add_class::<axis::Axis>()?;
     module.add_class::<network::Network>()?;
+    module.add_class::<recording::Recording>()?;
+    module.add_class::<verb::Verb>()?;
     module.add_class::<trace::Trace>()?;
     module.add_class::<table::Table>()?;
     module.add_class::<table::Column>()

@@ -1,28 +1,29 @@
 //! Networks, real ones and those of plants: the calls of a client.
 
 use std::collections::HashMap;
+use std::net::Ipv4Addr;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak, mpsc};
 use std::time::{Duration, Instant as Clock};
 
-use client::{Drive, DriveAddress, Error, StopWay};
-use profidrive::motion;
-use profidrive::parameters::{self, Write};
-use profidrive::{Access, Caller, Opening, StopRequests, inspection};
-use profile::notation::ParameterReference;
-use profile::value::{Assignment, ParameterProblem};
+use client::{Drive, DriveAddress};
+use profidrive::addressing::{self, AddressingError, NewAddress, NewName};
+use profidrive::fleet::{self, Member, Selected};
+use profidrive::recording::{Every, Request};
+use profidrive::{Access, Caller, DriveError, IpSuite, Opening, Selector, StopRequests, scan};
+use pyo3::exceptions::PyBaseException;
 use pyo3::prelude::*;
-use serde_json::json;
 
 use crate::attention::{LOOK, Signals, wait};
 use crate::axis::{Axis, Wanted};
-use crate::errors::{Failure, closed, explained, of_client, of_drive, of_motion, of_open};
+use crate::errors::{Failure, closed, explained, of_client, of_drive, of_open};
+use crate::recording::{Recording, record};
 use crate::time::Span;
 use crate::trace::document;
-use crate::words::Calls;
+use crate::verb::Verb;
 use crate::world::Held;
 
 /// How long a stop may take that is not that of an axis under control.
-const STOP: Duration = Duration::from_secs(10);
+pub const STOP: Duration = Duration::from_secs(10);
 
 /// The networks that are open.
 static OPEN: Mutex<Vec<Weak<Joined>>> = Mutex::new(Vec::new());
@@ -99,11 +100,63 @@ impl Joined {
         if let Some(drive) = locked(&self.drives).get(name) {
             return Ok(drive.clone());
         }
-        let address = name
-            .parse()
-            .map_err(|error| explained(&profidrive::DriveError::from(error)))?;
-        let found = self.opening.find(caller, &address, &mut |_| {}).await;
+        let found = self.opening.find(caller, &address(name)?, &mut |_| {}).await;
         found.map_err(|error| of_drive(&error))
+    }
+
+    /// Returns drives of these names, those that are not known found at the same time.
+    async fn members(&self, caller: &mut Caller, names: &[String]) -> Result<Vec<Selected>, Failure> {
+        let known = |name: &String| locked(&self.drives).get(name).cloned();
+        let unknown: Vec<_> = names
+            .iter()
+            .filter(|name| known(name).is_none())
+            .cloned()
+            .collect();
+        let mut failed = HashMap::new();
+        if !unknown.is_empty() {
+            let selector = Selector::of(&unknown.join(","), None).map_err(|error| explained(&error))?;
+            let found = self.opening.select(caller, &selector).await;
+            for Selected { name, drive, .. } in found.map_err(|error| of_drive(&error))?.members {
+                match drive {
+                    Ok(drive) => _ = locked(&self.drives).insert(name, drive),
+                    Err(error) => _ = failed.insert(name, error),
+                }
+            }
+        }
+        let members = names.iter().map(|name| {
+            let missing = || DriveError::NoneFits {
+                term: name.clone(),
+                answered: Vec::new(),
+            };
+            let failed = failed.remove(name);
+            Selected {
+                name: name.clone(),
+                notes: Vec::new(),
+                drive: known(name).ok_or_else(|| failed.unwrap_or_else(missing)),
+            }
+        });
+        Ok(members.collect())
+    }
+
+    /// Returns the names of the drives that a selector means, and why those that cannot be worked with cannot.
+    async fn select(
+        &self,
+        caller: &mut Caller,
+        selector: &Selector,
+    ) -> Result<Vec<(String, Option<Failure>)>, Failure> {
+        let found = self.opening.select(caller, selector).await;
+        let members = found.map_err(|error| of_drive(&error))?.members.into_iter();
+        let named = members.map(|Selected { name, drive, .. }| match drive {
+            Ok(drive) => {
+                locked(&self.drives).insert(name.clone(), drive);
+                (name, None)
+            }
+            Err(error) => {
+                let failure = of_drive(&error).about(&name);
+                (name, Some(failure))
+            }
+        });
+        Ok(named.collect())
     }
 
     /// Leaves the network: every axis is brought to rest and released. Signals make that a quick stop, then end the wait for it,
@@ -153,6 +206,28 @@ impl Drop for Joined {
     }
 }
 
+fn address(name: &str) -> Result<DriveAddress, Failure> {
+    name.parse().map_err(|error| explained(&DriveError::from(error)))
+}
+
+impl From<AddressingError> for Failure {
+    fn from(error: AddressingError) -> Self {
+        match &error {
+            AddressingError::Client(error) => of_client(error),
+            other => explained(other),
+        }
+    }
+}
+
+impl From<DriveError> for Failure {
+    fn from(error: DriveError) -> Self {
+        of_drive(&error)
+    }
+}
+
+/// Name of a drive, with the document of a call or its error.
+type Outcome = (String, Option<String>, Option<Py<PyBaseException>>);
+
 /// Leaves all networks before Python ends.
 #[pyfunction]
 pub fn leave_all(py: Python<'_>, seconds: f64) -> PyResult<()> {
@@ -172,9 +247,7 @@ pub fn leave_all(py: Python<'_>, seconds: f64) -> PyResult<()> {
 pub fn open(py: Python<'_>, interface: Option<&str>, by_ip: bool) -> PyResult<Network> {
     let opened = py.detach(|| match interface {
         Some(line) if line.contains(':') => {
-            let address: DriveAddress = line
-                .parse()
-                .map_err(|error| explained(&profidrive::DriveError::from(error)))?;
+            let address = address(line)?;
             let opening = Opening::new(Access::Cyclic);
             let network = opening.open_to(&address).map_err(|error| of_open(&error))?;
             Ok::<_, Failure>(Joined::new(network, opening))
@@ -241,6 +314,39 @@ impl Network {
         })
     }
 
+    /// Carries out a call for the network.
+    fn search<T: Send>(
+        &self,
+        py: Python<'_>,
+        work: impl AsyncFnOnce(&Joined, &mut Caller) -> Result<T, Failure> + Send,
+    ) -> PyResult<T> {
+        py.detach(|| {
+            let place = self.place()?;
+            place.goes_on();
+            let requests = StopRequests::default();
+            let mut caller = place.joined.caller(&requests);
+            wait(&requests, work(&place.joined, &mut caller))
+        })
+    }
+
+    /// Carries out a call for a station, which need not have an address. What was known of drives may be of another one then.
+    fn station(
+        &self,
+        py: Python<'_>,
+        name: &str,
+        work: impl AsyncFnOnce(&mut Caller, &Drive) -> Result<String, Failure> + Send,
+    ) -> PyResult<String> {
+        self.search(py, async |joined, caller| {
+            let address = address(name)?;
+            let opening = Opening::new(Access::Discovery);
+            let found = opening.find(caller, &address, &mut |_| {}).await;
+            let station = found.map_err(|error| of_drive(&error).about(name))?;
+            let done = work(caller, &station).await;
+            locked(&joined.drives).clear();
+            done.map_err(|failure| failure.about(&station.label()))
+        })
+    }
+
     /// Carries out a call for a drive.
     fn call<T: Send>(
         &self,
@@ -266,86 +372,131 @@ impl Network {
     }
 }
 
-fn references(names: &[String]) -> Result<Vec<ParameterReference>, Failure> {
-    let read = |name: &String| {
-        let reference = name.parse::<ParameterReference>();
-        reference.map_err(|error| explained(&Error::from(ParameterProblem::from(error))))
-    };
-    names.iter().map(read).collect()
-}
-
 #[pymethods]
 impl Network {
-    /// Reads parameters; a report as JSON.
-    fn read(&self, py: Python<'_>, drive: &str, names: Vec<String>) -> PyResult<String> {
-        let wanted = references(&names)?;
+    /// Carries out a call for a drive; returns its document as JSON.
+    fn one(&self, py: Python<'_>, drive: &str, verb: &Verb) -> PyResult<String> {
         self.call(py, drive, async |caller, drive| {
-            let values = parameters::read(caller, drive, &wanted).await;
-            let values = values.map_err(|error| of_client(&error))?;
-            match values.problems(&drive.label()).first() {
-                Some(problem) => Err(of_client(problem)),
-                None => document(&values.report(drive, &Calls)),
-            }
+            verb.carry_out(caller, drive).await
         })
     }
 
-    /// Writes parameters in this order; a report as JSON.
-    fn write(
+    /// Carries out a call for each of these drives, all at the same time; returns the name with the document or the error.
+    fn each(&self, py: Python<'_>, names: Vec<String>, verb: &Verb) -> PyResult<Vec<Outcome>> {
+        let done = self.search(py, async |joined, caller| {
+            let members = joined.members(caller, &names).await?;
+            let done = fleet::each(caller, members, async |session, drive| {
+                verb.carry_out(session, drive).await
+            });
+            Ok(done.await)
+        })?;
+        let outcome = |member: Member<Result<String, Failure>>| match member.result {
+            Ok(document) => (member.name, Some(document), None),
+            Err(failure) => {
+                let error = PyErr::from(failure.about(&member.name));
+                (member.name, None, Some(error.into_value(py)))
+            }
+        };
+        Ok(done.into_iter().map(outcome).collect())
+    }
+
+    /// Returns the names of the drives that a selector means, with the errors of those that cannot be worked with.
+    fn select(&self, py: Python<'_>, selector: &str) -> PyResult<Vec<(String, Option<Py<PyBaseException>>)>> {
+        let selector = Selector::of(selector, None).map_err(|error| explained(&error))?;
+        let members = self.search(py, async |joined, caller| joined.select(caller, &selector).await)?;
+        let named = |(name, failure): (String, Option<Failure>)| {
+            (name, failure.map(|failure| PyErr::from(failure).into_value(py)))
+        };
+        Ok(members.into_iter().map(named).collect())
+    }
+
+    /// Records signals of these drives: at an interval, or with each cycle where none is given.
+    fn record(
         &self,
         py: Python<'_>,
-        drive: &str,
-        values: Vec<(String, String)>,
-        save: bool,
+        names: Vec<String>,
+        signals: Vec<String>,
+        every: Option<Span>,
+        time: Span,
+        most: usize,
+    ) -> PyResult<Recording> {
+        let every = match every {
+            Some(every) => Every::Interval(every.read()?),
+            None => Every::CYCLE,
+        };
+        let request = Request {
+            time: Some(time.read()?),
+            ..Request::new(signals, every)
+        };
+        self.search(py, async |joined, caller| {
+            let members = joined.members(caller, &names).await?;
+            record(caller, caller.wall_clock(), members, &request, most).await
+        })
+    }
+
+    /// Finds all stations and reads who they are; a report as JSON.
+    fn scan(&self, py: Python<'_>, time: Span) -> PyResult<String> {
+        let time = time.read()?;
+        self.search(py, async |_, caller| {
+            let found = scan::survey(caller, time, &mut |_, _| {}).await;
+            document(&found.map_err(|error| of_client(&error))?.report)
+        })
+    }
+
+    /// Names a station; a report as JSON.
+    fn set_name(
+        &self,
+        py: Python<'_>,
+        station: &str,
+        name: &str,
+        permanent: bool,
         dry_run: bool,
     ) -> PyResult<String> {
-        let assignments = values.iter().map(|(name, value)| {
-            let assignment = format!("{name}={value}").parse::<Assignment>();
-            assignment.map_err(|problem| of_client(&Error::from(problem)).about(drive))
-        });
-        let assignments: Vec<Assignment> = assignments.collect::<Result<_, _>>()?;
-        self.call(py, drive, async |caller, drive| {
-            let label = drive.label();
-            let written = parameters::write(caller, drive, &assignments, Write { save, dry_run }).await;
-            let written = written.map_err(|error| of_client(&error))?;
-            let report = written.report(drive, &Calls);
-            let problems = written.problems(&label);
-            let Some(first) = problems.first() else {
-                return document(&report);
-            };
-            // one value alone was refused as a whole
-            if let (parameters::ParameterError::Client(error), [_], [_]) =
-                (first, &problems[..], &assignments[..])
-            {
-                return Err(of_client(error));
-            }
-            let failure = explained(first).of_kind(written.outcome().kind());
-            Err(failure.with(json!({ "report": report })))
+        let wanted = NewName {
+            permanent,
+            dry_run,
+            ..NewName::new(name)
+        };
+        self.station(py, station, async |caller, station| {
+            document(&addressing::set_name(caller, station, &wanted).await?)
         })
     }
 
-    /// How a drive is and why it does not run; a report as JSON.
-    fn status(&self, py: Python<'_>, drive: &str) -> PyResult<String> {
-        self.call(py, drive, async |caller, drive| {
-            let status = inspection::status(caller, drive, &Calls).await;
-            document(&status.map_err(|error| of_client(&error))?.report)
+    /// Gives a station an address; a report as JSON.
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "each is an argument of the call in Python"
+    )]
+    fn set_ip(
+        &self,
+        py: Python<'_>,
+        station: &str,
+        address: u32,
+        mask: u32,
+        gateway: u32,
+        permanent: bool,
+        dry_run: bool,
+    ) -> PyResult<String> {
+        let ip = IpSuite {
+            address: Ipv4Addr::from(address),
+            mask: Ipv4Addr::from(mask),
+            gateway: Ipv4Addr::from(gateway),
+        };
+        let wanted = NewAddress {
+            permanent,
+            dry_run,
+            ..NewAddress::new(ip)
+        };
+        self.station(py, station, async |caller, station| {
+            document(&addressing::set_ip(caller, station, &wanted).await?)
         })
     }
 
-    /// Faults and warnings; a report as JSON.
-    fn faults(&self, py: Python<'_>, drive: &str, history: bool) -> PyResult<String> {
-        self.call(py, drive, async |caller, drive| {
-            let faults = inspection::faults(caller, drive, history).await;
-            document(&faults.map_err(|error| of_client(&error))?)
-        })
-    }
-
-    /// Brings a drive to rest, whoever commands it; a report as JSON.
-    fn stop(&self, py: Python<'_>, drive: &str, disable: bool) -> PyResult<String> {
-        let way = if disable { StopWay::Disable } else { StopWay::Stop };
-        self.call(py, drive, async |caller, drive| {
-            let stopped = motion::stop(caller, drive, way, STOP).await;
-            let report = stopped.and_then(|report| report.check().map(|()| report));
-            document(&report.map_err(|error| of_motion(&error))?)
+    /// Lets a station blink; a report as JSON.
+    fn blink(&self, py: Python<'_>, station: &str, time: Span) -> PyResult<String> {
+        let time = time.read()?;
+        self.station(py, station, async |caller, station| {
+            document(&addressing::blink(caller, station, time, || {}).await?)
         })
     }
 

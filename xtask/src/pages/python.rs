@@ -20,6 +20,16 @@ pub const FILES: [(&str, &[&str]); 2] = [
             "StopReport",
             "MotionReport",
             "AxisState",
+            "DescribeReport",
+            "ListReport",
+            "InfoReport",
+            "ScanReport",
+            "NameReport",
+            "IpReport",
+            "BlinkReport",
+            "BackupReport",
+            "DiffReport",
+            "RestoreReport",
         ],
     ),
 ];
@@ -258,7 +268,12 @@ impl Writer<'_> {
         if let [inner, null] = &list(&schema["type"]).collect::<Vec<_>>()[..]
             && *null == "null"
         {
-            return Ok(nullable(basic(text(inner), false)?));
+            if *inner != "array" {
+                return Ok(nullable(basic(text(inner), false)?));
+            }
+            let mut whole = schema.clone();
+            whole["type"] = (*inner).clone();
+            return Ok(nullable(self.field(&whole, "", "")?));
         }
         if schema["type"] == "array" {
             let item = self.field(&schema["items"], "", "")?;

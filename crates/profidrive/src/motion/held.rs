@@ -117,14 +117,15 @@ impl Hold {
 /// let mut drive = network.find(&"akd-1".parse()?).wait()?;
 /// let observer = Observer::default();
 /// let mut axis = motion::hold(&mut network, &mut drive, &Hold::for_speed(), &observer).wait()?;
-/// let turned = axis.turn(60.0, Some(Duration::from_secs(1))).wait()?;
-/// assert!(turned.result.reached);
-///
+/// axis.enable().wait()?;
 /// axis.run(60.0).wait()?;
 /// axis.pass(Duration::from_secs(1)).wait()?;
 /// assert!(axis.status().and_then(|status| status.speed_actual).is_some_and(|speed| speed > 59.0));
 /// assert!(axis.run(4000.0).wait().is_err()); // above the limit: the axis keeps its speed
 /// axis.halt().wait()?; // along the ramp; it stays enabled
+///
+/// let turned = axis.turn(60.0, Some(Duration::from_secs(1))).wait()?; // the same as a whole motion
+/// assert!(turned.result.reached);
 /// axis.release().wait()?;
 /// # }
 /// # Ok::<(), Box<dyn std::error::Error>>(())

@@ -133,6 +133,10 @@ pub fn files(version: &str) -> Vec<(String, Value)> {
         })
         .collect();
     generator.subschema_for::<Error>();
+    // what other programs make classes of is defined by its name
+    generator.subschema_for::<DescribeReport>();
+    generator.subschema_for::<ListReport>();
+    generator.subschema_for::<BlinkReport>();
     let definitions = json!({
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": format!("{version}: shared definitions"),
