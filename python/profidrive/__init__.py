@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from profidrive import events, reports
     from profidrive.axis import Axis, Control
     from profidrive.backup import Backup
+    from profidrive.campaign import SweepResult, choice, log_uniform, normal, sweep, uniform
     from profidrive.network import Drive, Drives, Network, open
     from profidrive.plant import Plant, PlantDrive, VirtualDrive, World
     from profidrive.recording import Recording
@@ -32,11 +33,17 @@ _LAZY = {
     "Plant": "plant",
     "PlantDrive": "plant",
     "Recording": "recording",
+    "SweepResult": "campaign",
     "Table": "table",
     "Trace": "trace",
     "VirtualDrive": "plant",
     "World": "plant",
+    "choice": "campaign",
+    "log_uniform": "campaign",
+    "normal": "campaign",
     "open": "network",
+    "sweep": "campaign",
+    "uniform": "campaign",
 }
 
 
@@ -88,14 +95,20 @@ __all__ = [
     "ProfidriveError",
     "Recording",
     "State",
+    "SweepResult",
     "Table",
     "Trace",
     "VirtualDrive",
     "World",
     "build_info",
+    "choice",
     "errors",
     "events",
+    "log_uniform",
+    "normal",
     "open",
     "reports",
+    "sweep",
     "types",
+    "uniform",
 ]

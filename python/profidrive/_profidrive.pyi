@@ -4,6 +4,7 @@ from typing import final
 
 __all__ = [
     "Axis",
+    "Campaign",
     "Column",
     "Network",
     "Plant",
@@ -45,6 +46,12 @@ class Plant:
     def expectations(self) -> list[str]: ...
     def check_action(self, drive: str, action: str) -> None: ...
     def start(self, seed: int | None = None, capture: str | None = None) -> World: ...
+
+@final
+class Campaign:
+    def __new__(cls, plant: Plant, until: float | str | None, vary: list[tuple[str, str, list[str]]]) -> Campaign: ...
+    def run(self, seeds: list[int]) -> str: ...
+    def plant(self, seed: int) -> Plant: ...
 
 @final
 class World:

@@ -5,6 +5,7 @@
 
 mod attention;
 mod axis;
+mod campaign;
 mod errors;
 mod network;
 mod plant;
@@ -52,6 +53,7 @@ fn _profidrive(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(network::open, module)?)?;
     module.add_function(wrap_pyfunction!(network::leave_all, module)?)?;
     module.add_class::<axis::Axis>()?;
+    module.add_class::<campaign::Campaign>()?;
     module.add_class::<network::Network>()?;
     module.add_class::<recording::Recording>()?;
     module.add_class::<verb::Verb>()?;
