@@ -13,7 +13,7 @@ from profidrive.errors import ErrorKind, ProfidriveError
 from profidrive.types import State
 
 if TYPE_CHECKING:
-    from profidrive import events, reports
+    from profidrive import events, gsdml, reports
     from profidrive.axis import Axis, Control
     from profidrive.backup import Backup
     from profidrive.campaign import SweepResult, choice, log_uniform, normal, sweep, uniform
@@ -47,7 +47,7 @@ _LAZY = {
 }
 
 
-_MODULES = ("events", "reports")
+_MODULES = ("events", "gsdml", "reports")
 
 
 def __getattr__(name: str) -> object:
@@ -104,6 +104,7 @@ __all__ = [
     "choice",
     "errors",
     "events",
+    "gsdml",
     "log_uniform",
     "normal",
     "open",

@@ -6,6 +6,7 @@
 mod attention;
 mod axis;
 mod campaign;
+mod description;
 mod errors;
 mod network;
 mod plant;
@@ -52,6 +53,8 @@ fn _profidrive(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<world::World>()?;
     module.add_function(wrap_pyfunction!(network::open, module)?)?;
     module.add_function(wrap_pyfunction!(network::leave_all, module)?)?;
+    module.add_function(wrap_pyfunction!(description::gsdml_check, module)?)?;
+    module.add_function(wrap_pyfunction!(description::gsdml_show, module)?)?;
     module.add_class::<axis::Axis>()?;
     module.add_class::<campaign::Campaign>()?;
     module.add_class::<network::Network>()?;
