@@ -13,9 +13,10 @@ from profidrive.errors import ErrorKind, ProfidriveError
 from profidrive.types import State
 
 if TYPE_CHECKING:
-    from profidrive import events, reports
+    from profidrive import events, gsdml, reports
     from profidrive.axis import Axis, Control
     from profidrive.backup import Backup
+    from profidrive.campaign import SweepResult, choice, log_uniform, normal, sweep, uniform
     from profidrive.network import Drive, Drives, Network, open
     from profidrive.plant import Plant, PlantDrive, VirtualDrive, World
     from profidrive.recording import Recording
@@ -32,15 +33,21 @@ _LAZY = {
     "Plant": "plant",
     "PlantDrive": "plant",
     "Recording": "recording",
+    "SweepResult": "campaign",
     "Table": "table",
     "Trace": "trace",
     "VirtualDrive": "plant",
     "World": "plant",
+    "choice": "campaign",
+    "log_uniform": "campaign",
+    "normal": "campaign",
     "open": "network",
+    "sweep": "campaign",
+    "uniform": "campaign",
 }
 
 
-_MODULES = ("events", "reports")
+_MODULES = ("events", "gsdml", "reports")
 
 
 def __getattr__(name: str) -> object:
@@ -88,14 +95,21 @@ __all__ = [
     "ProfidriveError",
     "Recording",
     "State",
+    "SweepResult",
     "Table",
     "Trace",
     "VirtualDrive",
     "World",
     "build_info",
+    "choice",
     "errors",
     "events",
+    "gsdml",
+    "log_uniform",
+    "normal",
     "open",
     "reports",
+    "sweep",
     "types",
+    "uniform",
 ]

@@ -125,7 +125,8 @@ class SafetyError(ProfidriveError):
 
     kind = ErrorKind.SAFETY
     rule: str | None = None
-    """The rule: `speed_limit`, `mode`, `controller_loss`, `control`, `at_rest`, `move`, `scale`, `lease` or `standstill`."""
+    """The rule: `speed_limit`, `mode`, `controller_loss`, `control`, `at_rest`, `move`, `scale`, `lease`, `standstill` or
+    `read_only`."""
     owner: str | None = None
     """Station name of the controller that has the drive, where the drive reports it."""
     motion: MotionReport | None = None

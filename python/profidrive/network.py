@@ -42,7 +42,7 @@ _AT_EXIT = 10.0
 """Seconds that a program which ends waits for its axes."""
 
 
-def open(interface: str | None = None, *, ip: bool = False) -> Network:
+def open(interface: str | None = None, *, ip: bool = False, read_only: bool = False) -> Network:
     """Opens a network.
 
     Args:
@@ -50,13 +50,14 @@ def open(interface: str | None = None, *, ip: bool = False) -> Network:
             of the environment variable `PROFIDRIVE_INTERFACE`, else the only one that is up.
         ip: open UDP alone: drives are given by their IP addresses, can be read, written and stopped, and need no permission.
             Where no interface is named and raw sockets are not permitted, it is that anyway.
+        read_only: refuse every call that changes something; a stop is always permitted.
 
     Raises:
         PermissionMissing: when raw sockets are required and not permitted (CAP_NET_RAW).
         UnreachableError: when the interface is not there or is down.
     """
     named = interface or os.environ.get("PROFIDRIVE_INTERFACE") or None
-    opened = Network(_profidrive.open(named, ip))
+    opened = Network(_profidrive.open(named, ip, read_only))
     atexit.unregister(_leave_all)
     atexit.register(_leave_all)
     return opened

@@ -47,6 +47,16 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         metavar="DIR",
         help="folder for what happened in the plant of a test that fails: events, samples, a plot, all frames",
     )
+    group.addoption(
+        "--profidrive-interface",
+        metavar="IFACE",
+        help="network interface of real drives, for the fixture profidrive_network",
+    )
+    group.addoption(
+        "--profidrive-allow-motion",
+        action="store_true",
+        help="let tests change and move real drives; without it they only read, and those with the marker moves_axis are skipped",
+    )
     parser.addini(
         "profidrive_collect_plants",
         type="bool",
@@ -61,6 +71,12 @@ def pytest_configure(config: pytest.Config) -> None:
         "plant(file, *, seed=None, changes=None): plant file of the fixtures `plant` and `world`, found beside the test",
     )
     config.addinivalue_line("markers", "seeds(seeds): run the test once for each of these seeds")
+    config.addinivalue_line("markers", "moves_axis: the test moves a real axis; skipped without --profidrive-allow-motion")
+
+
+def pytest_runtest_setup(item: pytest.Item) -> None:
+    if item.get_closest_marker("moves_axis") and not item.config.getoption("--profidrive-allow-motion"):
+        pytest.skip("it moves a real axis: --profidrive-allow-motion permits that")
 
 
 def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
@@ -117,6 +133,26 @@ def world(plant: Plant) -> World:
 def virtual_network(world: World) -> Network:
     """The network of the plant, for code under test: in virtual time, without root and without a sleep."""
     return world.network
+
+
+@pytest.fixture(scope="session")
+def profidrive_network(request: pytest.FixtureRequest) -> Iterator[Network]:
+    """The network of `--profidrive-interface`: for reading, unless `--profidrive-allow-motion` is given.
+
+    Without an interface, or without permission for raw sockets, its tests are skipped.
+    """
+    import profidrive
+    from profidrive.errors import PermissionMissing
+
+    interface = request.config.getoption("--profidrive-interface")
+    if interface is None:
+        pytest.skip("it needs real drives: --profidrive-interface IFACE")
+    try:
+        network = profidrive.open(interface, read_only=not request.config.getoption("--profidrive-allow-motion"))
+    except PermissionMissing as error:
+        pytest.skip(f"{error}; {error.hint}")
+    with network:
+        yield network
 
 
 def _beside(test: Path, root: Path, name: str) -> Path:

@@ -1767,6 +1767,283 @@ class RestoreReport:
         )
 
 
+@dataclass(frozen=True, slots=True)
+class GsdmlProblem:
+    """Something that is against the rules."""
+
+    severity: str
+    """`warning`, `error` or `unusable`."""
+    rule: str
+    """Name of the rule."""
+    line: int
+    """Line in the file, from 1."""
+    column: int
+    """Column in the line, from 1."""
+    message: str
+    """What is wrong."""
+
+    @classmethod
+    def _of(cls, data: Mapping[str, Any]) -> GsdmlProblem:
+        return cls(
+            severity=data["severity"],
+            rule=data["rule"],
+            line=data["line"],
+            column=data["column"],
+            message=data["message"],
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class GsdmlCheckReport:
+    """What is against the rules in a device description."""
+
+    file: str
+    """The file."""
+    sound: bool
+    """Whether nothing is against the rules."""
+    usable: bool
+    """Whether the file can be used."""
+    problems: tuple[GsdmlProblem, ...]
+    """What was found."""
+    left_out: int
+    """Problems that were found and are not listed."""
+    pictures: tuple[str, ...]
+    """What is wrong with the pictures beside the file."""
+
+    @classmethod
+    def _of(cls, data: Mapping[str, Any]) -> GsdmlCheckReport:
+        return cls(
+            file=data["file"],
+            sound=data["sound"],
+            usable=data["usable"],
+            problems=tuple(GsdmlProblem._of(item) for item in data["problems"]),
+            left_out=data["left_out"],
+            pictures=tuple(item for item in data["pictures"]),
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class GsdmlItem:
+    """A value in cyclic data."""
+
+    type: str
+    """Data type."""
+    octets: int
+    """Length in octets."""
+    name: str
+    """Name."""
+
+    @classmethod
+    def _of(cls, data: Mapping[str, Any]) -> GsdmlItem:
+        return cls(
+            type=data["type"],
+            octets=data["octets"],
+            name=data["name"],
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class GsdmlSubmodule:
+    """A submodule. What the system defines, interface and ports, has no identifier and no name."""
+
+    id: str | None
+    """Identifier in the file."""
+    name: str | None
+    """Name."""
+    subslots: str
+    """Subslots where it may be."""
+    pluggable: bool
+    """Whether it can be left out."""
+    ident: int
+    """Ident number."""
+    api: int
+    """API, 0x3A00 for PROFIdrive."""
+    input: int
+    """Octets of input data."""
+    output: int
+    """Octets of output data."""
+    input_items: tuple[GsdmlItem, ...]
+    """The input data."""
+    output_items: tuple[GsdmlItem, ...]
+    """The output data."""
+
+    @classmethod
+    def _of(cls, data: Mapping[str, Any]) -> GsdmlSubmodule:
+        return cls(
+            id=data["id"],
+            name=data["name"],
+            subslots=data["subslots"],
+            pluggable=data["pluggable"],
+            ident=data["ident"],
+            api=data["api"],
+            input=data["input"],
+            output=data["output"],
+            input_items=tuple(GsdmlItem._of(item) for item in data["input_items"]),
+            output_items=tuple(GsdmlItem._of(item) for item in data["output_items"]),
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class GsdmlSystemSubmodule:
+    """A submodule that PROFINET defines: the interface or a port."""
+
+    subslot: int
+    """Its subslot, from 0x8000."""
+    ident: int
+    """Ident number."""
+
+    @classmethod
+    def _of(cls, data: Mapping[str, Any]) -> GsdmlSystemSubmodule:
+        return cls(
+            subslot=data["subslot"],
+            ident=data["ident"],
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class GsdmlAccessPoint:
+    """An access point: a variant of the device on the network."""
+
+    id: str
+    """Identifier in the file."""
+    name: str
+    """Name."""
+    order_number: str | None
+    """Order number."""
+    hardware: str | None
+    """Hardware release."""
+    software: str | None
+    """Software release."""
+    module_ident: int
+    """Ident number."""
+    slots: str
+    """Slots: `0..2`."""
+    min_device_interval: int
+    """Shortest update time, in steps of 31.25 us."""
+    instance: int
+    """Instance of the device."""
+    reset_modes: str
+    """Modes of a reset to factory values."""
+    max_input: int
+    """Most octets of input data."""
+    max_output: int
+    """Most octets of output data."""
+    submodules: tuple[GsdmlSubmodule, ...]
+    """Its own submodules."""
+    interface: GsdmlSystemSubmodule | None
+    """The submodule of its interface."""
+    ports: tuple[GsdmlSystemSubmodule, ...]
+    """The submodules of its ports."""
+    conformance_class: str | None
+    """Conformance class: `A`, `B` or `C`."""
+    modules: tuple[str, ...]
+    """Identifiers of the modules that fit."""
+    rt_classes: tuple[str, ...]
+    """Classes of real-time communication."""
+    start_up: tuple[str, ...]
+    """Modes of start-up."""
+    protocols: tuple[str, ...]
+    """Other protocols: `SNMP`, `LLDP`."""
+
+    @classmethod
+    def _of(cls, data: Mapping[str, Any]) -> GsdmlAccessPoint:
+        return cls(
+            id=data["id"],
+            name=data["name"],
+            order_number=data["order_number"],
+            hardware=data["hardware"],
+            software=data["software"],
+            module_ident=data["module_ident"],
+            slots=data["slots"],
+            min_device_interval=data["min_device_interval"],
+            instance=data["instance"],
+            reset_modes=data["reset_modes"],
+            max_input=data["max_input"],
+            max_output=data["max_output"],
+            submodules=tuple(GsdmlSubmodule._of(item) for item in data["submodules"]),
+            interface=None if data["interface"] is None else GsdmlSystemSubmodule._of(data["interface"]),
+            ports=tuple(GsdmlSystemSubmodule._of(item) for item in data["ports"]),
+            conformance_class=data["conformance_class"],
+            modules=tuple(item for item in data["modules"]),
+            rt_classes=tuple(item for item in data["rt_classes"]),
+            start_up=tuple(item for item in data["start_up"]),
+            protocols=tuple(item for item in data["protocols"]),
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class GsdmlModule:
+    """A module."""
+
+    id: str
+    """Identifier in the file."""
+    name: str
+    """Name."""
+    ident: int
+    """Ident number."""
+    info: str
+    """What it is."""
+    slots: str
+    """Slots where it may be."""
+    submodules: tuple[GsdmlSubmodule, ...]
+    """Its submodules."""
+
+    @classmethod
+    def _of(cls, data: Mapping[str, Any]) -> GsdmlModule:
+        return cls(
+            id=data["id"],
+            name=data["name"],
+            ident=data["ident"],
+            info=data["info"],
+            slots=data["slots"],
+            submodules=tuple(GsdmlSubmodule._of(item) for item in data["submodules"]),
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class GsdmlShowReport:
+    """A device description."""
+
+    schema_version: str | None
+    """Version of GSDML; null where the file does not name one."""
+    vendor_id: int
+    """VendorID."""
+    device_id: int
+    """DeviceID."""
+    vendor: str
+    """Name of the vendor."""
+    info: str
+    """What the device is."""
+    main_family: str
+    """Main family: `Drives`."""
+    product_family: str | None
+    """Product family."""
+    access_points: tuple[GsdmlAccessPoint, ...]
+    """The access points."""
+    modules: tuple[GsdmlModule, ...]
+    """The modules of all access points."""
+    texts: Mapping[str, str]
+    """Texts of the primary language by their identifiers."""
+    languages: Mapping[str, Mapping[str, str]]
+    """The same of all other languages, by their tags."""
+
+    @classmethod
+    def _of(cls, data: Mapping[str, Any]) -> GsdmlShowReport:
+        return cls(
+            schema_version=data["schema_version"],
+            vendor_id=data["vendor_id"],
+            device_id=data["device_id"],
+            vendor=data["vendor"],
+            info=data["info"],
+            main_family=data["main_family"],
+            product_family=data["product_family"],
+            access_points=tuple(GsdmlAccessPoint._of(item) for item in data["access_points"]),
+            modules=tuple(GsdmlModule._of(item) for item in data["modules"]),
+            texts={key: item for key, item in data["texts"].items()},
+            languages={key: {key: item for key, item in item.items()} for key, item in data["languages"].items()},
+        )
+
+
 __all__ = [
     "Action",
     "AxisState",
@@ -1781,6 +2058,14 @@ __all__ = [
     "Fault",
     "FaultsReport",
     "Frames",
+    "GsdmlAccessPoint",
+    "GsdmlCheckReport",
+    "GsdmlItem",
+    "GsdmlModule",
+    "GsdmlProblem",
+    "GsdmlShowReport",
+    "GsdmlSubmodule",
+    "GsdmlSystemSubmodule",
     "Identity",
     "InfoReport",
     "IpReport",

@@ -41,6 +41,11 @@ impl Failure {
         Self::new(ErrorKind::Usage, message)
     }
 
+    /// The kind of the error.
+    pub const fn kind(&self) -> ErrorKind {
+        self.kind
+    }
+
     /// An error of this binding.
     pub fn internal(error: &dyn std::fmt::Display) -> Self {
         Self::new(ErrorKind::Internal, error.to_string())

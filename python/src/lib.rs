@@ -5,6 +5,8 @@
 
 mod attention;
 mod axis;
+mod campaign;
+mod description;
 mod errors;
 mod network;
 mod plant;
@@ -51,7 +53,10 @@ fn _profidrive(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<world::World>()?;
     module.add_function(wrap_pyfunction!(network::open, module)?)?;
     module.add_function(wrap_pyfunction!(network::leave_all, module)?)?;
+    module.add_function(wrap_pyfunction!(description::gsdml_check, module)?)?;
+    module.add_function(wrap_pyfunction!(description::gsdml_show, module)?)?;
     module.add_class::<axis::Axis>()?;
+    module.add_class::<campaign::Campaign>()?;
     module.add_class::<network::Network>()?;
     module.add_class::<recording::Recording>()?;
     module.add_class::<verb::Verb>()?;

@@ -5,13 +5,14 @@ use std::net::Ipv4Addr;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak, mpsc};
 use std::time::{Duration, Instant as Clock};
 
-use client::{Drive, DriveAddress};
+use client::{Drive, DriveAddress, ErrorKind};
 use profidrive::addressing::{self, AddressingError, NewAddress, NewName};
 use profidrive::fleet::{self, Member, Selected};
 use profidrive::recording::{Every, Request};
 use profidrive::{Access, Caller, DriveError, IpSuite, Opening, Selector, StopRequests, scan};
 use pyo3::exceptions::PyBaseException;
 use pyo3::prelude::*;
+use serde_json::json;
 
 use crate::attention::{LOOK, Signals, wait};
 use crate::axis::{Axis, Wanted};
@@ -244,7 +245,7 @@ pub fn leave_all(py: Python<'_>, seconds: f64) -> PyResult<()> {
 
 /// Opens a network interface, the only one there is where none is named, or the serial line of a drive. With `ip` only UDP.
 #[pyfunction]
-pub fn open(py: Python<'_>, interface: Option<&str>, by_ip: bool) -> PyResult<Network> {
+pub fn open(py: Python<'_>, interface: Option<&str>, by_ip: bool, read_only: bool) -> PyResult<Network> {
     let opened = py.detach(|| match interface {
         Some(line) if line.contains(':') => {
             let address = address(line)?;
@@ -264,7 +265,10 @@ pub fn open(py: Python<'_>, interface: Option<&str>, by_ip: bool) -> PyResult<Ne
             Ok(Joined::new(network, opening))
         }
     });
-    Ok(Network(Source::Real(opened?)))
+    Ok(Network {
+        source: Source::Real(opened?),
+        read_only,
+    })
 }
 
 /// A network in use.
@@ -291,15 +295,22 @@ enum Source {
 
 /// A network.
 #[pyclass(frozen, module = "profidrive._profidrive")]
-pub struct Network(Source);
+pub struct Network {
+    source: Source,
+    /// Nothing but a stop changes anything.
+    read_only: bool,
+}
 
 impl Network {
     pub const fn of_plant(held: Arc<Held>) -> Self {
-        Self(Source::Plant(held))
+        Self {
+            source: Source::Plant(held),
+            read_only: false,
+        }
     }
 
     fn place(&self) -> Result<Place, Failure> {
-        Ok(match &self.0 {
+        Ok(match &self.source {
             Source::Real(joined) => {
                 joined.usable()?;
                 Place {
@@ -312,6 +323,15 @@ impl Network {
                 held: Some(Arc::clone(held)),
             },
         })
+    }
+
+    /// Fails where something is to change on a network that is only for reading.
+    fn permit(&self, changes: bool) -> Result<(), Failure> {
+        if !changes || !self.read_only {
+            return Ok(());
+        }
+        let failure = Failure::new(ErrorKind::Safety, "the network was opened for reading only");
+        Err(failure.with(json!({ "rule": "read_only" })))
     }
 
     /// Carries out a call for the network.
@@ -376,6 +396,7 @@ impl Network {
 impl Network {
     /// Carries out a call for a drive; returns its document as JSON.
     fn one(&self, py: Python<'_>, drive: &str, verb: &Verb) -> PyResult<String> {
+        self.permit(verb.changes())?;
         self.call(py, drive, async |caller, drive| {
             verb.carry_out(caller, drive).await
         })
@@ -383,6 +404,7 @@ impl Network {
 
     /// Carries out a call for each of these drives, all at the same time; returns the name with the document or the error.
     fn each(&self, py: Python<'_>, names: Vec<String>, verb: &Verb) -> PyResult<Vec<Outcome>> {
+        self.permit(verb.changes())?;
         let done = self.search(py, async |joined, caller| {
             let members = joined.members(caller, &names).await?;
             let done = fleet::each(caller, members, async |session, drive| {
@@ -452,6 +474,7 @@ impl Network {
         permanent: bool,
         dry_run: bool,
     ) -> PyResult<String> {
+        self.permit(!dry_run)?;
         let wanted = NewName {
             permanent,
             dry_run,
@@ -477,6 +500,7 @@ impl Network {
         permanent: bool,
         dry_run: bool,
     ) -> PyResult<String> {
+        self.permit(!dry_run)?;
         let ip = IpSuite {
             address: Ipv4Addr::from(address),
             mask: Ipv4Addr::from(mask),
@@ -525,6 +549,7 @@ impl Network {
         set_mode: bool,
         accept_no_timeout: bool,
     ) -> PyResult<Axis> {
+        self.permit(true)?;
         let wanted = Wanted {
             limit: Wanted::speed(max_speed)?,
             mode: mode.map(Wanted::mode).transpose()?,

@@ -15,7 +15,7 @@ use crate::world::World;
 /// A plant that does not run.
 #[pyclass(frozen, module = "profidrive._profidrive")]
 pub struct Plant {
-    source: PlantSource,
+    pub source: PlantSource,
 }
 
 fn unread(error: &PlantError) -> Failure {

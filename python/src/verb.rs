@@ -144,6 +144,16 @@ impl Verb {
 }
 
 impl Verb {
+    /// Whether it changes something at a drive. A stop is always permitted.
+    pub const fn changes(&self) -> bool {
+        match &self.0 {
+            What::Write(_, wanted) => !wanted.dry_run,
+            What::Restore(_, wanted, ..) => !wanted.dry_run,
+            What::Acknowledge { .. } => true,
+            _ => false,
+        }
+    }
+
     /// Does it.
     pub async fn carry_out(&self, session: &mut Session, drive: &mut Drive) -> Result<String, Failure> {
         let label = drive.label();

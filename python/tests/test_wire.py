@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 import tempfile
 import time
 from collections.abc import Iterator
@@ -254,3 +255,41 @@ with profidrive.open(ip=True) as network:
 """
     output, _ = wire.start(["unshare", "--user", "python", "-c", program]).communicate(timeout=30)
     assert output.splitlines() == ["True True", "3000.0", "True"]
+
+
+def test_a_test_of_real_drives_reads_unless_motion_is_allowed(wire: Wire, tmp_path: Path) -> None:
+    wire.simulate()
+    tests = tmp_path / "test_drives.py"
+    tests.write_text(
+        """
+import pytest
+from profidrive.errors import SafetyError
+
+def test_reads(profidrive_network, request):
+    drive = profidrive_network["akd-1"]
+    assert drive.read("DRV.ACC").value == 3000
+    assert drive.write({"DRV.ACC": 4000}, dry_run=True).dry_run
+    drive.stop()
+    if request.config.getoption("--profidrive-allow-motion"):
+        return
+    for change in (lambda: drive.write({"DRV.ACC": 4000}), drive.ack, drive.control(max_speed=10).__enter__,
+                   lambda: profidrive_network.set_name("akd-1", "other")):
+        with pytest.raises(SafetyError) as refused:
+            change()
+        assert refused.value.rule == "read_only"
+
+@pytest.mark.moves_axis
+def test_moves(profidrive_network):
+    with profidrive_network["akd-1"].control(max_speed=100, cycle="128ms") as axis:
+        assert axis.run(60, for_="100ms").reached
+"""
+    )
+
+    def outcome(*options: str) -> str:
+        command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", str(tests), *options]
+        output, _ = wire.start(command).communicate(timeout=60)
+        return output.splitlines()[-1]
+
+    assert outcome().startswith("2 skipped")
+    assert outcome("--profidrive-interface", "ctl0").startswith("1 passed, 1 skipped")
+    assert outcome("--profidrive-interface", "ctl0", "--profidrive-allow-motion").startswith("2 passed")

@@ -9,6 +9,7 @@
 //! Only [`host`] and [`control_socket`] have sockets, threads and a clock. Nothing in here prints. A simulation on an
 //! interface needs raw Ethernet (Linux), one at a serial line runs anywhere; control sockets are for Linux.
 
+mod campaign;
 pub mod control_socket;
 mod event;
 mod expect;
@@ -28,6 +29,7 @@ mod trace;
 mod world;
 mod written;
 
+pub use campaign::{Bounds, Campaign, CampaignError, CampaignRun, Distribution, DistributionError};
 pub use event::{LinkFault, PlantEvent, PlantEventError, Unit, keys};
 pub use expect::{
     Expectation, ExpectationResult, Goal, Live, Monitor, Nearest, Observed, Outcome,

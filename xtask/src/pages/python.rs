@@ -30,6 +30,8 @@ pub const FILES: [(&str, &[&str]); 2] = [
             "BackupReport",
             "DiffReport",
             "RestoreReport",
+            "GsdmlCheckReport",
+            "GsdmlShowReport",
         ],
     ),
 ];
@@ -280,6 +282,18 @@ impl Writer<'_> {
             return Ok(Type {
                 name: format!("tuple[{}, ...]", item.name),
                 made: Box::new(move |value| format!("tuple({} for item in {value})", (item.made)("item"))),
+            });
+        }
+        if schema["type"] == "object" {
+            let item = self.field(&schema["additionalProperties"], "", "")?;
+            return Ok(Type {
+                name: format!("Mapping[str, {}]", item.name),
+                made: Box::new(move |value| {
+                    format!(
+                        "{{key: {} for key, item in {value}.items()}}",
+                        (item.made)("item")
+                    )
+                }),
             });
         }
         basic(text(&schema["type"]), true)

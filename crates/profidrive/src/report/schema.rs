@@ -137,6 +137,8 @@ pub fn files(version: &str) -> Vec<(String, Value)> {
     generator.subschema_for::<DescribeReport>();
     generator.subschema_for::<ListReport>();
     generator.subschema_for::<BlinkReport>();
+    generator.subschema_for::<GsdmlCheckReport>();
+    generator.subschema_for::<GsdmlShowReport>();
     let definitions = json!({
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": format!("{version}: shared definitions"),

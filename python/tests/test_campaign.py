@@ -1,0 +1,183 @@
+"""Campaigns: many runs of one plant, in other processes."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+from collections.abc import Iterator, Sequence
+from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from multiprocessing import get_context
+from pathlib import Path
+
+import pytest
+
+from profidrive import Plant, Trace, choice, log_uniform, normal, sweep, uniform
+from profidrive.campaign import Distribution, Progress, Row, _jobs, _run
+from profidrive.errors import UsageError
+from profidrive.events import FaultRaised
+
+from .conftest import PRESS, output_when_interrupted
+
+LOSSY = """
+duration = "4s"
+expect = [{ name = "no fault", never = true, drive = "akd-1", fault = "any" }]
+[[drive]]
+name = "akd-1"
+ip = "10.0.0.1/24"
+event = [{ at = "1s", do = "loss=12%" }]
+[[controller]]
+drive = "akd-1"
+telegram = 1
+step = [
+    { at = "200ms", send = { STW1 = "0x047E" } },
+    { at = "600ms", send = { STW1 = "0x047F", NSOLL_A = "300rpm" } },
+]
+"""
+
+
+@pytest.fixture(scope="module")
+def pool() -> Iterator[Executor]:
+    with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as pool:
+        yield pool
+
+
+@pytest.fixture(scope="module")
+def plant() -> Plant:
+    return Plant.from_file(PRESS)
+
+
+def same(rows: Iterator[Row] | list[Row]) -> list[tuple[object, ...]]:
+    return [(row.seed, dict(row.variables), row.failed, dict(row.measures), row.digest) for row in rows]
+
+
+def highest(trace: Trace) -> dict[str, float]:
+    return {"highest": max(abs(sample.speed) for sample in trace.at("5s").values())}
+
+
+def test_rows_do_not_depend_on_the_executor_or_the_size_of_chunks(plant: Plant, pool: Executor) -> None:
+    vary: dict[str, Sequence[object] | Distribution] = {
+        "drive.press-1.load.friction": uniform(0.1, 0.4),
+        "drive.press-1.load.inertia": [0.001, 0.002],
+    }
+    seen: list[Progress] = []
+    first = sweep(plant, seeds=range(12), vary=vary, until="6s", measure=highest, executor=pool, chunk=5, progress=seen.append)
+    assert len(first) == 24
+    assert (seen[-1].done, seen[-1].total) == (24, 24)
+    with ThreadPoolExecutor(2) as threads:
+        second = sweep(PRESS, seeds=range(12), vary=vary, until="6s", measure=highest, executor=threads)
+    assert same(list(first)) == same(list(second))
+    frictions = {row.variables["drive.press-1.load.friction"] for row in first}
+    assert len(frictions) == 12, "of a seed it is the same for each value of the list"
+    assert {row.variables["drive.press-1.load.inertia"] for row in first} == {0.001, 0.002}
+    columns = first.columns
+    assert columns["seed"] == [*range(12), *range(12)]
+    assert len(columns["highest"]) == 24
+
+
+def test_a_failure_is_run_again_here(pool: Executor) -> None:
+    plant = Plant.from_toml(LOSSY)
+    result = sweep(plant, seeds=range(40), executor=pool)
+    assert 0 < len(result.failures) < 40, result
+    failure = result.failures[0]
+    trace = failure.trace()
+    assert trace.seed == failure.seed
+    assert failure.results[0].name == "no fault"
+    assert trace.only(FaultRaised)
+    assert failure.plant().seed == failure.seed
+    few = sweep(plant, seeds=range(1000), executor=pool, chunk=10, stop_after=1)
+    assert 0 < len(few) < 1000
+    assert len(few.failures) >= 1
+
+
+def test_every_distribution_is_within_its_bounds(plant: Plant) -> None:
+    path = "drive.press-1.load.friction"
+    ways = {
+        "uniform": uniform(0.1, 0.2),
+        "log": log_uniform(0.1, 10),
+        "normal": normal(0.3, 0.01),
+        "choice": choice(0.1, 0.2),
+    }
+    for way in ways.values():
+        [job] = _jobs(plant, "10ms", {path: way}, None)
+        values = {row["variables"][path] for row in _run(job, range(30))}
+        assert len(values) == (2 if way.kind == "choice" else 30)
+    with pytest.raises(UsageError, match="not below"):
+        sweep(plant, seeds=[1], vary={path: uniform(2, 1)})
+    with pytest.raises(UsageError):
+        sweep(plant, seeds=[1], vary={"drive.press-9.load.friction": uniform(0, 1)})
+
+
+def test_a_sweep_goes_on_where_it_ended(plant: Plant, tmp_path: Path) -> None:
+    class Ends(ThreadPoolExecutor):
+        left = 2
+
+        def submit(self, *arguments, **named):  # type: ignore[no-untyped-def]
+            if Ends.left == 0:
+                raise BrokenProcessPool("a worker is gone")
+            Ends.left -= 1
+            return super().submit(*arguments, **named)
+
+    with Ends(1) as pool, pytest.raises(BrokenProcessPool):
+        sweep(plant, seeds=range(20), until="1s", executor=pool, chunk=4, in_flight=1, out=tmp_path)
+    assert not (tmp_path / "manifest.json").exists()
+    kept = [row["seed"] for file in tmp_path.glob("*.json") for row in json.loads(file.read_text())]
+    assert len(kept) == len(set(kept)) > 0
+    asked: list[Progress] = []
+    with ThreadPoolExecutor(1) as threads:
+        whole = sweep(plant, seeds=range(20), until="1s", executor=threads, chunk=4, out=tmp_path, progress=asked.append)
+        alone = sweep(plant, seeds=range(20), until="1s", executor=threads)
+    assert asked[0].done > len(kept)
+    assert same(list(whole)) == same(list(alone))
+    assert json.loads((tmp_path / "manifest.json").read_text())["runs"] == 20
+
+
+def dies_at_seven(trace: Trace) -> dict[str, float]:
+    if trace.seed == 7:
+        raise RuntimeError("seed 7")
+    return {}
+
+
+def kills_at_seven(trace: Trace) -> dict[str, float]:
+    if trace.seed == 7:
+        os.kill(os.getpid(), signal.SIGKILL)
+    return {}
+
+
+def test_a_task_that_fails_is_repeated_and_divided(plant: Plant, tmp_path: Path) -> None:
+    with ThreadPoolExecutor(2) as pool, pytest.raises(RuntimeError, match="seed 7"):
+        sweep(plant, seeds=range(10), until="100ms", measure=dies_at_seven, executor=pool, chunk=10, out=tmp_path)
+    done = {row["seed"] for file in tmp_path.glob("*.json") for row in json.loads(file.read_text())}
+    assert 7 not in done
+    assert done >= {0, 1, 2, 3, 4}
+
+
+def test_a_killed_worker_loses_nothing_that_is_done(plant: Plant, tmp_path: Path) -> None:
+    spawn = get_context("spawn")
+    with ProcessPoolExecutor(2, mp_context=spawn) as pool, pytest.raises(BrokenProcessPool):
+        sweep(plant, seeds=range(10), until="100ms", measure=kills_at_seven, executor=pool, chunk=2, out=tmp_path, in_flight=1)
+    done = [row["seed"] for file in tmp_path.glob("*.json") for row in json.loads(file.read_text())]
+    assert sorted(done) == [0, 1, 2, 3, 4, 5]
+
+
+def test_a_worker_with_another_version_is_refused(plant: Plant) -> None:
+    [job] = _jobs(plant, "10ms", {}, None)
+    other = type(job)(job.text, job.until, job.vary, None, ("0.0.1", None, "release"), ())
+    with pytest.raises(UsageError, match=r"0\.0\.1"):
+        _run(other, [1])
+
+
+def test_ctrl_c_ends_a_sweep() -> None:
+    program = f"""
+import profidrive
+def note(progress):
+    if progress.done == 5:
+        print("runs", flush=True)
+if __name__ == "__main__":
+    try:
+        profidrive.sweep({str(PRESS)!r}, seeds=range(1_000_000), until="1s", chunk=5, progress=note)
+    except KeyboardInterrupt:
+        print("ended", flush=True)
+"""
+    assert output_when_interrupted(program).endswith("ended\n")
