@@ -28,7 +28,7 @@ fn words(action: &Action) -> String {
         Action::Info => "its identity".to_owned(),
         Action::Status => "its status".to_owned(),
         Action::Faults => "its list of faults".to_owned(),
-        Action::Acknowledge => "acknowledge it".to_owned(),
+        Action::Acknowledge => "\"Acknowledge\"".to_owned(),
         Action::Monitor => "its values".to_owned(),
         Action::Stop => "a stop".to_owned(),
         Action::Disable => "a stop that switches it off".to_owned(),
@@ -58,7 +58,7 @@ mod tests {
         for (advice, sentence) in [
             (
                 "remove the cause, then {acknowledge}, or acknowledge from its controller (STW1 bit 7)",
-                "remove the cause, then acknowledge it, or acknowledge from its controller (STW1 bit 7)",
+                "remove the cause, then \"Acknowledge\", or acknowledge from its controller (STW1 bit 7)",
             ),
             (
                 "switch the mains on; {read VBUS.VALUE VBUS.UVFTHRESH} shows the voltage",
