@@ -1,9 +1,9 @@
 //! Actions of the library in the words of this page.
 
-use profidrive::client::{Action, Advice};
+use profidrive::client::{Action, Advice, Choice};
 use profidrive::report::Wording;
 
-/// The words of the page. It carries out none of the actions yet, so none has a call.
+/// The words of the page. What it carries out has buttons and boxes, so no action has a call.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct PageWords;
 
@@ -28,13 +28,23 @@ fn words(action: &Action) -> String {
         Action::Info => "its identity".to_owned(),
         Action::Status => "its status".to_owned(),
         Action::Faults => "its list of faults".to_owned(),
-        Action::Acknowledge => "acknowledge it".to_owned(),
+        Action::Acknowledge => "\"Acknowledge\"".to_owned(),
         Action::Monitor => "its values".to_owned(),
         Action::Stop => "a stop".to_owned(),
         Action::Disable => "a stop that switches it off".to_owned(),
         Action::Home => "home it".to_owned(),
         Action::SetName { .. } => "a name".to_owned(),
         Action::SetAddress { .. } => "an IP address".to_owned(),
+        Action::Choose(choice) => match choice {
+            Choice::Mode => "the box \"Set the operating mode\"".to_owned(),
+            Choice::RunOn => "the box \"The drive may run on\"".to_owned(),
+            Choice::SpeedLimit => "a higher \"Highest speed\"".to_owned(),
+            Choice::Relative => "\"By a distance from here\"".to_owned(),
+            Choice::Save => "\"Save in the drive\"".to_owned(),
+            Choice::Settings => "the boxes of the differences".to_owned(),
+            Choice::Force => "the same at the command line, by force,".to_owned(),
+            other => Action::Choose(*other).to_string(),
+        },
         other => other.to_string(),
     }
 }
@@ -48,13 +58,17 @@ mod tests {
         for (advice, sentence) in [
             (
                 "remove the cause, then {acknowledge}, or acknowledge from its controller (STW1 bit 7)",
-                "remove the cause, then acknowledge it, or acknowledge from its controller (STW1 bit 7)",
+                "remove the cause, then \"Acknowledge\", or acknowledge from its controller (STW1 bit 7)",
             ),
             (
                 "switch the mains on; {read VBUS.VALUE VBUS.UVFTHRESH} shows the voltage",
                 "switch the mains on; VBUS.VALUE, VBUS.UVFTHRESH shows the voltage",
             ),
             ("{write 930=1} (speed)", "set 930 to 1 (speed)"),
+            (
+                "{choose run-on} accepts that it may run on",
+                "the box \"The drive may run on\" accepts that it may run on",
+            ),
         ] {
             assert_eq!(PageWords.advice(&Advice::from(advice)), sentence);
         }

@@ -199,6 +199,31 @@ test("a drive of another controller and a second page are refused in words", asy
   });
 });
 
+test("a drive that may run on needs consent, and one with a fault says why it is not enabled", async ({ page }) => {
+  await alone(async (server) => {
+    const id = await open(page, server.url, "pump-1");
+    const said = page.locator(".control > [role=status]");
+    const take = page.getByRole("button", { name: "Take control" });
+    await take.click();
+    await expect(said).toContainText("8-04 is Off");
+    await expect(said).toContainText('the box "The drive may run on" accepts');
+    await page.getByRole("checkbox", { name: /The drive may run on/ }).check();
+    await enable(page);
+    await turning(page, server.origin, id);
+    await page.mouse.up();
+    await rest(page, server.origin, id, performance.now());
+    await page.getByRole("button", { name: "Release" }).click();
+    await expect(page.getByText("Not under control")).toBeVisible();
+    const other = await idOf(page, "fan-1");
+    await page.goto(`${server.origin}/drives/${encodeURIComponent(other)}/control`);
+    await page.getByRole("checkbox", { name: /The drive may run on/ }).check();
+    await take.click();
+    await expect(page.getByText(/This page has control/)).toBeVisible();
+    await page.getByRole("button", { name: "Enable" }).click();
+    await expect(said).toContainText("reports a fault", { timeout: 30_000 });
+  });
+});
+
 test("the first motion is slow, limits hold, and a move stops where STOP finds it", async ({ page }) => {
   await alone(async (server) => {
     const id = await open(page, server.url, "axis-1");

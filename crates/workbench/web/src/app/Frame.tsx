@@ -213,7 +213,7 @@ export function Frame() {
           </p>
         )}
       </header>
-      <div class="notices">
+      <aside class="notices" aria-label={t("frame.notices")}>
         <p class="band stopped" role="alert" hidden={became() === ""}>
           {became()}
         </p>
@@ -243,7 +243,7 @@ export function Frame() {
             {t("frame.lost", { age: age(silent.value) })}
           </p>
         )}
-      </div>
+      </aside>
     </>
   );
 }

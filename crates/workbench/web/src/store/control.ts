@@ -245,7 +245,8 @@ function receive(message: Incoming): void {
       const drive = pending.get(message.n) ?? "";
       pending.delete(message.n);
       if (held.value?.n === message.n) held.value = null;
-      say(drive, [message.sentence, message.hint ?? ""].filter(Boolean).join(". "), true);
+      const hint = message.hint === null ? "" : `. ${message.hint.charAt(0).toUpperCase()}${message.hint.slice(1)}`;
+      say(drive, message.sentence + hint, true);
       return;
     }
     case "lease":

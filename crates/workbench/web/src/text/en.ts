@@ -34,6 +34,7 @@ export const en = {
   "frame.stopped": "STOP {epoch} was pressed by session {by}. Nothing is enabled or moved before it is reset.",
   "frame.stopped.program": "STOP {epoch} was pressed by a program. Nothing is enabled or moved before it is reset.",
   "frame.stopped.before": "STOP was pressed. Nothing is enabled or moved before it is reset.",
+  "frame.notices": "Notices",
   "frame.reset": "Reset STOP",
   "frame.fault.none": "No fault",
   "frame.lost": "Connection to the workbench lost {age} ago. Nothing on this page is current.",
