@@ -64,6 +64,7 @@ test("from STOP and from a button that goes up to the frame", async ({ browser }
     }
     const all = await frames();
     const to = id.replaceAll(":", "");
+    const slow: string[] = [];
     for (const [name, times, limit] of [
       ["button up -> frame with setpoint 0", releases, CYCLE + 20],
       ["STOP -> frame", stops, CYCLE + 25],
@@ -73,8 +74,10 @@ test("from STOP and from a button that goes up to the frame", async ({ browser }
       console.log(
         `${name}: median ${median} ms, p99 ${p99} ms, max ${most} ms (limit of p99 ${limit} ms), ${times.length} times, ${DRIVES} drives, 4 pages`,
       );
-      expect(percentile(took, 99)).toBeLessThanOrEqual(limit);
+      if (!(percentile(took, 99) <= limit)) slow.push(name);
     }
+    // all of them are measured before one of them is missed
+    expect(slow).toEqual([]);
     await Promise.all(others.map((other) => other.context().close()));
   } finally {
     await end(server);

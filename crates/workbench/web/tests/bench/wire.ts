@@ -1,6 +1,6 @@
 /** A cable in the namespace of the tests, virtual drives of another process at its end, and the frames on it. */
 import { type ChildProcess, execFileSync, spawn } from "node:child_process";
-import { readFileSync, rmSync, writeFileSync } from "node:fs";
+import { existsSync, readFileSync, rmSync, statSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { createInterface } from "node:readline";
 import { pictures, program } from "../bench";
@@ -62,14 +62,13 @@ export async function record(): Promise<{ frames(): Promise<Frame[]> }> {
     "dumpcap",
     ["-q", "-i", "bench-here", "-f", "ether proto 0x8892 or (vlan and ether proto 0x8892)", "-w", file],
     {
-      stdio: ["ignore", "ignore", "pipe"],
+      stdio: "ignore",
     },
   );
-  await new Promise<void>((resolve) => {
-    dumpcap.stderr.on("data", (text: Buffer) => {
-      if (text.toString().includes("File:")) resolve();
-    });
-  });
+  // its file has a head once it captures
+  while (!existsSync(file) || statSync(file).size === 0) {
+    await new Promise((resolve) => setTimeout(resolve, 20));
+  }
   return {
     async frames() {
       // what is on its way to the file comes
