@@ -253,7 +253,7 @@ mod tests {
         );
         assert!(Cycle::choose(&[], MS, None, Some(0)).is_err());
         let error = Cycle::choose(&[], MS, None, Some(255)).unwrap_err();
-        assert!(error.to_string().contains("outside 1 to 120"), "{error}");
+        assert!(error.to_string().contains("1 to 120 are possible"), "{error}");
     }
 
     #[test]
