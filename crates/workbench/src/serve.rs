@@ -117,6 +117,7 @@ impl Server {
             listen,
             name,
             read_only,
+            moves_real,
             log,
         } = settings;
         if !listen.ip().is_loopback() {
@@ -141,6 +142,7 @@ impl Server {
             tokens: Tokens::random()?,
             once: Mutex::new(Once::default()),
             read_only,
+            moves_real,
             places: Places::new(address),
             cookie: format!("profidrive_{}", address.port()),
             source,

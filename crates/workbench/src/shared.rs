@@ -24,6 +24,8 @@ pub(crate) struct Shared {
     pub once: Mutex<Once>,
     /// Whether nobody may do more than look and stop.
     pub read_only: bool,
+    /// Whether axes of real drives may be controlled.
+    pub moves_real: bool,
     pub places: Places,
     /// Name of the cookie. Browsers send the cookies of a host to each of its ports, so each server has its own name.
     pub cookie: String,

@@ -26,6 +26,7 @@ pub fn run(args: &Serve, interface: &Interface, output: &Output) -> Result<(), F
         listen: args.listen,
         name: args.name.clone(),
         read_only: args.read_only,
+        moves_real: args.allow_real_motion,
         ..Settings::new(source)
     };
     if let Some(folder) = &args.state_dir {

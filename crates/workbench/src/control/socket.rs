@@ -341,6 +341,7 @@ impl Page {
             _ if self.shared.read_only => Some("read_only"),
             (_, Role::View) => Some("view"),
             (Source::Addresses(_), _) => Some("addresses"),
+            (Source::Interface(_), _) if !self.shared.moves_real => Some("real"),
             _ => None,
         }
     }

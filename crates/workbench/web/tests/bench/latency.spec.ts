@@ -18,7 +18,7 @@ async function open(browser: Browser, url: string): Promise<Page> {
 test("from STOP and from a button that goes up to the frame", async ({ browser }) => {
   test.setTimeout(1_200_000);
   const cable = wire(DRIVES);
-  const server = await serve("-i", "bench-here", "--listen", "127.0.0.1:0");
+  const server = await serve("-i", "bench-here", "--allow-real-motion", "--listen", "127.0.0.1:0");
   try {
     const page = await open(browser, server.url);
     const others = await Promise.all([1, 2, 3].map(() => open(browser, server.viewUrl)));
