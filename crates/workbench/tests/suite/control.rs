@@ -153,13 +153,8 @@ fn a_jog_lasts_as_long_as_fresh_beats_and_control_too() {
     });
     let late = hands.order("enable", &id, lease, 0, &json!({}));
     assert!(sentence(&late).contains("no control"), "{late}");
-    let actions: Vec<String> = server
-        .log()
-        .iter()
-        .map(|record| record["action"].as_str().unwrap().to_owned())
-        .collect();
     for action in ["take", "enable", "jog", "release"] {
-        assert!(actions.iter().any(|one| one == action), "{actions:?}");
+        server.logged(|log| log.iter().any(|record| record["action"] == action));
     }
 }
 
@@ -268,7 +263,7 @@ fn a_stop_passes_a_socket_that_takes_no_answers() {
         .json();
     assert_eq!(stopped["axes"], json!([id]));
     rests(&server, &id);
-    let log = server.log();
+    let log = server.logged(|log| log.iter().any(|record| record["action"] == "stop"));
     let stop = log.iter().find(|record| record["action"] == "stop").unwrap();
     assert!(stop["result"].as_str().unwrap().contains("axis-1"), "{stop}");
 }

@@ -101,6 +101,19 @@ impl Running {
         format!("{PAGE}Cookie: a=b; {}\r\n", cookie.split(';').next().unwrap())
     }
 
+    /// Returns the log once it fits: what became of something is written after its answer.
+    pub fn logged(&self, fits: impl Fn(&[Value]) -> bool) -> Vec<Value> {
+        let start = Instant::now();
+        loop {
+            let log = self.log();
+            if fits(&log) {
+                return log;
+            }
+            assert!(start.elapsed() < Duration::from_secs(60), "{log:#?}");
+            std::thread::sleep(Duration::from_millis(20));
+        }
+    }
+
     /// Returns the records of its log.
     pub fn log(&self) -> Vec<Value> {
         let mut records = Vec::new();

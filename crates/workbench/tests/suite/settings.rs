@@ -129,7 +129,7 @@ fn a_plan_is_shown_written_verified_undone_and_in_the_log() {
     assert_eq!(undone["phase"], "undone", "{undone:#}");
     assert_eq!(value(&server, &id, "DRV.ACC"), 3000.0);
     assert_eq!(server.post(&undo, &json!({})).status, 409, "once");
-    let log = server.log();
+    let log = server.logged(|log| log.len() >= 4);
     let lines: Vec<(&str, bool, &str)> = log
         .iter()
         .map(|record| {
@@ -291,7 +291,7 @@ fn settings_are_backed_up_compared_and_restored_with_a_way_back() {
         .map(|one| &one["before"])
         .collect();
     assert_eq!(names.len(), 2, "{kept:#}");
-    assert!(server.log().iter().any(|record| record["action"] == "restore"));
+    server.logged(|log| log.iter().any(|record| record["action"] == "restore"));
     // a file of one kind is not for another
     let axis = known(&server, "axis-1");
     let wrong = server.post(
