@@ -16,7 +16,7 @@ from multiprocessing import get_context
 from typing import Any, Literal, NamedTuple
 
 from profidrive import _profidrive
-from profidrive._values import document, optional_span, value_text
+from profidrive._values import document, optional_span, span, value_text
 from profidrive.errors import ProfidriveError, UsageError
 from profidrive.events import ExpectationResult
 from profidrive.plant import Plant
@@ -118,6 +118,40 @@ class Failure:
             raise UsageError(f"seed {self.seed} is another run here: {again['digest']} in place of {self.digest}")
         return self.plant().run(self._job.until)
 
+    def shrink(self, *, expectation: str | None = None, budget: Duration = 60.0) -> Reproduction:
+        """Returns the smallest plant in which the same expectation of the same drive still fails.
+
+        Events, controllers, other drives and other expectations are removed, varied values become those of the file, and the run
+        ends when the expectation is decided.
+
+        Args:
+            expectation: its name; the first one that failed where it is None.
+            budget: seconds of this computer. Then the smallest plant so far is returned.
+        """
+        name = self.results[0].name if expectation is None else expectation
+        plant, reason, runs, smallest = self._job.campaign().shrink(self.seed, name, span(budget))
+        return Reproduction(Plant(plant), self.seed, reason, runs, smallest)
+
+
+@dataclass(frozen=True)
+class Reproduction:
+    """A small plant in which an expectation fails."""
+
+    plant: Plant
+    """It has the seed and the duration of the run."""
+    seed: int
+    reason: str
+    """What fails, where and when, in one line."""
+    runs: int
+    """Runs that it took to find it."""
+    is_smallest: bool
+    """Whether nothing is left that can be removed; otherwise the time or the number of runs was up."""
+
+    def save(self, path: Path) -> None:
+        """Writes a plant file, with the reason as a comment. An existing file is replaced."""
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(f"# {self.reason}\n{self.plant.to_toml()}")
+
 
 class SweepResult(Sequence[Row]):
     """The runs of a sweep: by the lists that vary, then by seed."""
@@ -161,8 +195,6 @@ class _Job:
     vary: tuple[tuple[str, str, list[str]], ...]
     measure: Measure | None
     build: tuple[str, str | None, str]
-    point: tuple[tuple[str, Any], ...]
-    """The values of lists, which are in the text already."""
 
     def campaign(self) -> _profidrive.Campaign:
         return _profidrive.Campaign(_profidrive.Plant.from_toml(self.text), self.until, list(self.vary))
@@ -230,15 +262,15 @@ def _jobs(
     plant: Plant, until: Duration | None, vary: Mapping[str, Sequence[object] | Distribution], measure: Measure | None
 ) -> list[_Job]:
     drawn = tuple((path, how.kind, list(how.values)) for path, how in vary.items() if isinstance(how, Distribution))
-    crossed = {path: list(how) for path, how in vary.items() if not isinstance(how, Distribution)}
+    # each value of a list is the only choice of a job, so that the text stays that of the file
+    crossed = [
+        [(path, one.kind, list(one.values)) for one in map(choice, how)]
+        for path, how in vary.items()
+        if not isinstance(how, Distribution)
+    ]
     build = _profidrive.build_info()
-    jobs = []
-    for values in product(*crossed.values()):
-        point = dict(zip(crossed, values, strict=True))
-        changed = plant.with_changes(point) if point else plant
-        plain = json.loads(document(point))
-        jobs.append(_Job(changed.to_toml(), optional_span(until), drawn, measure, build, tuple(plain.items())))
-    return jobs
+    text, end = plant.to_toml(), optional_span(until)
+    return [_Job(text, end, (*point, *drawn), measure, build) for point in product(*crossed)]
 
 
 def sweep(
@@ -369,7 +401,7 @@ def _result(jobs: Sequence[_Job], done: Sequence[Mapping[int, dict[str, Any]]], 
         for seed in seeds:
             if (row := found.get(seed)) is None:
                 continue
-            variables = {**dict(job.point), **row["variables"]}
+            variables = row["variables"]
             rows.append(Row(seed, variables, tuple(row["failed"]), row["measures"], row["digest"], row["wall"]))
             if row["failed"]:
                 results = tuple(ExpectationResult._of(result) for result in row["results"])
@@ -381,6 +413,7 @@ __all__ = [
     "Distribution",
     "Failure",
     "Progress",
+    "Reproduction",
     "Row",
     "SweepResult",
     "choice",

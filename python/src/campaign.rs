@@ -104,6 +104,37 @@ impl Campaign {
         Ok(Value::from(rows).to_string())
     }
 
+    /// The smallest plant in which an expectation of a run still fails, found within a time of this computer; what fails in
+    /// it, the runs that it took, and whether it is the smallest one.
+    fn shrink(
+        &self,
+        py: Python<'_>,
+        seed: u64,
+        expectation: Option<String>,
+        budget: Span,
+    ) -> PyResult<(Plant, String, usize, bool)> {
+        let (budget, begin) = (budget.read()?, Clock::now());
+        let (mut looked, mut raised) = (begin, None);
+        let mut goes_on = || {
+            if looked.elapsed() >= LOOK {
+                looked = Clock::now();
+                raised = Python::attach(|py| py.check_signals()).err();
+            }
+            raised.is_none() && begin.elapsed() < budget
+        };
+        let shrunk = py.detach(|| self.runs.shrink(seed, expectation.as_deref(), &mut goes_on));
+        if let Some(raised) = raised {
+            return Err(raised);
+        }
+        let shrunk = shrunk.map_err(|error| failed(&error))?.ok_or_else(|| {
+            let what = expectation.map_or_else(String::new, |name| format!(" `{name}`"));
+            Failure::usage(format!("seed {seed}: no expectation{what} fails"))
+        })?;
+        let reason = shrunk.to_string();
+        let source = shrunk.plant;
+        Ok((Plant { source }, reason, shrunk.runs, shrunk.is_smallest))
+    }
+
     /// The plant of a run.
     fn plant(&self, seed: u64) -> PyResult<Plant> {
         let (source, _) = self.runs.plant(seed).map_err(|error| failed(&error))?;

@@ -91,6 +91,31 @@ def test_a_failure_is_run_again_here(pool: Executor) -> None:
     assert len(few.failures) >= 1
 
 
+def test_a_failure_is_shrunk_to_a_file(pool: Executor, tmp_path: Path) -> None:
+    extra = """
+[[drive]]
+name = "akd-2"
+event = [{ at = "1s", do = "warning=107" }]
+"""
+    vary: dict[str, Sequence[object] | Distribution] = {
+        "drive.akd-1.load.friction": [0.1, 0.2],
+        "drive.akd-1.load.torque": uniform(0, 0.1),
+    }
+    result = sweep(Plant.from_toml(LOSSY + extra), seeds=range(40), vary=vary, executor=pool)
+    small = result.failures[0].shrink()
+    assert small.is_smallest
+    assert small.reason.startswith("akd-1: no fault: not met")
+    small.save(tmp_path / "repro.toml")
+    saved = Plant.from_file(tmp_path / "repro.toml")
+    assert (saved.seed, saved.drives) == (small.seed, ("akd-1",))
+    assert "torque" not in saved.to_toml(), "a varied value has no part in it"
+    assert saved.run().only(FaultRaised)
+    again = sweep(saved, seeds=[small.seed], executor=pool)
+    assert [lost.name for lost in again.failures[0].results] == ["no fault"]
+    with pytest.raises(UsageError, match="no expectation `other` fails"):
+        result.failures[0].shrink(expectation="other")
+
+
 def test_every_distribution_is_within_its_bounds(plant: Plant) -> None:
     path = "drive.press-1.load.friction"
     ways = {
@@ -163,7 +188,7 @@ def test_a_killed_worker_loses_nothing_that_is_done(plant: Plant, tmp_path: Path
 
 def test_a_worker_with_another_version_is_refused(plant: Plant) -> None:
     [job] = _jobs(plant, "10ms", {}, None)
-    other = type(job)(job.text, job.until, job.vary, None, ("0.0.1", None, "release"), ())
+    other = type(job)(job.text, job.until, job.vary, None, ("0.0.1", None, "release"))
     with pytest.raises(UsageError, match=r"0\.0\.1"):
         _run(other, [1])
 

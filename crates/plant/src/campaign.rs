@@ -247,14 +247,28 @@ impl Campaign {
             Some((path.clone(), value))
         };
         let variables: Vec<_> = self.vary.iter().filter_map(draw).collect();
+        Ok((self.changed(seed, &variables)?, variables))
+    }
+
+    /// Returns the plant with a seed and these values.
+    pub(crate) fn changed<'a>(
+        &self,
+        seed: u64,
+        variables: impl IntoIterator<Item = &'a (String, toml::Value)>,
+    ) -> Result<PlantSource, CampaignError> {
         let changes = variables
-            .iter()
+            .into_iter()
             .map(|(path, value)| (path.as_str(), value.clone()));
         // the text of a plant has numbers of 63 bits
         let own = [("seed", toml::Value::Integer((seed & (u64::MAX >> 1)) as i64))];
         let plant = self.plant.with_changes(changes.chain(own));
-        let plant = plant.map_err(|error| CampaignError::Change { seed, error })?;
-        Ok((plant, variables))
+        plant.map_err(|error| CampaignError::Change { seed, error })
+    }
+
+    /// Returns when a run of this plant ends.
+    pub(crate) fn end(&self, plant: &PlantSource) -> Result<Duration, CampaignError> {
+        let end = self.until.or(plant.plan().duration);
+        end.ok_or(CampaignError::NoDuration)
     }
 
     /// Runs the plant with this seed, in virtual time.
@@ -263,22 +277,32 @@ impl Campaign {
     /// When a value does not fit, the plant does not start, or it is not known how long it is to run.
     pub fn run(&self, seed: u64) -> Result<CampaignRun, CampaignError> {
         let (plant, variables) = self.plant(seed)?;
-        let plan = plant.plan();
-        let end = self.until.or(plan.duration).ok_or(CampaignError::NoDuration)?;
-        let mut world = World::new(plan).map_err(|error| CampaignError::World {
-            seed,
-            error: Box::new(error),
-        })?;
-        world.expect(&plan.expectations, plan.seed);
-        world.run_until(Instant::ZERO + end, &mut drop);
+        let end = self.end(&plant)?;
+        let (results, digest) = run(&plant, seed, end)?;
         Ok(CampaignRun {
             seed,
             variables,
-            results: world.finish_expectations(),
-            digest: format!("{:016x}", world.trace_hash()),
+            results,
+            digest: format!("{digest:016x}"),
             end: end.as_secs_f64(),
         })
     }
+}
+
+/// Runs a plant in virtual time and returns what came of its expectations, and the hash of its trace.
+pub(crate) fn run(
+    plant: &PlantSource,
+    seed: u64,
+    end: Duration,
+) -> Result<(Vec<ExpectationResult>, u64), CampaignError> {
+    let plan = plant.plan();
+    let mut world = World::new(plan).map_err(|error| CampaignError::World {
+        seed,
+        error: Box::new(error),
+    })?;
+    world.expect(&plan.expectations, plan.seed);
+    world.run_until(Instant::ZERO + end, &mut drop);
+    Ok((world.finish_expectations(), world.trace_hash()))
 }
 
 impl fmt::Display for CampaignRun {

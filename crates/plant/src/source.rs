@@ -147,21 +147,36 @@ impl PlantSource {
             path: path.to_owned(),
             why,
         };
-        let document: Result<DocumentMut, _> = self.text.parse();
-        let mut document = document.map_err(|wrong| error("", message(wrong)))?;
+        let mut document = self.document().map_err(|why| error("", why))?;
         let mut paths = Vec::new();
         for (path, value) in changes {
             change(&mut document, path, &value).map_err(|why| error(path, why))?;
             paths.push(path);
         }
-        let text = document.to_string();
         // the line of a mistake is one of a text that the caller has not seen
-        let plan = PlantPlan::of_text(&text, self.file.as_deref())
-            .map_err(|PlantError { message, .. }| error(&paths.join(", "), message))?;
+        let made = self.of_document(&document);
+        made.map_err(|PlantError { message, .. }| error(&paths.join(", "), message))
+    }
+
+    /// Returns the plant with a text that was edited.
+    pub(crate) fn edited(&self, edit: impl FnOnce(&mut DocumentMut)) -> Result<Self, PlantError> {
+        let mut document = self
+            .document()
+            .map_err(|message| PlantError { line: 1, message })?;
+        edit(&mut document);
+        self.of_document(&document)
+    }
+
+    fn document(&self) -> Result<DocumentMut, String> {
+        self.text.parse().map_err(message)
+    }
+
+    fn of_document(&self, document: &DocumentMut) -> Result<Self, PlantError> {
+        let text = document.to_string();
         Ok(Self {
+            plan: PlantPlan::of_text(&text, self.file.as_deref())?,
             text,
             file: self.file.clone(),
-            plan,
         })
     }
 }

@@ -1,0 +1,94 @@
+"""Campaigns on a Dask cluster of this computer."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from concurrent.futures import Executor, ProcessPoolExecutor
+from contextlib import contextmanager
+from multiprocessing import get_context
+from pathlib import Path
+
+import pytest
+from distributed import Client
+
+from profidrive import sweep, uniform
+from profidrive.campaign import Progress, SweepResult
+
+from .conftest import PRESS
+
+
+class Cluster:
+    """A scheduler and two workers, each in a session of its own: one that outlived the test would hold its output open."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        self._processes: dict[str, subprocess.Popen[bytes]] = {}
+
+    def start(self) -> Client:
+        known = str(self._folder / "scheduler.json")
+        local = ["--host", "127.0.0.1", "--scheduler-file", known]
+        self._start("scheduler", [*local, "--port", "0", "--no-dashboard"])
+        for name in ("worker-1", "worker-2"):
+            once = ["--name", name, "--nthreads", "1", "--no-nanny", "--no-dashboard", "--death-timeout", "10"]
+            self._start(name, [*local, *once, "--local-directory", str(self._folder)])
+        client = Client(scheduler_file=known, timeout=10)  # type: ignore[no-untyped-call]
+        client.wait_for_workers(2, timeout=10)
+        return client
+
+    def _start(self, name: str, arguments: list[str]) -> None:
+        command = [sys.executable, "-m", "dask", name.split("-")[0], *arguments]
+        with open(self._folder / f"{name}.txt", "wb") as output:
+            self._processes[name] = subprocess.Popen(
+                command, stdin=subprocess.DEVNULL, stdout=output, stderr=output, start_new_session=True
+            )
+
+    def kill(self, name: str) -> None:
+        process = self._processes.pop(name)
+        os.killpg(process.pid, signal.SIGKILL)
+        process.wait()
+
+    def end(self) -> None:
+        for name in list(self._processes):
+            self.kill(name)
+
+
+@contextmanager
+def running(folder: Path) -> Iterator[tuple[Cluster, Client]]:
+    cluster = Cluster(folder)
+    try:
+        with cluster.start() as client:
+            yield cluster, client
+    finally:
+        cluster.end()
+
+
+def rows(result: SweepResult) -> list[tuple[object, ...]]:
+    return [(row.seed, dict(row.variables), row.failed, row.digest) for row in result]
+
+
+@pytest.mark.filterwarnings("default")
+def test_rows_of_a_cluster_are_those_of_a_pool_when_a_worker_is_killed(tmp_path: Path) -> None:
+    vary = {"drive.press-1.load.friction": uniform(0.1, 0.4)}
+    with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as pool:
+        expected = rows(sweep(PRESS, seeds=range(100), vary=vary, until="6s", executor=pool, chunk=5))
+    with running(tmp_path) as (cluster, client):
+        executor: Executor = client.get_executor()  # type: ignore[no-untyped-call]
+        whole = sweep(PRESS, seeds=range(100), vary=vary, until="6s", executor=executor, chunk=5)
+        assert rows(whole) == expected
+        done: list[int] = []
+
+        def kill_one(progress: Progress) -> None:
+            done.append(progress.done)
+            if len(done) == 1:
+                # it has tasks that it did not begin, one that it carries out, and results that nobody has fetched
+                cluster.kill("worker-2")
+
+        # tasks of another size than before: the scheduler keeps what it has done
+        halved = sweep(PRESS, seeds=range(100), vary=vary, until="6s", executor=executor, chunk=2, progress=kill_one)
+        assert rows(halved) == expected
+        assert done == list(range(2, 101, 2)), "each task is counted once"
+        assert len(client.scheduler_info()["workers"]) == 1
