@@ -18,7 +18,7 @@ use crate::error::Error;
 /// assert_eq!(calm.hold_time(), Duration::from_millis(112));
 /// let asked = Cycle::choose(&[], Duration::from_millis(4), Some(Duration::from_millis(4)), Some(3))?;
 /// assert_eq!(asked.hold_time(), Duration::from_millis(12));
-/// # Ok::<(), profidrive_client::error::Error>(())
+/// # Ok::<(), profidrive_client::Error>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Cycle {
@@ -153,7 +153,7 @@ impl Strained {
     /// let cycle = Cycle::choose(&[], millis(1), Some(millis(16)), Some(7))?;
     /// let strained = cycle.judge(millis(17)).expect("no room for 17 ms");
     /// assert_eq!(strained.room(), Some(Room::Cycle { interval: millis(64), watchdog: 7 }));
-    /// # Ok::<(), profidrive_client::error::Error>(())
+    /// # Ok::<(), profidrive_client::Error>(())
     /// ```
     #[must_use]
     pub fn room(&self) -> Option<Room> {
