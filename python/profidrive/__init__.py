@@ -69,7 +69,7 @@ class BuildInfo(NamedTuple):
 
     version: str
     commit: str | None
-    """The commit, where the build was told."""
+    """The commit, where the build knows it."""
     profile: str
     """`release` or `dev`."""
 

@@ -156,7 +156,7 @@ class Axis:
         return f"<Axis of {self._drive}>"
 
     def __del__(self) -> None:
-        # nobody can reach it any more: the network brings it to rest
+        # it cannot be reached any more: the network brings it to rest
         axis = getattr(self, "_axis", None)
         if axis is not None and axis.abandon():
             warnings.warn(

@@ -278,7 +278,7 @@ impl Axis {
     /// Leaves it to the network, which brings it to rest. False where it was released before.
     fn abandon(&self, py: Python<'_>) -> bool {
         py.detach(|| {
-            // nobody else can be at work with it
+            // no other caller can be at work with it
             locked(&self.held).take().is_some()
         })
     }

@@ -169,7 +169,7 @@ impl Joined {
         let (done, ended) = mpsc::channel();
         std::thread::spawn(move || {
             drop(network);
-            // nobody listens where the time is over
+            // no caller waits any more where the time is over
             let _ = done.send(());
         });
         let requests = StopRequests::default();
@@ -202,7 +202,7 @@ impl Drop for Joined {
             std::mem::forget(network);
             return;
         }
-        // nobody else waits meanwhile; a Python that ends has closed it before
+        // no other caller waits meanwhile; a Python that ends has closed it before
         let _ = Python::try_attach(|py| py.detach(|| drop(network)));
     }
 }

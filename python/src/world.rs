@@ -24,7 +24,7 @@ const STRIDE: Duration = Duration::from_millis(100);
 /// A plant that runs, with those who look at it.
 pub struct Held {
     pub running: Running,
-    /// The trace that was handed out last, as long as somebody has it.
+    /// The trace that was handed out last, as long as it is in use.
     newest: Mutex<Weak<Cell>>,
     /// The network that has joined it, from the first use on.
     joined: Mutex<Option<Arc<Joined>>>,

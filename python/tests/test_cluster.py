@@ -84,7 +84,7 @@ def test_rows_of_a_cluster_are_those_of_a_pool_when_a_worker_is_killed(tmp_path:
         def kill_one(progress: Progress) -> None:
             done.append(progress.done)
             if len(done) == 1:
-                # it has tasks that it did not begin, one that it carries out, and results that nobody has fetched
+                # it has tasks that it did not begin, one that it carries out, and results that were not fetched
                 cluster.kill("worker-2")
 
         # tasks of another size than before: the scheduler keeps what it has done

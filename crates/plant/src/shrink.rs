@@ -319,7 +319,7 @@ mod tests {
             prop_assert_eq!(failed.is_some(), shrunk.is_some());
             if let (Some(failed), Some(shrunk)) = (failed, shrunk) {
                 prop_assert!(shrunk.is_smallest);
-                // as somebody who has nothing but the file
+                // as a reader who has nothing but the file
                 let alone = Campaign::new(shrunk.plant.as_toml().parse().unwrap()).run(seed).unwrap();
                 let same = |result: &&ExpectationResult| (&result.name, &result.drive) == (&failed.name, &failed.drive);
                 let again = alone.results.iter().find(same).unwrap();

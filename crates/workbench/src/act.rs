@@ -13,7 +13,7 @@ use crate::live::Event;
 use crate::problem::Problem;
 use crate::shared::Shared;
 
-/// Something that somebody wants.
+/// Something that a person or program wants.
 #[derive(Debug, Clone)]
 pub(crate) struct Intent {
     /// What is done.

@@ -1,4 +1,4 @@
-//! The built page. `web/` has its sources; the files here are committed, so that nobody needs Node to build or run a server.
+//! The built page. `web/` has its sources; the files here are committed, so that building and running a server needs no Node.
 
 use axum::http::header::{CACHE_CONTROL, CONTENT_TYPE, ETAG, IF_NONE_MATCH};
 use axum::http::{HeaderMap, Method, StatusCode, Uri};

@@ -20,7 +20,7 @@ const FILES: usize = 30;
 /// The longest text of a record, in characters.
 const TEXT: usize = 2000;
 
-/// What somebody wanted, or what became of it.
+/// What was wanted, or what became of it.
 #[derive(Debug, Clone, Default, Serialize, JsonSchema)]
 pub(crate) struct Record {
     /// Who: the number of a session, or `token` for a program.
@@ -179,7 +179,7 @@ fn remove_old(folder: &Path) -> io::Result<()> {
     Ok(())
 }
 
-/// Lets nobody but this user read the log.
+/// Lets only this user read the log.
 #[cfg(unix)]
 fn private(builder: &mut DirBuilder, options: &mut OpenOptions) {
     use std::os::unix::fs::{DirBuilderExt, OpenOptionsExt};

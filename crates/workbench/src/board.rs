@@ -1,4 +1,4 @@
-//! What is known of the stations: found and read in the background while somebody looks, for all pages together.
+//! What is known of the stations: found and read in the background while a page looks, for all pages together.
 
 use std::collections::{BTreeMap, HashSet};
 use std::net::Ipv4Addr;
@@ -22,7 +22,7 @@ const SEARCH: Duration = Duration::from_secs(1);
 const SURVEY: Duration = Duration::from_secs(5);
 /// Time between two readings of a status.
 const STATUS: Duration = Duration::from_secs(1);
-/// The network is left alone when nobody has looked for this time.
+/// The network is left alone when no page has looked for this time.
 const LOOK: Duration = Duration::from_secs(10);
 /// A station that no longer answers is shown for this time.
 const REMEMBER: Duration = Duration::from_secs(600);
@@ -51,7 +51,7 @@ pub(crate) struct Stations {
     pub searched: Option<Instant>,
     /// Why the last search failed.
     pub failure: Option<Error>,
-    /// When somebody looked last.
+    /// When a page looked last.
     looked: Option<Instant>,
 }
 
@@ -121,11 +121,11 @@ impl Known {
 #[derive(Debug)]
 pub(crate) struct Board {
     stations: Mutex<Stations>,
-    /// Somebody looks again.
+    /// A page looks again.
     wake: Notify,
     /// A search has ended: what it found is read at once.
     found: Notify,
-    /// Somebody wants a search now.
+    /// A page wants a search now.
     wanted: Notify,
     /// Counts what has changed.
     changed: watch::Sender<u64>,
@@ -191,7 +191,7 @@ impl Board {
         self.addresses.is_empty()
     }
 
-    /// Waits until somebody looks.
+    /// Waits until a page looks.
     async fn watched(&self) {
         loop {
             let woken = self.wake.notified();

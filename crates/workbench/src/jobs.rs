@@ -88,7 +88,7 @@ impl Job {
         self.planned.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Takes what was planned, to work on it; `None` while somebody else does, and where there is no plan.
+    /// Takes what was planned, to work on it; `None` while another caller does, and where there is no plan.
     pub fn take(&self, wanted: Phase) -> Option<Planned> {
         let mut planned = self.planned();
         if self.view.borrow().0.phase != wanted {

@@ -31,6 +31,7 @@ mod problem;
 mod serve;
 mod settings;
 mod shared;
+mod upgrade;
 mod words;
 
 pub use api::openapi;

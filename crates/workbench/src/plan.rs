@@ -1,4 +1,4 @@
-//! A plan of changes: made, shown, and carried out when somebody agrees.
+//! A plan of changes: made, shown, and carried out once a person agrees.
 
 use std::path::{Path, PathBuf};
 
@@ -17,7 +17,7 @@ use crate::board::explained;
 use crate::problem::Problem;
 use crate::words::PageWords;
 
-/// A value that somebody wants, as people write it.
+/// A value that is wanted, as people write it.
 #[derive(Debug, Clone, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Wanted {

@@ -22,7 +22,7 @@ use crate::settings::Source;
 pub(crate) struct Shared {
     pub tokens: Tokens,
     pub once: Mutex<Once>,
-    /// Whether nobody may do more than look and stop.
+    /// Whether looking and stopping is all that is permitted.
     pub read_only: bool,
     /// Whether axes of real drives may be controlled.
     pub moves_real: bool,

@@ -86,7 +86,7 @@ impl Error {
     pub fn hint(&self) -> Option<String> {
         match self {
             Self::NoPermission { .. } => Some(format!(
-                "run as root, or grant the capability once: {}; without a real network: unshare --user --map-root-user --net",
+                "run as root, or grant the capability once: {}; without a real network: unshare -rn",
                 grant_raw_ethernet()
             )),
             Self::NoRawEthernet => Some(

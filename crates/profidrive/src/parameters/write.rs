@@ -165,7 +165,7 @@ pub async fn plan(
     })
 }
 
-/// Reads who commands a drive, and what its axis does where nobody does.
+/// Reads who commands a drive, and what its axis does where none is connected.
 async fn commanded(
     session: &mut Session,
     drive: &mut Drive,
@@ -262,7 +262,7 @@ pub async fn undo(session: &mut Session, drive: &mut Drive, written: &Written) -
         controller,
         alone,
         wanted: written.wanted,
-        // values of the drive itself: nobody wrote them as text
+        // values of the drive itself: they were never text
         assignments: Vec::new(),
     })
 }

@@ -15,7 +15,7 @@ pub(crate) use token::{Attempts, Once, Tokens};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-/// What somebody may do.
+/// What a session may do.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub(crate) enum Role {

@@ -73,7 +73,7 @@ impl Sessions {
         Some(found.role)
     }
 
-    /// Returns whether a session lasts, and notes that it is used where somebody looks at its page.
+    /// Returns whether a session lasts, and notes that it is used where its page is looked at.
     pub fn lasts(&mut self, id: &str, used: bool, now: Instant) -> bool {
         if used {
             return self.role(id, now).is_some();

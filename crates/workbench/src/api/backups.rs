@@ -27,7 +27,7 @@ pub(super) struct BackupsReport {
     files: Vec<KeptBackup>,
 }
 
-/// A file that somebody has.
+/// A file to keep.
 #[derive(Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct NewBackup {
@@ -69,7 +69,7 @@ pub(super) async fn kept(State(shared): State<Arc<Shared>>) -> Result<Json<Backu
     Ok(Json(BackupsReport { files }))
 }
 
-/// Keeps a file that somebody has, under a name that this server makes.
+/// Keeps a file, under a name that this server makes.
 #[utoipa::path(post, path = "/api/v1/backups", request_body(content = ref("#/components/schemas/NewBackup"), content_type = "application/json"), responses(
     (status = 200, description = "Its name", body = ref("#/components/schemas/BackupName")),
     (status = 400, description = "It is no backup, or not a whole one", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),

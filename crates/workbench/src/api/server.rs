@@ -31,7 +31,7 @@ pub(super) struct ServerReport {
     searches: bool,
     /// What the caller may do.
     role: Role,
-    /// Whether nobody may do more than look and stop.
+    /// Whether looking and stopping is all that is permitted.
     read_only: bool,
     /// The axes that this server controls, as they are called in paths.
     controlled: Vec<String>,

@@ -78,7 +78,7 @@ impl KnownStation {
     }
 }
 
-/// Returns the stations, as they were found and read last. They are read again while somebody calls this.
+/// Returns the stations, as they were found and read last. They are read again while this is called.
 #[utoipa::path(get, path = "/api/v1/stations", responses(
     (status = 200, description = "The stations", body = ref("#/components/schemas/StationsReport")),
     (status = 401, description = "No session", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
@@ -88,7 +88,7 @@ pub(super) async fn stations(State(shared): State<Arc<Shared>>) -> Json<Stations
 }
 
 /// Searches for stations now, and returns those that are known then. Searches come by themselves every five seconds while
-/// somebody looks.
+/// a page looks.
 #[utoipa::path(post, path = "/api/v1/stations/scan", responses(
     (status = 200, description = "The stations", body = ref("#/components/schemas/StationsReport")),
     (status = 401, description = "No session", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),

@@ -74,7 +74,7 @@ async fn hold(
         Ok(axis) => axis,
         Err(problem) => {
             reply.refused(number, &problem);
-            // who wanted it was told; for other pages nothing has changed
+            // the one who wanted it has the refusal; for other pages nothing has changed
             act::noted_quietly(shared, caller, &taking, problem.message().to_owned()).await;
             return;
         }

@@ -1,7 +1,7 @@
 //! Who has which axis, and what is permitted: a machine without time, threads and drives of its own.
 //!
 //! One holder at a time has an axis, by its socket and a lease number. A STOP raises the epoch: what was requested before it is
-//! refused afterwards, and nothing is enabled or moved before somebody resets it.
+//! refused afterwards, and nothing is enabled or moved before it is reset.
 
 use std::collections::BTreeMap;
 
@@ -155,7 +155,7 @@ impl Ledger {
         }
     }
 
-    /// Notes that somebody has seen the axis turn in the direction that was meant.
+    /// Notes that a person has seen the axis turn in the direction that was meant.
     pub fn confirm(&mut self, drive: &str, stamp: Stamp) -> Result<(), Denied> {
         self.held(drive, stamp)?.confirmed = true;
         Ok(())
@@ -168,7 +168,7 @@ impl Ledger {
         self.epoch
     }
 
-    /// Lets axes be enabled again, where nobody has pressed STOP since the epoch that the page has seen.
+    /// Lets axes be enabled again, where STOP was not pressed since the epoch that the page has seen.
     pub fn reset(&mut self, epoch: u64) -> Result<(), Denied> {
         if epoch != self.epoch {
             return Err(Denied::Outdated);

@@ -176,7 +176,7 @@ struct Motion {
     kept: Kept,
 }
 
-/// An axis that somebody has, from the wish to take it until it is given back.
+/// An axis that a page has, from the wish to take it until it is given back.
 #[derive(Debug)]
 pub(super) struct Running {
     pub drive: String,

@@ -7,7 +7,6 @@ use axum::Extension;
 use axum::extract::State;
 use axum::extract::ws::rejection::WebSocketUpgradeRejection;
 use axum::extract::ws::{CloseFrame, Message, WebSocket, WebSocketUpgrade, close_code};
-use axum::http::StatusCode;
 use axum::response::Response;
 use futures::stream::SplitSink;
 use futures::{SinkExt, StreamExt};
@@ -26,6 +25,7 @@ use crate::act::{self, Intent};
 use crate::problem::Problem;
 use crate::settings::Source;
 use crate::shared::Shared;
+use crate::upgrade::agree;
 
 /// The protocol of this socket; another layout of the messages has another number.
 const PROTOCOL: &str = "profidrive.control.1";
@@ -94,7 +94,7 @@ enum Request {
     Handover {
         drive: String,
     },
-    /// A sign that somebody has the page before them.
+    /// A sign that a person has the page before them.
     Beat {
         n: u64,
         /// Time of the page, ms.
@@ -201,23 +201,7 @@ pub(crate) async fn control(
     Extension(caller): Extension<Caller>,
     upgrade: Result<WebSocketUpgrade, WebSocketUpgradeRejection>,
 ) -> Result<Response, Problem> {
-    let other = |detail: &str| Problem::new(StatusCode::UPGRADE_REQUIRED, "protocol", detail);
-    let upgrade = upgrade.map_err(|error| other(&error.to_string()))?;
-    let upgrade = upgrade
-        .max_message_size(MESSAGE)
-        .max_frame_size(MESSAGE)
-        .protocols([PROTOCOL]);
-    if upgrade.selected_protocol().is_none() {
-        return Err(other(
-            "this server has the protocol profidrive.control.1: load the page again",
-        ));
-    }
-    let place = Arc::clone(&shared.control_sockets)
-        .try_acquire_owned()
-        .map_err(|_| {
-            let detail = "too many pages are open: close one of them";
-            Problem::new(StatusCode::TOO_MANY_REQUESTS, "sockets", detail)
-        })?;
+    let (upgrade, place) = agree(upgrade, PROTOCOL, MESSAGE, &shared.control_sockets)?;
     Ok(upgrade.on_upgrade(move |socket| serve(shared, caller, socket, place)))
 }
 

@@ -7,7 +7,6 @@ use axum::Extension;
 use axum::extract::State;
 use axum::extract::ws::rejection::WebSocketUpgradeRejection;
 use axum::extract::ws::{CloseFrame, Message, WebSocket, WebSocketUpgrade, close_code};
-use axum::http::StatusCode;
 use axum::response::Response;
 use serde::{Deserialize, Serialize};
 use tokio::sync::{OwnedSemaphorePermit, watch};
@@ -17,6 +16,7 @@ use super::hub::Topic;
 use crate::access::Caller;
 use crate::problem::Problem;
 use crate::shared::Shared;
+use crate::upgrade::agree;
 
 /// The protocol of this socket; another layout of the messages has another number.
 const PROTOCOL: &str = "profidrive.live.1";
@@ -45,7 +45,7 @@ enum Request {
     Unsubscribe {
         topic: String,
     },
-    /// Whether somebody can see the page.
+    /// Whether the page is visible.
     Visible {
         visible: bool,
     },
@@ -92,21 +92,7 @@ pub(crate) async fn live(
     Extension(caller): Extension<Caller>,
     upgrade: Result<WebSocketUpgrade, WebSocketUpgradeRejection>,
 ) -> Result<Response, Problem> {
-    let other = |detail: &str| Problem::new(StatusCode::UPGRADE_REQUIRED, "protocol", detail);
-    let upgrade = upgrade.map_err(|error| other(&error.to_string()))?;
-    let upgrade = upgrade
-        .max_message_size(MESSAGE)
-        .max_frame_size(MESSAGE)
-        .protocols([PROTOCOL]);
-    if upgrade.selected_protocol().is_none() {
-        return Err(other(
-            "this server has the protocol profidrive.live.1: load the page again",
-        ));
-    }
-    let place = Arc::clone(&shared.sockets).try_acquire_owned().map_err(|_| {
-        let detail = "too many pages are open: close one of them";
-        Problem::new(StatusCode::TOO_MANY_REQUESTS, "sockets", detail)
-    })?;
+    let (upgrade, place) = agree(upgrade, PROTOCOL, MESSAGE, &shared.sockets)?;
     Ok(upgrade.on_upgrade(move |socket| Client::new(shared, caller, place).serve(socket)))
 }
 

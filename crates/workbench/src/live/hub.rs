@@ -51,7 +51,7 @@ pub(crate) struct Event {
     pub kind: &'static str,
     /// The drive, as it is called in paths.
     pub drive: Option<String>,
-    /// Who did it, as in the log; empty where nobody did.
+    /// Who did it, as in the log; empty where no person did.
     pub who: String,
     /// In words.
     pub text: String,
@@ -181,7 +181,7 @@ impl Hub {
         self.state().topics.contains_key(topic)
     }
 
-    /// Replaces the value of a topic, where somebody wants it.
+    /// Replaces the value of a topic, where a page wants it.
     pub fn publish(&self, topic: &Topic, data: &impl Serialize) {
         let name = topic.name();
         let t = self.time();
@@ -276,7 +276,7 @@ mod tests {
         let hub = Hub::new(Instant::now());
         let topic = Topic::named("drive/02:00:00:00:00:01/faults").unwrap();
         hub.publish(&topic, &1);
-        assert!(hub.newest(&topic).is_none(), "wanted by nobody");
+        assert!(hub.newest(&topic).is_none(), "no page wants it");
         hub.want(&topic);
         hub.want(&topic);
         assert!(hub.newest(&topic).is_none());

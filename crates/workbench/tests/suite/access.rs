@@ -465,14 +465,14 @@ fn the_demo_shows_each_situation() {
             .any(|one| one["name"] == "press-1" && one["speed"].as_f64().unwrap() > 100.0)
     };
     eventually(&server, "/api/v1/plant/drives", turns);
-    let nobody = server.ask(
+    let anonymous = server.ask(
         "GET",
         "/api/v1/drives/nothing/status",
         &Running::bearer(&server.view),
         "",
     );
     assert_eq!(
-        (nobody.status, &nobody.json()["kind"]),
+        (anonymous.status, &anonymous.json()["kind"]),
         (404, &Value::from("drive"))
     );
 }

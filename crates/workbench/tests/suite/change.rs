@@ -137,8 +137,8 @@ fn what_cannot_happen_is_refused_in_words() {
             "{answer:?}"
         );
     }
-    let nobody = json!({ "drive": "02:00:00:00:00:01", "event": "sto=on", "seconds": null });
-    assert_eq!(server.post("/api/v1/plant/inject", &nobody).status, 404);
+    let absent = json!({ "drive": "02:00:00:00:00:01", "event": "sto=on", "seconds": null });
+    assert_eq!(server.post("/api/v1/plant/inject", &absent).status, 404);
     let path = format!("/api/v1/plant/drives/{id}/events");
     let possible = server
         .ask("GET", &path, &Running::bearer(&server.view), "")

@@ -257,7 +257,7 @@ fn a_stop_passes_a_socket_that_takes_no_answers() {
     hands.order("enable", &id, lease, 0, &json!({}));
     hands.order("velocity", &id, lease, 0, &json!({ "speed": 20 }));
     turns(&server, &mut hands, &id, &Value::Null);
-    // by the way of a program, while nobody reads the socket
+    // by the way of a program, while the socket is not read
     let stopped = server
         .ask("POST", "/api/v1/stop", &Running::bearer(&server.view), "")
         .json();

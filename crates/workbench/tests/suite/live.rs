@@ -176,7 +176,7 @@ fn a_page_gets_the_newest_values_of_its_topics() {
     }
     let second = page.next("snapshot");
     assert!(time(&second) > time(&first) && second["rev"].as_u64() > first["rev"].as_u64());
-    // a page that nobody sees wants nothing
+    // a page that is not visible wants nothing
     page.send(&json!({ "type": "visible", "visible": false }));
     let mut other = Page::of(&server);
     other.send(&json!({ "type": "subscribe", "topic": "plant", "rate": 50 }));

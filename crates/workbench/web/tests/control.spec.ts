@@ -301,7 +301,7 @@ test("a page that is frozen, hidden, closed or killed, and a network that is cut
       const time = await rest(watcher, server.origin, id, since);
       console.log(`${name}: at rest after ${time.toFixed(0)} ms`);
       expect(time).toBeLessThan(600);
-      // and control ends, so that somebody else can take it
+      // and control ends, so that another page can take it
       await expect
         .poll(async () => {
           const answer = await watcher.request.get(`${server.origin}/api/v1/server`);
@@ -351,7 +351,7 @@ for (const signal of ["SIGKILL", "SIGSTOP"] as const) {
       await page.goto(`${server.origin}/drives/${encodeURIComponent(id)}/control`);
       const take = page.getByRole("button", { name: "Take control" });
       await expect(take).toBeDisabled();
-      for (const line of ["I see the axis", "Nobody and nothing is in its way", "I reach the emergency stop"]) {
+      for (const line of ["I see the axis", "Its way is clear of people and things", "I reach the emergency stop"]) {
         await page.getByRole("checkbox", { name: line }).check();
       }
       await take.click();

@@ -1,6 +1,6 @@
 import { expect, test } from "./bench";
 
-test("the stations appear without a click, those that need somebody first", async ({ entered: page, demo }) => {
+test("the stations appear without a click, those that need attention first", async ({ entered: page, demo }) => {
   // the token is gone from the address
   expect(page.url()).toBe(`${demo.origin}/`);
   await expect(page.getByRole("row").nth(1)).toContainText("F439");

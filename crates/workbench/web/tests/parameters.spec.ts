@@ -93,7 +93,7 @@ test("what cannot be written is said beside the rest, and nothing is written", a
   });
 });
 
-test("a value that somebody else has changed meanwhile is not overwritten", async ({ page }) => {
+test("a value that another program has changed meanwhile is not overwritten", async ({ page }) => {
   await alone(async (server) => {
     const id = await open(page, server, "axis-1", "parameters");
     await page.getByRole("searchbox").fill("DRV.ACC");

@@ -51,7 +51,7 @@ export async function request<T>(path: string, options: RequestInit = {}): Promi
 /** Time for something that changes a drive, in ms: the drive may take its time, and the workbench has a limit of its own. */
 const CHANGE = 25_000;
 
-/** Posts what somebody wants. */
+/** Posts what is wanted. */
 export function post<T>(path: string, body: unknown): Promise<T> {
   const headers = { "Content-Type": "application/json" };
   const signal = AbortSignal.timeout(CHANGE);

@@ -14,7 +14,7 @@ export interface paths {
         /** Lists the files with settings that this server keeps. */
         get: operations["kept"];
         put?: never;
-        /** Keeps a file that somebody has, under a name that this server makes. */
+        /** Keeps a file, under a name that this server makes. */
         post: operations["upload"];
         delete?: never;
         options?: never;
@@ -394,7 +394,7 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** Returns the stations, as they were found and read last. They are read again while somebody calls this. */
+        /** Returns the stations, as they were found and read last. They are read again while this is called. */
         get: operations["stations"];
         put?: never;
         post?: never;
@@ -415,7 +415,7 @@ export interface paths {
         put?: never;
         /**
          * Searches for stations now, and returns those that are known then. Searches come by themselves every five seconds while
-         *     somebody looks.
+         *     a page looks.
          */
         post: operations["scan"];
         delete?: never;
@@ -1136,7 +1136,7 @@ export interface components {
             /** @description Name of the neighbour. */
             station: string | null;
         };
-        /** @description A file that somebody has. */
+        /** @description A file to keep. */
         NewBackup: {
             /** @description Its content. */
             text: string;
@@ -1440,7 +1440,7 @@ export interface components {
             /** @description Unit of the limits. */
             unit: string;
         };
-        /** @description What somebody may do. */
+        /** @description What a session may do. */
         Role: "control" | "view";
         /** @description What a server is. */
         ServerReport: {
@@ -1452,7 +1452,7 @@ export interface components {
             interface: string | null;
             /** @description What people call it. */
             name: string | null;
-            /** @description Whether nobody may do more than look and stop. */
+            /** @description Whether looking and stopping is all that is permitted. */
             read_only: boolean;
             /** @description What the caller may do. */
             role: components["schemas"]["Role"];
@@ -1792,7 +1792,7 @@ export interface components {
              */
             time: number;
         };
-        /** @description A value that somebody wants, as people write it. */
+        /** @description A value that is wanted, as people write it. */
         Wanted: {
             /** @description Number or name: `DRV.ACC`, `p2108`, `3-41`. */
             parameter: string;

@@ -25,7 +25,7 @@ const stopped = signal("");
 const PRESS = 1000;
 let pressedAt = Number.NEGATIVE_INFINITY;
 
-/** The event that somebody has read. */
+/** The event that was read. */
 const shown = signal(-1);
 
 /** Returns what happened last, in words. */

@@ -25,7 +25,7 @@ export function useKeys(): void {
         return;
       }
       const target = event.target;
-      // while this page has an axis the space bar is STOP, except where somebody writes
+      // while this page has an axis the space bar is STOP, except in a field for text
       const writes = target instanceof HTMLElement && target.matches("input:not([type=checkbox]), textarea, select");
       if (event.code === "Space" && leases.value.size > 0 && !writes) {
         event.preventDefault();

@@ -31,7 +31,7 @@ export function sign(station: Station): { icon: IconName; tone: string; word: st
   }
 }
 
-/** In one line why a station needs somebody, or that it runs. */
+/** In one line why a station needs attention, or that it runs. */
 export function reason(station: Station): string {
   const { status, error, unread } = station;
   const found = findings(station);

@@ -42,7 +42,7 @@ export function product({ vendor, type }: Station): string {
   return foreign(named ? type : `${vendor} ${type}`);
 }
 
-/** How much a station needs somebody: the lowest first. */
+/** How much a station needs attention: the lowest first. */
 export function urgency(station: Station): number {
   const { status, error } = station;
   if (status && status.faults.length > 0) return 0;
@@ -56,7 +56,7 @@ export function urgency(station: Station): number {
 /** Compares as people count: `axis-2` before `axis-10`. */
 const names = new Intl.Collator("en", { numeric: true });
 
-/** Returns the stations, those that need somebody first. */
+/** Returns the stations, those that need attention first. */
 export function sorted(all: readonly Station[]): Station[] {
   return [...all].sort((a, b) => urgency(a) - urgency(b) || names.compare(a.name ?? a.id, b.name ?? b.id));
 }

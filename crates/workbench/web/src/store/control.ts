@@ -17,7 +17,7 @@ const LONGEST = 5000;
 /** Speeds that are kept for the small plot, in ms. */
 const TRACK = 5000;
 
-/** How an axis is that somebody has. */
+/** How an axis is that a page has. */
 export interface Axis {
   drive: string;
   lease: number;
@@ -184,7 +184,7 @@ export function hold(drive: string, speed: number): void {
   held.value = { drive, n };
 }
 
-/** The button is up, or nobody can see it any more. */
+/** The button is up, or it is not visible any more. */
 export function letGo(): void {
   const before = held.value;
   if (before === null) return;
@@ -316,7 +316,7 @@ function lost(gone: WebSocket): void {
   }
 }
 
-/** Opens the socket, and gives everything back when nobody can see the page. */
+/** Opens the socket, and gives everything back when the page is not visible. */
 export function runControl(): void {
   open();
   setInterval(() => {

@@ -250,7 +250,7 @@ export const en = {
   "control.mode": "Set the operating mode of the drive, and put it back afterwards",
   "control.runs": "The drive may run on when this connection is lost (only where it has no setting for that)",
   "control.check.see": "I see the axis",
-  "control.check.clear": "Nobody and nothing is in its way",
+  "control.check.clear": "Its way is clear of people and things",
   "control.check.stop": "I reach the emergency stop of the machine",
   "control.take": "Take control",
   "control.taking": "Taking control ..",

@@ -394,7 +394,7 @@ function Values({ id }: { id: string }) {
   );
 }
 
-/** Takes an axis, enables it, and moves it while somebody is there. */
+/** Takes an axis, enables it, and moves it while its page is there. */
 export function Control() {
   const { path } = useLocation();
   const id = selectedId(path);

@@ -1,4 +1,4 @@
-/** What is edited of a drive: values that somebody has typed, the plan of them, and what became of it. */
+/** What is edited of a drive: values that were typed, the plan of them, and what became of it. */
 import { signal } from "@preact/signals";
 import { type Description, type Job, type List, post, request, type Value, type Values } from "../../api";
 import { follow, reason } from "../../store/jobs";
@@ -32,13 +32,13 @@ export const drive = signal("");
 export const lines = signal<readonly Line[] | null>(null);
 export const failure = signal("");
 export const values = signal<ReadonlyMap<string, Read>>(new Map());
-/** What somebody has typed, by row. */
+/** What was typed, by row. */
 export const edits = signal<ReadonlyMap<string, string>>(new Map());
 /** Whether the drive is to save the new values. */
 export const save = signal(false);
 /** The plan of what is typed now; nothing while it is made. */
 export const plan = signal<Job | null>(null);
-/** What was written last, until somebody goes on. */
+/** What was written last, until the next edit. */
 export const applied = signal<Job | null>(null);
 /** Why the last request failed. */
 export const refused = signal("");
@@ -127,7 +127,7 @@ let timer = 0;
 /** Counts what was typed: the plan of before is no plan of now. */
 let revision = 0;
 
-/** Notes what somebody has typed; nothing takes it back. */
+/** Notes what was typed; nothing takes it back. */
 export function edit(key: string, text: string | null): void {
   const next = new Map(edits.value);
   if (text === null) next.delete(key);

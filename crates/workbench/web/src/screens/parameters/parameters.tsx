@@ -178,7 +178,7 @@ function Table({ rows }: { rows: readonly edit.Line[] }) {
           going = false;
         });
     };
-    // while somebody scrolls nothing is read
+    // while the table scrolls nothing is read
     const soon = setTimeout(look, 80);
     const turn = setInterval(look, PERIOD);
     return () => {
