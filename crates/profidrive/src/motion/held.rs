@@ -4,7 +4,8 @@ use std::time::Duration;
 
 use client::axis::{Jog as Setpoint, Move as Order, MovePlan, Purpose, SpeedUnit};
 use client::{
-    Axis, AxisSettings, AxisStatus, BeatHandle, Drive, Enabled, Error, ModeChange, Samples, Session, StopHandle,
+    Axis, AxisSettings, AxisStatus, BeatHandle, Drive, Enabled, Error, ModeChange, Samples, Session,
+    StopHandle,
 };
 use profile::state::Mode;
 use profinet::cyclic::CyclicStatistics;

@@ -112,7 +112,10 @@ fn are_regular(offsets: &[u32], period: f32) -> bool {
 /// Returns a copy of a block that reports more rows as lost.
 pub(super) fn with_more_lost(block: &[u8], more: u32) -> Vec<u8> {
     let mut copy = block.to_vec();
-    if let Some(lost) = copy.get_mut(24..28).and_then(|place| <&mut [u8; 4]>::try_from(place).ok()) {
+    if let Some(lost) = copy
+        .get_mut(24..28)
+        .and_then(|place| <&mut [u8; 4]>::try_from(place).ok())
+    {
         *lost = u32::from_le_bytes(*lost).saturating_add(more).to_le_bytes();
     }
     if let Some(flags) = copy.get_mut(28) {

@@ -12,5 +12,5 @@ mod streams;
 
 pub(crate) use client::{__path_live, live};
 pub(crate) use hub::{Event, Hub};
-pub(crate) use samples::Feeds;
 pub(crate) use producer::{FaultsTopic, produce};
+pub(crate) use samples::Feeds;

@@ -339,10 +339,7 @@ async fn read(shared: &Shared, topic: &Topic, id: &str, parameters: &[String]) -
         let now = Instant::now();
         if now.saturating_duration_since(pushed) >= BLOCK {
             pushed = now;
-            shared
-                .hub
-                .streams
-                .push(topic, &std::mem::take(&mut rows), now);
+            shared.hub.streams.push(topic, &std::mem::take(&mut rows), now);
             shared.hub.announce();
         }
         let end = network.now() + AGAIN;

@@ -53,7 +53,10 @@ impl Block {
 fn stream(page: &mut Page, topic: &str, source: &str) -> Value {
     let begin = Instant::now();
     loop {
-        assert!(begin.elapsed() < Duration::from_secs(30), "no {source} of {topic}");
+        assert!(
+            begin.elapsed() < Duration::from_secs(30),
+            "no {source} of {topic}"
+        );
         let head = page.next("stream");
         if head["topic"] == topic && head["source"] == source {
             return head;
@@ -111,7 +114,10 @@ fn a_drive_of_another_controller_is_read_beside_it() {
     );
     let refused = head["refused"].as_array().unwrap();
     let refused: Vec<&str> = refused.iter().filter_map(|one| one[0].as_str()).collect();
-    assert!(refused.contains(&"DRV.NAME") && refused.contains(&"no-such"), "{head}");
+    assert!(
+        refused.contains(&"DRV.NAME") && refused.contains(&"no-such"),
+        "{head}"
+    );
     let status = &columns[place(&head, "status")];
     assert_eq!(status["bits"].as_array().unwrap().len(), 16, "{status}");
     let blocks = blocks(&mut page, &head, 60);
@@ -129,8 +135,11 @@ fn a_drive_of_another_controller_is_read_beside_it() {
         }
     }
     let first = speeds[0];
-    assert!(speeds.iter().any(|speed| (speed - first).abs() > 1.0), "{speeds:?}");
-    // what nobody wants is not read
+    assert!(
+        speeds.iter().any(|speed| (speed - first).abs() > 1.0),
+        "{speeds:?}"
+    );
+    // what no page wants is not read
     page.send(&json!({ "type": "unsubscribe", "topic": acyclic }));
     page.next("clock");
     page.next("clock");
@@ -178,7 +187,10 @@ fn an_axis_under_control_has_a_row_for_each_frame() {
     let mut rows: Vec<(u64, f32, f32)> = Vec::new();
     let mut next = None;
     // the motor follows its setpoint, and each cycle has its row
-    while rows.last().is_none_or(|(_, set, speed)| *set < 19.0 || *speed < 19.0) {
+    while rows
+        .last()
+        .is_none_or(|(_, set, speed)| *set < 19.0 || *speed < 19.0)
+    {
         assert!(begin.elapsed() < Duration::from_secs(20), "{:?}", rows.last());
         hands.beat(&Value::Null);
         for block in blocks(&mut page, &head, 1) {

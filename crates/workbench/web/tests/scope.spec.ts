@@ -72,6 +72,7 @@ test("each frame of an axis under control is a row, and cursors measure what the
     await expect(page.getByText(/cyclic 16 ms, 6\d\.\d Hz, telegram \d+/)).toBeVisible();
     await expect.poll(async () => (await measured(page, "NIST_A")).Max).toBeGreaterThan(19);
     expect((await measured(page, "NSOLL_A")).Max).toBeCloseTo(20, 0);
+    await page.getByRole("combobox", { name: "Time" }).selectOption({ label: "1 s" });
     await page.getByText("Bits of ZSW1").click();
     await page
       .getByRole("checkbox", { name: "2 OP_ENABLED" })
@@ -93,6 +94,7 @@ test("each frame of an axis under control is a row, and cursors measure what the
     expect(table.Max).toBeCloseTo(Math.max(...values), 1);
     expect(table["Peak to peak"]).toBeCloseTo(Math.max(...values) - Math.min(...values), 1);
     expect(table["B - A"]).toBeCloseTo((table.B ?? 0) - (table.A ?? 0), 1);
+    await page.mouse.move(0, 0);
     await page.screenshot({ path: join(pictures, "scope-cursors.png") });
     // the picture as a file
     const download = page.waitForEvent("download");

@@ -196,7 +196,11 @@ export class Acquisition {
 
   /** What a picture shows. */
   view(): Span {
-    return this.shown ?? { from: this.latest - this.span, to: this.latest };
+    if (this.shown !== null) return this.shown;
+    // a recording that is shorter than the picture begins at its left
+    const begin = this.ring === null || this.ring.next === 0 ? 0 : this.ring.time(this.ring.first);
+    const from = Math.max(begin, this.latest - this.span);
+    return { from, to: from + this.span };
   }
 
   /** Rows in a second as they came in the last two. */

@@ -31,7 +31,7 @@ function field(text: string): string {
 
 /** Returns the shortest number that is this value of 32 bits. */
 export function shortest(value: number): string {
-  for (let digits = 6; digits < 9; digits += 1) {
+  for (let digits = 6; digits <= 9; digits += 1) {
     const text = Number(value.toPrecision(digits));
     if (Math.fround(text) === value) return String(text);
   }
@@ -125,7 +125,7 @@ export function read(lines: string, known: readonly Column[]): Sheet {
       from: null,
     };
   });
-  const ring = new Ring(columns, all.length + 4096);
+  const ring = new Ring(columns, all.length);
   let drive: string | null = null;
   let lost = 0;
   for (let number = 1; number < all.length; number += 1) {

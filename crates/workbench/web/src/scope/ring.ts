@@ -49,7 +49,8 @@ export class Ring {
   ) {
     // entries of the highest level begin at the same place in each round
     const highest = LEVELS[LEVELS.length - 1] ?? 1;
-    this.capacity = Math.max(1, Math.ceil(Math.min(rows, MOST_ROWS) / highest)) * highest;
+    // the oldest one is being written anew
+    this.capacity = (Math.max(1, Math.ceil(Math.min(rows, MOST_ROWS) / highest)) + 1) * highest;
     this.times = new Float64Array(this.capacity);
     this.cells = columns.map((column) => values(column.type, this.capacity));
     this.levels = columns.map((column) =>
@@ -59,7 +60,6 @@ export class Ring {
 
   /** The number of the oldest row that is kept. */
   get first(): number {
-    // the oldest entry of each level is being written anew
     return Math.max(0, this.next - this.capacity + (LEVELS[LEVELS.length - 1] ?? 0));
   }
 
@@ -136,6 +136,21 @@ export class Ring {
     return isNothing(column.type, raw) ? Number.NaN : raw * column.scale;
   }
 
+  /** Calls `see` with the numbers of a column from `from` to before `to`, in its unit and without those that are missing. */
+  each(place: number, from: number, to: number, see: (value: number) => void): void {
+    const column = this.columns[place];
+    const cells = this.cells[place];
+    if (column === undefined || cells === undefined) return;
+    const end = Math.min(to, this.next);
+    let at = Math.max(from, this.first) % this.capacity;
+    for (let row = Math.max(from, this.first); row < end; row += 1) {
+      const raw = cells[at] ?? 0;
+      if (!isNothing(column.type, raw)) see(raw * column.scale);
+      at += 1;
+      if (at === this.capacity) at = 0;
+    }
+  }
+
   /** Returns the first row at or behind a time. */
   rowAt(time: number): number {
     let [low, high] = [this.first, this.next];
@@ -197,7 +212,7 @@ export class Ring {
   slice(from: number, to: number): Ring {
     const begin = Math.max(from, this.first);
     const end = Math.min(to, this.next);
-    const copy = new Ring(this.columns, Math.max(1, end - begin) + (LEVELS[LEVELS.length - 1] ?? 0));
+    const copy = new Ring(this.columns, end - begin);
     for (let row = begin; row < end; row += 1) {
       const gap = this.gaps.find((one) => one.row === row);
       const columns = this.cells.map((cells) => [cells[row % this.capacity] ?? 0]);

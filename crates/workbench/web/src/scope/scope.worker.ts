@@ -22,6 +22,8 @@ const MANY = 50_000;
 const acquisition = new Acquisition();
 let source: Source | null = null;
 let drive = "";
+/** The drive in the file that is shown. */
+let named: string | null = null;
 let connected = false;
 let visible = true;
 /** Messages of the page so far. */
@@ -176,6 +178,7 @@ function close(): void {
   source?.close();
   source = null;
   connected = false;
+  named = null;
   reason = null;
   clearInterval(generator);
 }
@@ -237,7 +240,7 @@ function save(between: boolean, name: string): void {
   const to = marks === null ? ring.next : ring.rowAt(Math.max(...marks) + 1);
   const clock = acquisition.header !== null && acquisition.header.unix_ms > 0 ? acquisition.header : null;
   const period = acquisition.header?.period_us ?? 0;
-  post({ type: "saved", text: write({ drive: name, ring }, from, to, period || 1000, clock) });
+  post({ type: "saved", text: write({ drive: named ?? name, ring }, from, to, period || 1000, clock) });
 }
 
 function load(text: string, name: string): void {
@@ -246,6 +249,7 @@ function load(text: string, name: string): void {
     close();
     drive = name;
     acquisition.open(header("file", [...sheet.ring.columns], 0), sheet.ring);
+    named = sheet.drive;
     changed = true;
   } catch (error) {
     post({ type: "failed", text: error instanceof Error ? error.message : String(error) });

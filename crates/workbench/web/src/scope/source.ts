@@ -37,6 +37,7 @@ export class Source {
   close(): void {
     this.closed = true;
     clearTimeout(this.timer);
+    if (this.socket !== null) this.socket.onmessage = null;
     this.socket?.close();
   }
 

@@ -17,10 +17,7 @@ export function statistics(ring: Ring, place: number, from: number, to: number):
   let [rows, sum, squares] = [0, 0, 0];
   let [low, high] = [Number.POSITIVE_INFINITY, Number.NEGATIVE_INFINITY];
   let [first, last] = [Number.NaN, Number.NaN];
-  const end = Math.min(to, ring.next);
-  for (let row = Math.max(from, ring.first); row < end; row += 1) {
-    const value = ring.value(place, row);
-    if (Number.isNaN(value)) continue;
+  ring.each(place, from, to, (value) => {
     if (rows === 0) first = value;
     last = value;
     rows += 1;
@@ -28,7 +25,7 @@ export function statistics(ring: Ring, place: number, from: number, to: number):
     squares += value * value;
     if (value < low) low = value;
     if (value > high) high = value;
-  }
+  });
   if (rows === 0) return null;
   return { rows, first, last, low, high, mean: sum / rows, rms: Math.sqrt(squares / rows) };
 }

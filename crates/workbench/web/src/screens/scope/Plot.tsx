@@ -14,6 +14,8 @@ export function penOf(place: number): { colour: string; dash: number[] } {
 }
 
 const AXIS = 72;
+/** Height of the unit of an axis. */
+const UNIT = 16;
 const LANE = 26;
 const HEIGHT = 300;
 
@@ -46,6 +48,8 @@ function marks(plot: uPlot, frame: Frame, words: boolean): void {
   ctx.rect(bbox.left, bbox.top, bbox.width, bbox.height);
   ctx.clip();
   ctx.font = `${12 * ratio}px system-ui, sans-serif`;
+  ctx.textAlign = "left";
+  ctx.textBaseline = "alphabetic";
   for (const gap of frame.gaps) {
     const [from, to] = [x(gap.from), x(gap.to)];
     ctx.fillStyle = style("--soft");
@@ -69,10 +73,12 @@ function marks(plot: uPlot, frame: Frame, words: boolean): void {
     ctx.stroke();
     ctx.setLineDash([]);
     if (words && flag !== "") {
+      // a flag at the right end stands at the left of its line
+      const flagAt = Math.min(at, bbox.left + bbox.width - 16 * ratio);
       ctx.fillStyle = colour;
-      ctx.fillRect(at, bbox.top, 16 * ratio, 16 * ratio);
+      ctx.fillRect(flagAt, bbox.top, 16 * ratio, 16 * ratio);
       ctx.fillStyle = style("--surface");
-      ctx.fillText(flag, at + 4 * ratio, bbox.top + 12 * ratio);
+      ctx.fillText(flag, flagAt + 4 * ratio, bbox.top + 12 * ratio);
     }
   };
   if (frame.triggered) line(frame.zero, style("--muted"), [2, 3], "");
@@ -90,7 +96,7 @@ function build(Uplot: typeof uPlot, host: HTMLElement, width: number, key: strin
   const units = [...new Set(analog.map(({ column }) => column.unit))];
   const [text, grid] = [style("--muted"), style("--soft")];
   const font = "12px system-ui, sans-serif";
-  const right = Math.max(0, units.length - 1) * AXIS;
+  const right = Math.max(0, units.length - 1) * (AXIS + UNIT);
   const axis = { stroke: text, font, grid: { stroke: grid, width: 1 }, ticks: { stroke: grid, width: 1 } };
   const pen = (signal: scope.Found) => penOf(signals.indexOf(signal));
   const frame = () => scope.frame.value;
@@ -143,7 +149,7 @@ function build(Uplot: typeof uPlot, host: HTMLElement, width: number, key: strin
           size: AXIS,
           label: unit,
           labelFont: font,
-          labelSize: 16,
+          labelSize: UNIT,
           grid: { ...axis.grid, show: place === 0 },
         })),
       ],
@@ -180,7 +186,8 @@ function build(Uplot: typeof uPlot, host: HTMLElement, width: number, key: strin
           {
             ...axis,
             scale: "lanes",
-            size: AXIS,
+            // as wide as the first axis above
+            size: units.length === 0 ? AXIS : AXIS + UNIT,
             splits: () => bits.map((_, place) => bits.length - place - 0.6),
             values: () => names,
             grid: { show: false },
@@ -324,7 +331,7 @@ export function Plot({ label }: { label: string }) {
     let gone = false;
     let theme = 0;
     const sized = new ResizeObserver(() => {
-      scope.show(Math.max(100, element.clientWidth - AXIS));
+      scope.show(Math.max(100, element.clientWidth - AXIS - UNIT));
       again();
     });
     const again = () => {

@@ -342,7 +342,7 @@ function Measures() {
           {signals.length === 0 && (
             <tr>
               <td class="empty" colSpan={9}>
-                {t("scope.empty")}
+                {t(scope.layout.value.signals.length === 0 ? "scope.empty" : "scope.loading")}
               </td>
             </tr>
           )}
@@ -551,6 +551,7 @@ function Tools({ name }: { name: string }) {
         <span>{t("scope.file")}</span>
         <input
           type="file"
+          class="unseen"
           accept=".csv,text/csv"
           onChange={(event) => {
             const file = event.currentTarget.files?.[0];
