@@ -82,8 +82,8 @@ test("each frame of an axis under control is a row, and cursors measure what the
     await page.keyboard.press("r");
     await expect(page.getByText("Stopped", { exact: true })).toBeVisible();
     await page.keyboard.press("c");
-    await page.getByRole("slider", { name: "Cursor A" }).fill("0.5");
-    await page.getByRole("slider", { name: "Cursor B" }).fill("1");
+    await page.getByRole("slider", { name: "Cursor A" }).fill("0.05");
+    await page.getByRole("slider", { name: "Cursor B" }).fill("0.3");
     await expect(page.getByText(/B - A \d/)).toBeVisible();
     const lines = await saved(page, "Save CSV between cursors");
     const at = (lines[0] ?? "").split(",").findIndex((title) => title.startsWith("NIST_A"));

@@ -17,6 +17,8 @@ const AXIS = 72;
 /** Height of the unit of an axis. */
 const UNIT = 16;
 const LANE = 26;
+/** Room for half of the last number of the time. */
+const RIGHT = 16;
 const HEIGHT = 300;
 
 function style(name: string): string {
@@ -136,7 +138,7 @@ function build(Uplot: typeof uPlot, host: HTMLElement, width: number, key: strin
     {
       width,
       height: HEIGHT,
-      padding: [8, 8, 0, 0],
+      padding: [8, RIGHT, 0, 0],
       legend: { show: false },
       cursor,
       scales: { x: { time: false }, ...Object.fromEntries(units.map((unit) => [`y ${unit}`, {}])) },
@@ -177,7 +179,7 @@ function build(Uplot: typeof uPlot, host: HTMLElement, width: number, key: strin
       {
         width,
         height: bits.length * LANE + 8,
-        padding: [4, 8 + right, 4, 0],
+        padding: [4, RIGHT + right, 4, 0],
         legend: { show: false },
         cursor: { show: false },
         scales: { x: { time: false }, lanes: { range: [0, bits.length] } },

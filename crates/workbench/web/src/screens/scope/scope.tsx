@@ -126,6 +126,12 @@ function SignalCheck({ id, column, bit, name }: { id: string; column: Column; bi
   );
 }
 
+/** The name of a column, and the parameter that it is read from. */
+function titleOf({ name, from }: Column): string {
+  if (from === null) return name;
+  return from.startsWith(name) ? from : `${name}, ${from}`;
+}
+
 function Signals({ header }: { header: Header | null }) {
   const wanted = useSignal("");
   const { parameters } = scope.layout.value;
@@ -144,13 +150,7 @@ function Signals({ header }: { header: Header | null }) {
     <section aria-label={t("scope.signals")}>
       <h2>{t("scope.signals")}</h2>
       {numbers.map((column) => (
-        <SignalCheck
-          key={column.name}
-          id={scope.keyOf(column)}
-          column={column}
-          bit={null}
-          name={column.from === null ? column.name : `${column.name} (${column.from})`}
-        />
+        <SignalCheck key={column.name} id={scope.keyOf(column)} column={column} bit={null} name={titleOf(column)} />
       ))}
       {words.map((column) => (
         <details key={column.name}>
