@@ -306,7 +306,7 @@ async fn read(shared: &Shared, topic: &Topic, id: &str, parameters: &[String]) -
             Err(problem) => refused.push((name.clone(), problem.to_string())),
         }
     }
-    let selections = wanted.iter().map(|(_, selection)| selection.clone()).collect();
+    let selections = wanted.iter().map(|(_, selection)| *selection).collect();
     let monitor = Monitor::new(READING).map_err(|error| error.to_string())?;
     let mut monitor = monitor.with(selections);
     let mut plan: Option<Vec<(ColumnFacts, Origin)>> = None;
