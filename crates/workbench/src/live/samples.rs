@@ -172,8 +172,8 @@ pub(super) async fn cyclic(shared: Arc<Shared>) {
                 _ => None,
             })
             .collect();
+        shared.hub.streams.keep(|topic| shared.hub.is_wanted(topic));
         if wanted.is_empty() {
-            shared.hub.streams.keep(|topic| shared.hub.is_wanted(topic));
             // fails only when the hub is gone
             if wants.changed().await.is_err() {
                 return;

@@ -132,8 +132,8 @@ for (const theme of ["light", "dark"] as const) {
           await page.goto(path + lang);
           await expect(page.locator("main h1")).toBeVisible();
           await expect(page.getByText("Reading the drive ..")).toHaveCount(0);
-          await expect(page.getByText(/(Connecting|Waiting for the first values) \.\./)).toHaveCount(0);
           await expect(page.getByRole("option").filter({ hasText: "axis-1" }).first()).toBeAttached();
+          await expect(page.getByText(/(Connecting|Waiting for the first values) \.\./)).toHaveCount(0);
           await page.screenshot({ path: join(pictures, `${name}-${theme}${lang ? "-long" : ""}-${width}.png`) });
           // by the protocol of the browser, which the policy of the page does not bind
           await page.evaluate(axe);

@@ -9,7 +9,7 @@ import { percentile } from "./wire";
 const CLIENTS = 16;
 /** Octets that each of them reads in a second. */
 const RATE = 1000;
-const SECONDS = Number(process.env.SECONDS ?? 60);
+const SECONDS = Number(process.env.SECONDS ?? 300);
 /** What the server may need more, in MiB. */
 const MEMORY = 128;
 /** By how much the round trip of beats may grow, in ms. */
