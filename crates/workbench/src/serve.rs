@@ -29,7 +29,7 @@ use crate::audit::Audit;
 use crate::board::Board;
 use crate::control::Control;
 use crate::jobs::Jobs;
-use crate::live::{Hub, produce};
+use crate::live::{Feeds, Hub, produce};
 use crate::settings::{Settings, Source};
 use crate::shared::Shared;
 
@@ -175,6 +175,7 @@ impl Server {
             network: network.clone(),
             board: Arc::new(Board::new(opening, addresses, now)),
             hub: Hub::new(now),
+            feeds: Feeds::default(),
             sockets: Arc::new(Semaphore::new(SOCKETS)),
             control_sockets: Arc::new(Semaphore::new(SOCKETS)),
             sessions: Mutex::new(Sessions::default()),

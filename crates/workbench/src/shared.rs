@@ -13,7 +13,7 @@ use crate::audit::Audit;
 use crate::board::Board;
 use crate::control::Control;
 use crate::jobs::Jobs;
-use crate::live::Hub;
+use crate::live::{Feeds, Hub};
 use crate::problem::Problem;
 use crate::settings::Source;
 
@@ -43,6 +43,8 @@ pub(crate) struct Shared {
     pub network: Network,
     pub board: Arc<Board>,
     pub hub: Hub,
+    /// The samples of axes under control.
+    pub feeds: Feeds,
     pub audit: Arc<Audit>,
     /// The folder with the settings of drives; `None` where there is none.
     pub backups: Option<PathBuf>,
