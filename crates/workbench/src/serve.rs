@@ -14,6 +14,7 @@ use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::service::TowerToHyperService;
 use profidrive::client::{Advice, ErrorKind};
 use profidrive::plant::PlantError;
+use profidrive::traffic::Traffic;
 use profidrive::{Explained, Network, OpenError, Stop};
 use tokio::net::TcpListener;
 use tokio::sync::Semaphore;
@@ -22,11 +23,13 @@ use tower_http::limit::RequestBodyLimitLayer;
 use tower_http::timeout::TimeoutLayer;
 
 use crate::access::{Attempts, Once, Places, Sessions, Tokens, guard, secure};
-use crate::api::{nothing, router};
+use crate::api::{large_router, nothing, router};
 use crate::assets;
 use crate::audit::Audit;
 use crate::board::Board;
+use crate::captures::Captures;
 use crate::control::Control;
+use crate::frames::{Frames, follow};
 use crate::jobs::Jobs;
 use crate::live::{Hub, produce};
 use crate::settings::{Settings, Source};
@@ -44,6 +47,8 @@ const BODY: usize = 256 << 10;
 const HEAD_TIME: Duration = Duration::from_secs(10);
 /// Time for a request and its answer.
 const REQUEST_TIME: Duration = Duration::from_secs(20);
+/// Time for a large file.
+const UPLOAD_TIME: Duration = Duration::from_secs(300);
 /// Pause after a connection that could not be taken, as when the process has no file handle left.
 const RETRY: Duration = Duration::from_millis(100);
 /// Time between two looks at the wish to end.
@@ -131,7 +136,8 @@ impl Server {
         listener.set_nonblocking(true)?;
         let address = listener.local_addr()?;
         let opening = source.opening()?;
-        let network = opening.clone().open()?;
+        let traffic = Traffic::new();
+        let network = opening.clone().kept_in(&traffic).open()?;
         let addresses = match &source {
             Source::Addresses(addresses) => addresses.clone(),
             _ => Vec::new(),
@@ -149,12 +155,15 @@ impl Server {
             name,
             backups: log.as_ref().map(|log| log.join("backups")),
             jobs: Jobs::default(),
+            captures: Captures::new(log.as_deref()),
+            happened: Mutex::default(),
             audit: Arc::new(Audit::new(log, boot.clone())),
             boot,
             control: Control::new(),
             network: network.clone(),
             board: Arc::new(Board::new(opening, addresses, now)),
             hub: Hub::new(now),
+            frames: Frames::new(traffic),
             sockets: Arc::new(Semaphore::new(SOCKETS)),
             control_sockets: Arc::new(Semaphore::new(SOCKETS)),
             sessions: Mutex::new(Sessions::default()),
@@ -228,6 +237,7 @@ impl Server {
             tokio::spawn(Arc::clone(&shared.board).survey(network.clone()));
             tokio::spawn(Arc::clone(&shared.board).read(network.clone()));
             tokio::spawn(produce(Arc::clone(&shared)));
+            tokio::spawn(follow(Arc::clone(&shared)));
             tokio::select! {
                 () = accept(listener, shared) => {}
                 () = raised(stop) => {}
@@ -248,14 +258,13 @@ async fn raised(stop: &Stop) {
 }
 
 fn app(shared: Arc<Shared>) -> Router {
+    let in_time = |time| TimeoutLayer::with_status_code(StatusCode::REQUEST_TIMEOUT, time);
     router()
         .route("/api/{*path}", any(nothing))
         .fallback(assets::serve)
         .layer(RequestBodyLimitLayer::new(BODY))
-        .layer(TimeoutLayer::with_status_code(
-            StatusCode::REQUEST_TIMEOUT,
-            REQUEST_TIME,
-        ))
+        .layer(in_time(REQUEST_TIME))
+        .merge(large_router().layer(in_time(UPLOAD_TIME)))
         .layer(from_fn_with_state(Arc::clone(&shared), guard))
         .layer(from_fn(secure))
         .with_state(shared)

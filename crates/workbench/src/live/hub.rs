@@ -20,6 +20,12 @@ pub(crate) enum Topic {
     Plant,
     /// `drive/ID/faults`: the faults of a drive.
     Faults(String),
+    /// `drive/ID/machine`: where a drive is in the state machine.
+    Machine(String),
+    /// `drive/ID/telegram`: its cyclic frames.
+    Telegram(String),
+    /// `log`: how many records there are.
+    Log,
 }
 
 impl Topic {
@@ -28,9 +34,16 @@ impl Topic {
         match name {
             "network" => Some(Self::Network),
             "plant" => Some(Self::Plant),
+            "log" => Some(Self::Log),
             _ => {
-                let id = name.strip_prefix("drive/")?.strip_suffix("/faults")?;
-                (id.len() <= 64).then(|| Self::Faults(id.to_owned()))
+                let (id, of) = name.strip_prefix("drive/")?.split_once('/')?;
+                let id = (id.len() <= 64).then(|| id.to_owned())?;
+                match of {
+                    "faults" => Some(Self::Faults(id)),
+                    "machine" => Some(Self::Machine(id)),
+                    "telegram" => Some(Self::Telegram(id)),
+                    _ => None,
+                }
             }
         }
     }
@@ -39,7 +52,10 @@ impl Topic {
         match self {
             Self::Network => "network".to_owned(),
             Self::Plant => "plant".to_owned(),
+            Self::Log => "log".to_owned(),
             Self::Faults(id) => format!("drive/{id}/faults"),
+            Self::Machine(id) => format!("drive/{id}/machine"),
+            Self::Telegram(id) => format!("drive/{id}/telegram"),
         }
     }
 }
@@ -324,7 +340,14 @@ mod tests {
             assert_eq!(Topic::named(name), None, "{name}");
         }
         assert_eq!(Topic::named(&format!("drive/{}/faults", "x".repeat(65))), None);
-        for name in ["network", "plant", "drive/ip-10.0.0.1/faults"] {
+        for name in [
+            "network",
+            "plant",
+            "log",
+            "drive/ip-10.0.0.1/faults",
+            "drive/02:00:00:00:00:01/machine",
+            "drive/02:00:00:00:00:01/telegram",
+        ] {
             assert_eq!(Topic::named(name).unwrap().name(), name);
         }
     }

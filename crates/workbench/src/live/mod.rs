@@ -8,5 +8,5 @@ mod hub;
 mod producer;
 
 pub(crate) use client::{__path_live, live};
-pub(crate) use hub::{Event, Hub};
+pub(crate) use hub::{Event, Hub, Topic};
 pub(crate) use producer::{FaultsTopic, produce};

@@ -2,6 +2,7 @@ import { render } from "preact";
 import { App } from "./app/App";
 import { enter } from "./store/live";
 import "./style/base.css";
+import "./style/pages.css";
 
 const root = document.getElementById("app");
 if (root) {

@@ -44,6 +44,10 @@ export function useKeys(): void {
         p: address(id, "parameters"),
         f: address(id, "faults"),
         d: address(id, "compare"),
+        s: address(id, "machine"),
+        t: address(id, "telegram"),
+        e: "/capture",
+        l: "/log",
         v: "/virtual",
       }[event.key];
       if (screen !== undefined && (event.key !== "v" || server.value?.simulation)) {
