@@ -27,6 +27,11 @@ async function screens(page: Page): Promise<[string, string][]> {
     ["parameters-none", "/drives/none/parameters"],
     ["compare", `/drives/${named("axis-1")}/compare`],
     ["virtual", "/virtual"],
+    ["machine", `/drives/${named("press-1")}/machine`],
+    ["machine-none", "/drives/none/machine"],
+    ["telegram", `/drives/${named("press-1")}/telegram`],
+    ["capture", "/capture"],
+    ["log", "/log"],
   ];
 }
 
@@ -132,6 +137,7 @@ for (const theme of ["light", "dark"] as const) {
           await page.goto(path + lang);
           await expect(page.locator("main h1")).toBeVisible();
           await expect(page.getByText("Reading the drive ..")).toHaveCount(0);
+          await expect(page.getByText(/Waiting for cyclic frames|Reading the words of the drive/)).toHaveCount(0);
           await expect(page.getByRole("option").filter({ hasText: "axis-1" }).first()).toBeAttached();
           await expect(page.getByText(/(Connecting|Waiting for the first values) \.\./)).toHaveCount(0);
           await page.screenshot({ path: join(pictures, `${name}-${theme}${lang ? "-long" : ""}-${width}.png`) });
