@@ -30,7 +30,9 @@ mod trace;
 mod world;
 mod written;
 
-pub use campaign::{Bounds, Campaign, CampaignError, CampaignRun, Distribution, DistributionError};
+pub use campaign::{
+    Bounds, Campaign, CampaignError, CampaignRun, Distribution, DistributionError, ValueForm, number_of,
+};
 pub use event::{LinkFault, PlantEvent, PlantEventError, Unit, keys};
 pub use expect::{
     Expectation, ExpectationResult, Goal, Live, Monitor, Nearest, Observed, Outcome,
