@@ -5,6 +5,7 @@ Importing this package opens nothing, starts no thread, and loads the binding on
 
 from __future__ import annotations
 
+import logging
 from importlib import import_module
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -13,32 +14,43 @@ from profidrive.errors import ErrorKind, ProfidriveError
 from profidrive.types import State
 
 if TYPE_CHECKING:
-    from profidrive import events, gsdml, reports
+    from profidrive import events, frames, gsdml, reports
     from profidrive.axis import Axis, Control
     from profidrive.backup import Backup
     from profidrive.campaign import SweepResult, choice, log_uniform, normal, sweep, uniform
+    from profidrive.capture import Decoded, Pdu, decode
     from profidrive.network import Drive, Drives, Network, open
-    from profidrive.plant import Plant, PlantDrive, VirtualDrive, World
+    from profidrive.plant import Plant, PlantDrive, Served, VirtualDrive, World
     from profidrive.recording import Recording
     from profidrive.table import Table
     from profidrive.trace import Trace
+    from profidrive.words import Stw1, Zsw1
+
+# what a program does not want to see is not printed
+logging.getLogger(__name__).addHandler(logging.NullHandler())
 
 _LAZY = {
     "Axis": "axis",
     "Backup": "backup",
     "Control": "axis",
+    "Decoded": "capture",
     "Drive": "network",
     "Drives": "network",
     "Network": "network",
+    "Pdu": "capture",
     "Plant": "plant",
     "PlantDrive": "plant",
     "Recording": "recording",
+    "Served": "plant",
+    "Stw1": "words",
     "SweepResult": "campaign",
     "Table": "table",
     "Trace": "trace",
     "VirtualDrive": "plant",
     "World": "plant",
+    "Zsw1": "words",
     "choice": "campaign",
+    "decode": "capture",
     "log_uniform": "campaign",
     "normal": "campaign",
     "open": "network",
@@ -47,7 +59,7 @@ _LAZY = {
 }
 
 
-_MODULES = ("events", "gsdml", "reports")
+_MODULES = ("events", "frames", "gsdml", "reports")
 
 
 def __getattr__(name: str) -> object:
@@ -86,24 +98,31 @@ __all__ = [
     "Backup",
     "BuildInfo",
     "Control",
+    "Decoded",
     "Drive",
     "Drives",
     "ErrorKind",
     "Network",
+    "Pdu",
     "Plant",
     "PlantDrive",
     "ProfidriveError",
     "Recording",
+    "Served",
     "State",
+    "Stw1",
     "SweepResult",
     "Table",
     "Trace",
     "VirtualDrive",
     "World",
+    "Zsw1",
     "build_info",
     "choice",
+    "decode",
     "errors",
     "events",
+    "frames",
     "gsdml",
     "log_uniform",
     "normal",

@@ -12,6 +12,7 @@ from profidrive._values import optional_span, span, value_text
 from profidrive.errors import MisuseError, ProfidriveError
 from profidrive.reports import AxisState, MotionReport
 from profidrive.types import Duration, State, Value
+from profidrive.words import Zsw1
 
 
 class CycleStats(NamedTuple):
@@ -101,16 +102,22 @@ class Axis:
         """Sets the home position by the homing procedure of the drive."""
         return _motion(self._axis.home(span(timeout)))
 
-    def task(self, number: int, *, timeout: Duration = 60.0) -> MotionReport:
-        """Carries out a motion task of the drive, or the chain that begins with it."""
-        return _motion(self._axis.task(number, span(timeout)))
+    def task(self, number: int, *, wait: bool = True, timeout: Duration = 60.0) -> MotionReport:
+        """Carries out a motion task of the drive, or the chain that begins with it.
 
-    def stop(self, *, quick: bool = False) -> MotionReport:
+        Without `wait` it returns once the drive has accepted it.
+        """
+        return _motion(self._axis.task(number, wait, span(timeout)))
+
+    def stop(self, *, quick: bool = False, timeout: Duration | None = None) -> MotionReport:
         """Stops along the ramp (OFF1) or by quick stop (OFF3), ends operation and keeps control. Returns at standstill.
 
         Any thread may call it while another one waits for a motion, which raises `InterruptedCall` then.
+
+        Raises:
+            NotReached: when it is not at rest after `timeout`; it goes on stopping.
         """
-        return _motion(self._axis.stop(quick))
+        return _motion(self._axis.stop(quick, optional_span(timeout)))
 
     def ack(self) -> None:
         """Acknowledges faults by an edge of STW1 bit 7."""
@@ -133,6 +140,12 @@ class Axis:
         """State of the general state machine."""
         state = self.status.state
         return None if state is None else State[state.value]
+
+    @property
+    def zsw1(self) -> Zsw1 | None:
+        """Status word of the last frame, in the bits of the profile that the drive is set to; None before the first one."""
+        word = self.status.zsw1
+        return None if word is None else Zsw1(word.number)
 
     @property
     def speed(self) -> float | None:

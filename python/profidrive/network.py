@@ -42,7 +42,7 @@ _AT_EXIT = 10.0
 """Seconds that a program which ends waits for its axes."""
 
 
-def open(interface: str | None = None, *, ip: bool = False, read_only: bool = False) -> Network:
+def open(interface: str | None = None, *, ip: bool = False, read_only: bool = False, timeout: Duration | None = None) -> Network:
     """Opens a network.
 
     Args:
@@ -51,13 +51,14 @@ def open(interface: str | None = None, *, ip: bool = False, read_only: bool = Fa
         ip: open UDP alone: drives are given by their IP addresses, can be read, written and stopped, and need no permission.
             Where no interface is named and raw sockets are not permitted, it is that anyway.
         read_only: refuse every call that changes something; a stop is always permitted.
+        timeout: time for a drive to answer the first request of a call; when None the usual 10 s.
 
     Raises:
         PermissionMissing: when raw sockets are required and not permitted (CAP_NET_RAW).
         UnreachableError: when the interface is not there or is down.
     """
     named = interface or os.environ.get("PROFIDRIVE_INTERFACE") or None
-    opened = Network(_profidrive.open(named, ip, read_only))
+    opened = Network(_profidrive.open(named, ip, read_only, optional_span(timeout)))
     atexit.unregister(_leave_all)
     atexit.register(_leave_all)
     return opened
@@ -131,13 +132,13 @@ def _recorded(
     network: _profidrive.Network,
     names: list[str],
     signals: str | Sequence[str],
-    time: Duration,
+    time: Duration | None,
     every: Duration | Literal["cycle"],
     most: int,
 ) -> Recording:
     wanted = [signals] if isinstance(signals, str) else list(signals)
     interval = None if every == "cycle" else span(every)
-    return Recording(network.record(names, wanted, interval, span(time), most))
+    return Recording(network.record(names, wanted, interval, optional_span(time), most))
 
 
 def _backup_of(source: Backup | Path) -> tuple[Backup, str]:
@@ -344,13 +345,18 @@ class Drive:
         return self._do(restore(settings, name, only, save, False, way_back))
 
     def record(
-        self, signals: str | Sequence[str], *, for_: Duration, every: Duration | Literal["cycle"] = 0.1, max_rows: int = 10_000_000
+        self,
+        signals: str | Sequence[str],
+        *,
+        every: Duration | Literal["cycle"] = 0.1,
+        for_: Duration | None = None,
+        max_rows: int = 10_000_000,
     ) -> Recording:
-        """Records signals for a time, and returns them as a table.
+        """Records signals for a time, and returns them as a table; without a time beside other calls, in a `with` block.
 
         Args:
             signals: parameters that are read at an interval; with every cycle signals of the telegram, such as `ZSW1`, or `all`.
-            for_: how long.
+            for_: how long. Where it is None the recording is returned at once and grows until `stop`.
             every: the interval, or `"cycle"`: each cycle of a connection that commands nothing. The drive must have no controller,
                 and its power stage must be off.
             max_rows: the recording ends where it has so many.
@@ -489,13 +495,19 @@ class Drives(Sequence[Drive]):
         return self._do("diff", diff(settings, name))
 
     def record(
-        self, signals: str | Sequence[str], *, for_: Duration, every: Duration | Literal["cycle"] = 0.1, max_rows: int = 10_000_000
+        self,
+        signals: str | Sequence[str],
+        *,
+        every: Duration | Literal["cycle"] = 0.1,
+        for_: Duration | None = None,
+        max_rows: int = 10_000_000,
     ) -> Recording:
-        """Records signals of all drives for a time, and returns them as one table.
+        """Records signals of all drives for a time, and returns them as one table; without a time beside other calls, in a `with`
+        block.
 
         Args:
             signals: parameters that are read at an interval; with every cycle signals of the telegram, such as `ZSW1`, or `all`.
-            for_: how long.
+            for_: how long. Where it is None the recording is returned at once and grows until `stop`.
             every: the interval, or `"cycle"`: each cycle of a connection that commands nothing. The drives must have no controller,
                 and their power stages must be off.
             max_rows: the recording ends where it has so many.

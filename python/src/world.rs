@@ -13,6 +13,7 @@ use serde_json::json;
 
 use crate::attention::LOOK;
 use crate::errors::{Failure, explained, of_world};
+use crate::log;
 use crate::network::{Joined, Network, locked};
 use crate::table::unwritten;
 use crate::time::{Span, seconds};
@@ -64,7 +65,7 @@ impl Held {
         Ok(self.running.with_world(|world| {
             while begin.elapsed() < LOOK {
                 let until = (world.now() + STRIDE).min(end);
-                world.run_until(until, &mut drop);
+                world.run_until(until, &mut log::of_plant);
                 if world.now() >= end {
                     return true;
                 }
@@ -87,6 +88,7 @@ impl World {
         let running = Running::start(plan).map_err(|error| explained(&error))?;
         running.with_world(|world| {
             world.keep_trace(Kept::USUAL_LIMIT);
+            world.observe(log::of_plant);
             if let Some(tap) = tap {
                 world.add_tap(Box::new(tap));
             }
@@ -174,7 +176,7 @@ impl World {
             self.held.goes_on();
             self.held
                 .running
-                .with_world(|world| world.run_until_met(&goal, timeout, &mut drop))
+                .with_world(|world| world.run_until_met(&goal, timeout, &mut log::of_plant))
         });
         let met = met.map_err(|error| lost(&error, &error.0))?;
         Ok(event(&met)?)

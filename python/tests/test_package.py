@@ -44,6 +44,7 @@ def test_the_build_is_described() -> None:
 def test_the_examples_of_the_pages_run(page: str, pytester: pytest.Pytester) -> None:
     programs = re.findall(r"^```python\n(.*?)^```", (ROOT / page).read_text(), re.M | re.S)
     pytester.path.joinpath("press.toml").write_text((ROOT / "examples/plants/press.toml").read_text())
+    pytester.path.joinpath("full.pcapng").write_bytes((ROOT / "captures/pnio-profinetpy-full.pcapng").read_bytes())
     for number, program in enumerate(programs):
         if "def test_" in program:
             pytester.makepyfile(**{f"test_page_{number}": program})
