@@ -663,6 +663,21 @@ _CAPTURE_EVENTS: dict[str, Any] = {
 }
 
 
+CaptureEventData: TypeAlias = (
+    CaptureState
+    | CaptureJob
+    | CaptureDcp
+    | CaptureConnect
+    | CaptureRecord
+    | CaptureAlarm
+    | CaptureSample
+    | CaptureCyclic
+    | CaptureNeighbour
+    | CaptureTrouble
+)
+"""What happened, in numbers."""
+
+
 @dataclass(frozen=True, slots=True)
 class CaptureParty:
     """One end of a frame, by its addresses."""
@@ -715,18 +730,7 @@ class CaptureEvent:
     """How much it matters."""
     kind: str
     """What `data` is."""
-    data: (
-        CaptureState
-        | CaptureJob
-        | CaptureDcp
-        | CaptureConnect
-        | CaptureRecord
-        | CaptureAlarm
-        | CaptureSample
-        | CaptureCyclic
-        | CaptureNeighbour
-        | CaptureTrouble
-    )
+    data: CaptureEventData
     """What happened, in numbers."""
 
     @classmethod

@@ -236,8 +236,13 @@ impl Writer<'_> {
         writeln!(self.text, "}}\n")?;
         let mut classes: Vec<_> = kinds.iter().map(|(_, class, _)| class.as_str()).collect();
         classes.dedup();
+        writeln!(
+            self.text,
+            "\n{name}Data: TypeAlias = (\n    {}\n)\n\"\"\"What happened, in numbers.\"\"\"\n",
+            classes.join("\n    | ")
+        )?;
         let data = Type {
-            name: classes.join(" | "),
+            name: format!("{name}Data"),
             made: Box::new(move |value| format!("{functions}[data[\"kind\"]]({value})")),
         };
         let parts = [(definition, fields(definition))];
@@ -274,6 +279,7 @@ impl Writer<'_> {
     ) -> Outcome<()> {
         // a part of it may be of the same class
         self.written.insert(name.to_owned(), format!("{name}._of"));
+        let doc = doc.replace("\n\n", "\n\n    ");
         let mut rows = Vec::new();
         for (schema, fields) in parts {
             for field in fields {
