@@ -14,14 +14,12 @@ from profidrive.errors import ErrorKind, ProfidriveError
 from profidrive.types import State
 
 if TYPE_CHECKING:
-    from profidrive import events, frames, gsdml, reports
-    from profidrive.axis import Axis, Control
+    from profidrive import aio, events, frames, gsdml, reports
+    from profidrive._sync import Axis, Control, Drive, Drives, Network, Recording, open
     from profidrive.backup import Backup
     from profidrive.campaign import SweepResult, choice, log_uniform, normal, sweep, uniform
     from profidrive.capture import Decoded, Pdu, decode
-    from profidrive.network import Drive, Drives, Network, open
     from profidrive.plant import Plant, PlantDrive, Served, VirtualDrive, World
-    from profidrive.recording import Recording
     from profidrive.table import Table
     from profidrive.trace import Trace
     from profidrive.words import Stw1, Zsw1
@@ -30,17 +28,17 @@ if TYPE_CHECKING:
 logging.getLogger(__name__).addHandler(logging.NullHandler())
 
 _LAZY = {
-    "Axis": "axis",
+    "Axis": "_sync",
     "Backup": "backup",
-    "Control": "axis",
+    "Control": "_sync",
     "Decoded": "capture",
-    "Drive": "network",
-    "Drives": "network",
-    "Network": "network",
+    "Drive": "_sync",
+    "Drives": "_sync",
+    "Network": "_sync",
     "Pdu": "capture",
     "Plant": "plant",
     "PlantDrive": "plant",
-    "Recording": "recording",
+    "Recording": "_sync",
     "Served": "plant",
     "Stw1": "words",
     "SweepResult": "campaign",
@@ -53,13 +51,13 @@ _LAZY = {
     "decode": "capture",
     "log_uniform": "campaign",
     "normal": "campaign",
-    "open": "network",
+    "open": "_sync",
     "sweep": "campaign",
     "uniform": "campaign",
 }
 
 
-_MODULES = ("events", "frames", "gsdml", "reports")
+_MODULES = ("aio", "events", "frames", "gsdml", "reports")
 
 
 def __getattr__(name: str) -> object:
@@ -117,6 +115,7 @@ __all__ = [
     "VirtualDrive",
     "World",
     "Zsw1",
+    "aio",
     "build_info",
     "choice",
     "decode",

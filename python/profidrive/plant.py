@@ -9,6 +9,7 @@ from types import TracebackType
 from typing import Any
 
 from profidrive import _profidrive
+from profidrive._sync import Network, network_of
 from profidrive._values import chosen, document, goal_text, optional_span, span, value_text
 from profidrive.errors import MisuseError
 from profidrive.events import (
@@ -18,7 +19,6 @@ from profidrive.events import (
     ParameterReading,
     event_of,
 )
-from profidrive.network import Network
 from profidrive.trace import Trace, judged, read_results
 from profidrive.types import Duration, Path, State, Value
 from profidrive.words import Stw1, Zsw1
@@ -217,7 +217,7 @@ class World:
     @property
     def network(self) -> Network:
         """The network of the plant, for the code of a client: its waiting calls pass virtual time. It joins at its first use."""
-        return Network(self._world.network())
+        return network_of(self)
 
     def run(self, until: Duration | None = None, *, for_: Duration | None = None) -> Trace:
         """Runs until a time since the start, or for a time; until the `duration` of the plant where neither is given.
