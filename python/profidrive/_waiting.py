@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import os
 from _thread import start_new_thread
 from collections.abc import Callable
+from queue import SimpleQueue
 from typing import TYPE_CHECKING, ParamSpec, TypeVar
 
 if TYPE_CHECKING:
@@ -11,6 +13,13 @@ if TYPE_CHECKING:
 
 P = ParamSpec("P")
 T = TypeVar("T")
+
+_KEPT = 64
+"""Threads that are kept for later calls."""
+_IDLE: list[SimpleQueue[Callable[[], None]]] = []
+"""Where those that wait for work get it."""
+# a copy of the process has no threads
+os.register_at_fork(after_in_child=_IDLE.clear)
 
 
 class synchronous:
@@ -98,5 +107,18 @@ def _begun(work: Callable[[], T]) -> asyncio.Future[T]:
             # the loop was closed meanwhile: no one waits any more
             return
 
-    start_new_thread(carry_out, ())
+    try:
+        inbox = _IDLE.pop()
+    except IndexError:
+        inbox = SimpleQueue()
+        start_new_thread(_wait_for_work, (inbox,))
+    inbox.put(carry_out)
     return future
+
+
+def _wait_for_work(inbox: SimpleQueue[Callable[[], None]]) -> None:
+    while True:
+        inbox.get()()
+        if len(_IDLE) >= _KEPT:
+            return
+        _IDLE.append(inbox)
