@@ -4,7 +4,9 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, Weak};
 use std::time::{Duration, Instant as Clock};
 
-use ::plant::{Observed as _, ObservedQuantity, PlantEvent, PlantPlan, Trace as Kept, WorldError};
+use ::plant::{
+    Event, Goal, NotMet, Observed as _, ObservedQuantity, PlantEvent, PlantPlan, Trace as Kept, WorldError,
+};
 use network::files::create;
 use network::pcap::Writer;
 use profidrive::{Instant, Running};
@@ -18,6 +20,9 @@ use crate::network::{Joined, Network, locked};
 use crate::table::unwritten;
 use crate::time::{Span, seconds};
 use crate::trace::{Cell, Trace, event, fill, inline, lost, results};
+
+/// Virtual time that passes at least between two looks at a goal while something has joined.
+const TICK: Duration = Duration::from_micros(250);
 
 /// Virtual time that passes at least between two looks at the signals of Python.
 const STRIDE: Duration = Duration::from_millis(100);
@@ -72,6 +77,23 @@ impl Held {
             }
             false
         }))
+    }
+}
+
+impl Held {
+    /// Runs until a goal is met. What has joined the plant is carried along.
+    fn run_until_met(&self, goal: &Goal, timeout: Duration) -> PyResult<Result<Event, NotMet>> {
+        let running = &self.running;
+        let joined = locked(&self.joined).clone();
+        let Some(joined) = joined.filter(|joined| joined.is_open()) else {
+            let run = |world: &mut ::plant::World| world.run_until_met(goal, timeout, &mut log::of_plant);
+            return Ok(running.with_world(run));
+        };
+        let mut pursuit = running.with_world(|world| world.pursue(goal, timeout));
+        while let Some(time) = running.with_world(|world| world.pursues(&mut pursuit)) {
+            joined.pass(time.max(TICK))?;
+        }
+        Ok(running.with_world(|world| world.end_pursuit(&pursuit, None)))
     }
 }
 
@@ -174,10 +196,8 @@ impl World {
         let timeout = timeout.read()?;
         let met = py.detach(|| {
             self.held.goes_on();
-            self.held
-                .running
-                .with_world(|world| world.run_until_met(&goal, timeout, &mut log::of_plant))
-        });
+            self.held.run_until_met(&goal, timeout)
+        })?;
         let met = met.map_err(|error| lost(&error, &error.0))?;
         Ok(event(&met)?)
     }

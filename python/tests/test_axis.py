@@ -12,6 +12,7 @@ from profidrive import Drive, Plant, State, Stw1, World, Zsw1
 from profidrive.errors import (
     AxisFault,
     ConnectionLost,
+    ExpectationFailed,
     InterruptedCall,
     MisuseError,
     NotReached,
@@ -21,7 +22,7 @@ from profidrive.errors import (
     UnsupportedError,
     UsageError,
 )
-from profidrive.events import ParameterWritten, Released
+from profidrive.events import ParameterWritten, Released, StateChanged
 
 from .conftest import output_when_interrupted
 
@@ -62,6 +63,23 @@ def test_motions_follow_each_other(world: World, akd: Drive) -> None:
     assert_at_rest(world)
     [released] = world.trace.of("akd-1").only(Released)
     assert released.time > 1
+
+
+def test_an_axis_is_kept_while_a_world_runs_until_something(world: World, akd: Drive) -> None:
+    recording = akd.record("p922", every="100ms")
+    with pytest.raises(AxisFault), akd.control(max_speed="1000rpm", lease="30s") as axis:
+        axis.run("300rpm")
+        with pytest.raises(ExpectationFailed):
+            world.run_until("akd-1", speed=0, tolerance="1rpm", timeout="2s")
+        assert world["akd-1"].speed == pytest.approx(300, abs=5)
+        world["akd-1"].inject("fault=439")
+        raised = world.run_until("akd-1", state="S1", timeout="100ms")
+        assert isinstance(raised, StateChanged)
+        assert [fault.number for fault in world["akd-1"].faults] == [439]
+        axis.run("300rpm", for_="1s")
+    recording.stop()
+    assert len(recording) > 20
+    assert recording.gaps() == ()
 
 
 def test_a_stop_that_takes_too_long_goes_on(world: World, akd: Drive) -> None:

@@ -50,5 +50,5 @@ pub use source::{ChangeError, ModelsError, PlantSource};
 pub use text::{derived_mac, time};
 pub use timeline::{Played, Timeline};
 pub use trace::{DriveMessage, Event, EventKind, Sample};
-pub use world::{NotMet, Shaft, World};
+pub use world::{NotMet, Pursuit, Shaft, World};
 pub use written::{ParameterReading, ReadingValue, WrittenBy};

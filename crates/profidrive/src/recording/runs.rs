@@ -328,13 +328,14 @@ mod tests {
             expect = [{ name = "still", at = "100ms", drive = "akd-1", speed = "600rpm", tolerance = "1rpm" }]
             [[drive]]
             name = "akd-1"
+            event = [{ at = "50ms", do = "warning=107" }]
         "#
         .parse()
         .unwrap();
-        let torque = Bounds::new(&"1mNm".parse().unwrap(), &"9mNm".parse().unwrap()).unwrap();
+        let time = Bounds::new(&"10ms".parse().unwrap(), &"90ms".parse().unwrap()).unwrap();
         let inertia = vec![1.into(), 0.5.into()];
         Campaign::new(plant)
-            .vary("drive.akd-1.load.torque", Distribution::Uniform(torque))
+            .vary("drive.akd-1.event.1.at", Distribution::Uniform(time))
             .vary(
                 "drive.akd-1.load.inertia",
                 Distribution::Listed {
@@ -370,10 +371,10 @@ mod tests {
         let whole = Runs::of_parts(&parts, &[3, 0, 2]).unwrap();
         assert_eq!((whole.seeds(), whole.failures()), (vec![7, 0, 2], vec![0, 1, 2]));
         let schema = whole.columns().schema();
-        let torque = schema.field_with_name("drive.akd-1.load.torque").unwrap();
+        let time = schema.field_with_name("drive.akd-1.event.1.at").unwrap();
         assert_eq!(
-            (torque.data_type(), torque.metadata()["unit"].as_str()),
-            (&DataType::Float64, "mNm")
+            (time.data_type(), time.metadata()["unit"].as_str()),
+            (&DataType::Float64, "ms")
         );
         let row = whole.row(0).unwrap();
         assert_eq!(row["seed"], 7);
@@ -382,7 +383,7 @@ mod tests {
         assert_eq!(row["measures"], json!({ "second": 7.0 }));
         // what a change of the plant takes
         let drawn = campaign(1).run(7).unwrap().variables;
-        assert_eq!(row["variables"]["drive.akd-1.load.torque"], json!(drawn[0].1));
+        assert_eq!(row["variables"]["drive.akd-1.event.1.at"], json!(drawn[0].1));
         assert!(whole.row(3).is_none());
     }
 
