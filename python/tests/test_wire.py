@@ -314,7 +314,7 @@ with plant.serve("dev0") as served, profidrive.open("ctl0", timeout="5s") as net
     with drive.record("DRV.ACC", every="50ms") as recording:
         with drive.control(max_speed="600rpm", cycle="128ms") as axis:
             assert axis.run("300rpm", for_="500ms").reached
-    assert len(recording) > 5 and recording.drives[0].missed == 0, recording.drives
+    assert len(recording) > 5 and not recording.grows
     served["akd-1"].inject("fault=439")
     while drive.status().faults == ():
         pass
