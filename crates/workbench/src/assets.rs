@@ -27,6 +27,8 @@ static ASSETS: &[Asset] = assets! {
     "/index.html": HTML,
     "/app.js": SCRIPT,
     "/screens.js": SCRIPT,
+    "/scope-worker.js": SCRIPT,
+    "/uplot.js": SCRIPT,
     "/app.css": "text/css; charset=utf-8",
     "/icon.svg": "image/svg+xml",
     "/licences.txt": "text/plain; charset=utf-8",

@@ -13,7 +13,7 @@ use crate::audit::Audit;
 use crate::board::Board;
 use crate::control::Control;
 use crate::jobs::Jobs;
-use crate::live::Hub;
+use crate::live::{Feeds, Hub};
 use crate::problem::Problem;
 use crate::settings::Source;
 
@@ -26,6 +26,10 @@ pub(crate) struct Shared {
     pub read_only: bool,
     /// Whether axes of real drives may be controlled.
     pub moves_real: bool,
+    /// Whether pages on other computers may control axes.
+    pub moves_remotely: bool,
+    /// Whether connections are encrypted.
+    pub encrypted: bool,
     pub places: Places,
     /// Name of the cookie. Browsers send the cookies of a host to each of its ports, so each server has its own name.
     pub cookie: String,
@@ -39,6 +43,8 @@ pub(crate) struct Shared {
     pub network: Network,
     pub board: Arc<Board>,
     pub hub: Hub,
+    /// The samples of axes under control.
+    pub feeds: Feeds,
     pub audit: Arc<Audit>,
     /// The folder with the settings of drives; `None` where there is none.
     pub backups: Option<PathBuf>,

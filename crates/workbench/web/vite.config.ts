@@ -7,7 +7,7 @@ import { defineConfig } from "vitest/config";
 const server = process.env.PROFIDRIVE_SERVER ?? "http://127.0.0.1:8934";
 
 /** The packages that are a part of the page. */
-const LINKED = ["preact", "@preact/signals", "@preact/signals-core", "preact-iso"];
+const LINKED = ["preact", "@preact/signals", "@preact/signals-core", "preact-iso", "uplot"];
 
 /** Adds their licences, which ask to stand beside each copy; fails where another package is linked. */
 const licences: Plugin = {
@@ -68,6 +68,7 @@ export default defineConfig({
       },
     },
   },
+  worker: { format: "es", rolldownOptions: { output: { entryFileNames: "scope-worker.js" } } },
   // the server compares origins; the proxy makes requests of its own
   server: { proxy: { "/api": { target: server, changeOrigin: true, headers: { origin: server } } } },
   test: { include: ["src/**/*.test.ts"] },

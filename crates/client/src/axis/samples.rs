@@ -31,6 +31,17 @@ pub struct Sample {
     pub outputs: Octets,
 }
 
+impl Sample {
+    /// Returns the cycles without a sample between an earlier one and this: lost on the network, or dropped because the queue was
+    /// full.
+    #[must_use]
+    pub const fn missing_since(&self, before: &Self) -> u64 {
+        let lost = self.missed.saturating_sub(before.missed);
+        let dropped = self.number.saturating_sub(before.number).saturating_sub(1);
+        lost.saturating_add(dropped)
+    }
+}
+
 /// Cyclic data of one direction, in place: a sample is copied without allocation.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub struct Octets {

@@ -7,7 +7,8 @@ use std::time::Duration;
 
 use client::axis::{Jog as Setpoint, Move as Order, MovePlan, Purpose, SpeedUnit};
 use client::{
-    AxisSettings, AxisStatus, BeatHandle, Drive, Enabled, Error, ModeChange, Samples, Session, StopHandle,
+    Axis, AxisSettings, AxisStatus, BeatHandle, Drive, Enabled, Error, ModeChange, Samples, Session,
+    StopHandle,
 };
 use profile::state::Mode;
 use profinet::cyclic::CyclicStatistics;
@@ -682,6 +683,12 @@ impl HeldAxis {
     #[must_use]
     pub fn samples(&self, room: usize) -> Samples {
         self.taken.axis.samples(room)
+    }
+
+    /// Returns the axis, for what is read of it: its signals, its telegram and its cycle.
+    #[must_use]
+    pub const fn axis(&self) -> &Axis {
+        &self.taken.axis
     }
 
     /// Returns the drive.

@@ -4,7 +4,6 @@ use std::time::Duration;
 
 use client::axis::{AxisSignal, Sample, Seen};
 use client::{Axis, Drive, Error, Samples, Session};
-use profinet::Instant;
 
 use super::error::RecordingError;
 use super::producer::{Absence, Away, Place, Producer};
@@ -40,7 +39,7 @@ pub(super) async fn observe(
         }
         // a connection is found lost long after its last frame
         let since = match (&end, last) {
-            (Ok(End::Drive(Absence::Silent)), Some((at, ..))) => at + axis.cycle(),
+            (Ok(End::Drive(Absence::Silent)), Some(last)) => last.at + axis.cycle(),
             _ => producer.session.now(),
         };
         // of a connection that is lost, the result of the release has no information
@@ -183,8 +182,8 @@ fn use_of(seen: Seen, axis: &Axis) -> Use {
     }
 }
 
-/// Arrival and number of a sample, and the cycles that were lost until then.
-pub(super) type Last = Option<(Instant, u64, u64)>;
+/// The sample before.
+pub(super) type Last = Option<Sample>;
 
 /// Sends the buffered samples. Returns what the drive reported in the last one.
 async fn send(
@@ -197,11 +196,11 @@ async fn send(
     let mut seen = None;
     while let Some(sample) = samples.take() {
         seen = Some(sample.seen);
-        let missing = missing(last, &sample);
-        if let Some((at, ..)) = *last {
-            producer.lost_cycles(at + cycle, cycle, missing).await;
+        let missing = last.map_or(0, |before| sample.missing_since(&before));
+        if let Some(before) = *last {
+            producer.lost_cycles(before.at + cycle, cycle, missing).await;
         }
-        *last = Some((sample.at, sample.number, sample.missed));
+        *last = Some(sample);
         let value = |place: &Place, kind: Kind| value_of(signals.get(place.at)?, &sample, kind);
         let (fault, warning) = (sample.seen.fault(), sample.seen.warning());
         producer.note_fault(fault, drive).await;
@@ -209,15 +208,6 @@ async fn send(
     }
     producer.flush().await;
     seen
-}
-
-/// Returns the cycles between two samples that have none: lost on the network, or dropped because the buffer was full.
-pub(super) fn missing(last: &Last, sample: &Sample) -> u64 {
-    last.map_or(0, |(_, number, missed)| {
-        let lost = sample.missed.saturating_sub(missed);
-        let dropped = sample.number.saturating_sub(number).saturating_sub(1);
-        lost + dropped
-    })
 }
 
 /// Returns the value of a signal in a sample.

@@ -8,7 +8,7 @@ use client::Axis;
 use client::axis::{AxisSignal, Sample};
 use profinet::Instant;
 
-use super::cyclic::{Last, missing, value_of};
+use super::cyclic::{Last, value_of};
 use super::error::WriteError;
 use super::file::{Form, RecordingFile};
 use super::producer::MOST_GAPS;
@@ -158,16 +158,16 @@ impl Open {
             gap,
             values,
         };
-        let missed = missing(&self.last, sample);
+        let missed = self.last.map_or(0, |before| sample.missing_since(&before));
         self.recorded.missed += missed;
-        if let Some((at, ..)) = self.last {
+        if let Some(before) = self.last {
             for lost in 1..=missed.min(MOST_GAPS) {
                 let after = self.cycle * u32::try_from(lost).unwrap_or(u32::MAX);
                 self.file
-                    .write(&row(at + after, true, vec![None; self.signals.len()]))?;
+                    .write(&row(before.at + after, true, vec![None; self.signals.len()]))?;
             }
         }
-        self.last = Some((sample.at, sample.number, sample.missed));
+        self.last = Some(*sample);
         let values = self.signals.iter().zip(&self.table.columns);
         let values = values.map(|(signal, column)| value_of(signal, sample, column.kind));
         self.file.write(&row(sample.at, false, values.collect()))?;

@@ -46,6 +46,7 @@ pub(super) async fn attend(
     // a panic was printed; the axis was dropped, and is ramped down and given back
     let attended = tokio::spawn(async move { hold(&at, &caller, &of, &wanted, queue, number, &reply).await });
     let _ = attended.await;
+    shared.feeds.end(&running.drive);
     shared.control.axes().remove(&running.drive);
     shared.control.ledger().give_back(&running.drive, running.lease);
 }
@@ -81,6 +82,8 @@ async fn hold(
     };
     act::note(shared, caller, &taking, "done".to_owned()).await;
     running.hold_by(&axis);
+    let simulation = shared.source.is_simulation();
+    shared.feeds.begin(&running.drive, axis.axis(), simulation);
     running.busy.store(false, Ordering::Relaxed);
     reply.send(&Lease {
         r#type: "lease",
@@ -92,6 +95,7 @@ async fn hold(
     let axis = serve(shared, caller, running, axis, queue).await;
     running.phase("releasing");
     let released = axis.release().await;
+    shared.feeds.end(&running.drive);
     let result = match released {
         Ok(_) => "done".to_owned(),
         Err(error) => Problem::of(&error).message().to_owned(),

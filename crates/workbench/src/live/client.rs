@@ -13,6 +13,7 @@ use tokio::sync::{OwnedSemaphorePermit, watch};
 use tokio::time::{sleep_until, timeout};
 
 use super::hub::Topic;
+use super::streams::{Next, Place};
 use crate::access::Caller;
 use crate::problem::Problem;
 use crate::shared::Shared;
@@ -26,6 +27,8 @@ const MESSAGE: usize = 4096;
 const RATE: u32 = 100;
 /// Topics of a page.
 const TOPICS: usize = 16;
+/// Blocks of samples that are sent before everything else has its turn.
+const BLOCKS: usize = 4;
 /// The time between two values of a hidden page.
 const HIDDEN: Duration = Duration::from_secs(1);
 /// The time between two signs of life, and between two looks at the session.
@@ -41,6 +44,9 @@ enum Request {
     Subscribe {
         topic: String,
         rate: f64,
+        /// What `acyclic` reads.
+        #[serde(default)]
+        parameters: Vec<String>,
     },
     Unsubscribe {
         topic: String,
@@ -103,6 +109,8 @@ struct Subscription {
     period: Duration,
     /// The revision that was sent last.
     sent: u64,
+    /// How far it is in a stream of samples.
+    place: Place,
     /// When a value may be sent again.
     due: Instant,
 }
@@ -246,11 +254,15 @@ impl Client {
 
     fn carry_out(&mut self, request: Request) -> Result<(), Option<Closing>> {
         match request {
-            Request::Subscribe { topic, rate } => {
-                let Some(topic) = Topic::named(&topic) else {
+            Request::Subscribe {
+                topic,
+                rate,
+                parameters,
+            } => {
+                let Some(topic) = Topic::named(&topic, parameters) else {
                     return Ok(());
                 };
-                self.unsubscribe(&topic);
+                self.unsubscribe(&topic.name());
                 if self.topics.len() >= TOPICS {
                     return Err(Some((close_code::POLICY, "too many topics")));
                 }
@@ -266,13 +278,12 @@ impl Client {
                     topic,
                     period: Duration::from_secs_f64(1.0 / rate),
                     sent: 0,
+                    place: Place::default(),
                     due: Instant::now(),
                 });
             }
             Request::Unsubscribe { topic } => {
-                if let Some(topic) = Topic::named(&topic) {
-                    self.unsubscribe(&topic);
-                }
+                self.unsubscribe(&topic);
             }
             Request::Visible { visible } => self.set_visible(visible),
             Request::Resume { boot, last_event } => {
@@ -292,12 +303,16 @@ impl Client {
         self.shared.board.look_again();
     }
 
-    fn unsubscribe(&mut self, topic: &Topic) {
-        let before = self.topics.len();
-        self.topics.retain(|known| known.topic != *topic);
-        if self.visible && self.topics.len() < before {
-            self.shared.hub.leave(topic);
-        }
+    /// Ends what is subscribed to by this name: a page has one stream of a name, whatever it reads.
+    fn unsubscribe(&mut self, name: &str) {
+        let (hub, visible) = (&self.shared.hub, self.visible);
+        self.topics.retain(|known| {
+            let stays = known.topic.name() != name;
+            if !stays && visible {
+                hub.leave(&known.topic);
+            }
+            stays
+        });
     }
 
     /// A hidden page wants nothing for itself; it gets what is sent to others, once a second.
@@ -337,6 +352,22 @@ impl Client {
         let now = Instant::now();
         let slowest = if self.visible { Duration::ZERO } else { HIDDEN };
         for subscription in &mut self.topics {
+            if subscription.topic.has_samples() {
+                // a few at a time: events must not wait for a page that is too slow, whose oldest blocks are gone
+                for _ in 0..BLOCKS {
+                    let streams = &self.shared.hub.streams;
+                    let next = streams.next(&subscription.topic, &mut subscription.place);
+                    let message = match next {
+                        Some(Next::Header(text)) => Message::Text(text),
+                        Some(Next::Block(octets)) if self.visible => Message::Binary(octets),
+                        Some(Next::Block(_)) => continue,
+                        None => break,
+                    };
+                    send_message(socket, message).await.ok_or(None)?;
+                    self.news.mark_changed();
+                }
+                continue;
+            }
             if subscription.due > now {
                 continue;
             }

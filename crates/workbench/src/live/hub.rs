@@ -6,13 +6,15 @@ use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
 use axum::extract::ws::Utf8Bytes;
 use serde::Serialize;
-use tokio::sync::{Notify, watch};
+use tokio::sync::watch;
+
+use super::streams::Streams;
 
 /// Events that are kept for pages that were away for a moment.
 pub(crate) const EVENTS: usize = 1024;
 
 /// What a page can subscribe to.
-#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub(crate) enum Topic {
     /// `network`: all stations.
     Network,
@@ -20,26 +22,55 @@ pub(crate) enum Topic {
     Plant,
     /// `drive/ID/faults`: the faults of a drive.
     Faults(String),
+    /// `drive/ID/samples`: each cyclic input of an axis that this server controls.
+    Samples(String),
+    /// `drive/ID/acyclic`: words, speeds and these parameters, read again and again.
+    Acyclic(String, Vec<String>),
 }
 
+/// Parameters of one stream, and the longest name of one.
+const PARAMETERS: usize = 16;
+const PARAMETER: usize = 64;
+
 impl Topic {
-    /// Returns the topic of this name.
-    pub fn named(name: &str) -> Option<Self> {
+    /// Returns the topic of this name. Parameters count for `acyclic` only.
+    pub fn named(name: &str, parameters: Vec<String>) -> Option<Self> {
         match name {
             "network" => Some(Self::Network),
             "plant" => Some(Self::Plant),
             _ => {
-                let id = name.strip_prefix("drive/")?.strip_suffix("/faults")?;
-                (id.len() <= 64).then(|| Self::Faults(id.to_owned()))
+                let (id, what) = name.strip_prefix("drive/")?.rsplit_once('/')?;
+                if id.is_empty() || id.len() > 64 || id.contains('/') {
+                    return None;
+                }
+                let id = id.to_owned();
+                match what {
+                    "faults" => Some(Self::Faults(id)),
+                    "samples" => Some(Self::Samples(id)),
+                    "acyclic" => {
+                        let fit = parameters.len() <= PARAMETERS
+                            && parameters.iter().all(|name| name.len() <= PARAMETER);
+                        fit.then_some(Self::Acyclic(id, parameters))
+                    }
+                    _ => None,
+                }
             }
         }
     }
 
-    fn name(&self) -> String {
+    /// Returns whether it has blocks of samples, and no newest value.
+    pub const fn has_samples(&self) -> bool {
+        matches!(self, Self::Samples(_) | Self::Acyclic(..))
+    }
+
+    /// Returns its name.
+    pub fn name(&self) -> String {
         match self {
             Self::Network => "network".to_owned(),
             Self::Plant => "plant".to_owned(),
             Self::Faults(id) => format!("drive/{id}/faults"),
+            Self::Samples(id) => format!("drive/{id}/samples"),
+            Self::Acyclic(id, _) => format!("drive/{id}/acyclic"),
         }
     }
 }
@@ -86,8 +117,10 @@ pub(crate) struct Hub {
     state: Mutex<State>,
     /// Counts what has come, so that sockets wait for more.
     news: watch::Sender<u64>,
-    /// A page wants a topic.
-    wants: Notify,
+    /// Counts what pages begin to want.
+    wants: watch::Sender<u64>,
+    /// The samples of drives.
+    pub streams: Streams,
     begin: Instant,
 }
 
@@ -116,7 +149,8 @@ impl Hub {
         Self {
             state: Mutex::default(),
             news: watch::Sender::new(0),
-            wants: Notify::new(),
+            wants: watch::Sender::new(0),
+            streams: Streams::default(),
             begin,
         }
     }
@@ -135,7 +169,8 @@ impl Hub {
         self.news.subscribe()
     }
 
-    fn announce(&self) {
+    /// Wakes each socket: something has come.
+    pub fn announce(&self) {
         self.news.send_modify(|count| *count += 1);
     }
 
@@ -151,12 +186,12 @@ impl Hub {
         });
         held.wanted += 1;
         drop(state);
-        self.wants.notify_one();
+        self.wants.send_modify(|count| *count += 1);
     }
 
-    /// Waits until a page wants a topic.
-    pub async fn want_comes(&self) {
-        self.wants.notified().await;
+    /// Returns what wakes a producer when a page begins to want a topic.
+    pub fn wants(&self) -> watch::Receiver<u64> {
+        self.wants.subscribe()
     }
 
     /// Notes that one page less wants a topic.
@@ -274,7 +309,7 @@ mod tests {
     #[test]
     fn a_topic_has_its_newest_value_while_it_is_wanted() {
         let hub = Hub::new(Instant::now());
-        let topic = Topic::named("drive/02:00:00:00:00:01/faults").unwrap();
+        let topic = Topic::named("drive/02:00:00:00:00:01/faults", Vec::new()).unwrap();
         hub.publish(&topic, &1);
         assert!(hub.newest(&topic).is_none(), "no page wants it");
         hub.want(&topic);
@@ -321,11 +356,23 @@ mod tests {
     #[test]
     fn only_topics_that_exist_have_a_name() {
         for name in ["", "networks", "drive//faults/", "drive/x", "drive/x/nothing"] {
-            assert_eq!(Topic::named(name), None, "{name}");
+            assert_eq!(Topic::named(name, Vec::new()), None, "{name}");
         }
-        assert_eq!(Topic::named(&format!("drive/{}/faults", "x".repeat(65))), None);
-        for name in ["network", "plant", "drive/ip-10.0.0.1/faults"] {
-            assert_eq!(Topic::named(name).unwrap().name(), name);
+        assert_eq!(
+            Topic::named(&format!("drive/{}/faults", "x".repeat(65)), Vec::new()),
+            None
+        );
+        for name in [
+            "network",
+            "plant",
+            "drive/ip-10.0.0.1/faults",
+            "drive/02:00:00:00:00:01/samples",
+            "drive/x/acyclic",
+        ] {
+            assert_eq!(Topic::named(name, Vec::new()).unwrap().name(), name);
+        }
+        for wrong in [vec!["p1".to_owned(); 17], vec!["p".repeat(65)]] {
+            assert_eq!(Topic::named("drive/x/acyclic", wrong), None);
         }
     }
 }

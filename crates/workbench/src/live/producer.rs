@@ -12,6 +12,7 @@ use tokio::task::JoinSet;
 use tokio::time::{MissedTickBehavior, interval, sleep};
 
 use super::hub::Topic;
+use super::samples::{acyclic, cyclic};
 use crate::api::{StationsReport, VirtualDrives};
 use crate::board::explained;
 use crate::shared::Shared;
@@ -35,7 +36,9 @@ pub(crate) async fn produce(shared: Arc<Shared>) {
     tokio::join!(
         network(Arc::clone(&shared)),
         plant(Arc::clone(&shared)),
-        faults(shared)
+        faults(Arc::clone(&shared)),
+        cyclic(Arc::clone(&shared)),
+        acyclic(shared)
     );
 }
 
@@ -69,12 +72,14 @@ async fn plant(shared: Arc<Shared>) {
 async fn faults(shared: Arc<Shared>) {
     let mut turn = interval(FAULTS);
     turn.set_missed_tick_behavior(MissedTickBehavior::Delay);
+    let mut wants = shared.hub.wants();
     let mut busy: HashSet<String> = HashSet::new();
     let mut reading: JoinSet<String> = JoinSet::new();
     loop {
         tokio::select! {
             _ = turn.tick() => {}
-            () = shared.hub.want_comes() => {}
+            // fails only when the hub is gone
+            _ = wants.changed() => {}
             Some(done) = reading.join_next() => {
                 match done {
                     Ok(id) => { busy.remove(&id); }

@@ -12,7 +12,7 @@ use crate::server::Running;
 const PROTOCOL: &str = "profidrive.control.1";
 
 /// A page with a control socket, and the numbers of its commands.
-struct Hands {
+pub struct Hands {
     page: Page,
     number: u64,
     begin: Instant,
@@ -20,7 +20,7 @@ struct Hands {
 }
 
 impl Hands {
-    fn of(server: &Running, token: &str) -> Self {
+    pub fn of(server: &Running, token: &str) -> Self {
         let session = server.session(token);
         let page = open_at(server, "/api/v1/control", &session, Some(PROTOCOL));
         let mut page = page.unwrap_or_else(|status| panic!("{status}"));
@@ -38,7 +38,7 @@ impl Hands {
     }
 
     /// Sends a command; returns its number.
-    fn send(&mut self, kind: &str, drive: &str, more: &Value) -> u64 {
+    pub fn send(&mut self, kind: &str, drive: &str, more: &Value) -> u64 {
         self.number += 1;
         let mut message = json!({ "type": kind, "n": self.number, "drive": drive });
         for (key, value) in more.as_object().unwrap() {
@@ -48,7 +48,7 @@ impl Hands {
         self.number
     }
 
-    fn beat(&mut self, held: &Value) {
+    pub fn beat(&mut self, held: &Value) {
         self.beats += 1;
         let t = self.time();
         self.page
@@ -73,13 +73,13 @@ impl Hands {
         }
     }
 
-    fn take(&mut self, drive: &str) -> Value {
+    pub fn take(&mut self, drive: &str) -> Value {
         let number = self.send("take", drive, &json!({ "purpose": "speed", "limit": 300 }));
         self.answer(number)
     }
 
     /// Sends a command of this lease and waits for its answer.
-    fn order(&mut self, kind: &str, drive: &str, lease: u64, epoch: u64, more: &Value) -> Value {
+    pub fn order(&mut self, kind: &str, drive: &str, lease: u64, epoch: u64, more: &Value) -> Value {
         let mut all = json!({ "lease": lease, "epoch": epoch });
         for (key, value) in more.as_object().unwrap() {
             all[key] = value.clone();
@@ -89,7 +89,7 @@ impl Hands {
     }
 }
 
-fn lease(answer: &Value) -> u64 {
+pub fn lease(answer: &Value) -> u64 {
     assert_eq!(answer["type"], "lease", "{answer}");
     answer["lease"].as_u64().unwrap()
 }

@@ -56,7 +56,7 @@ const CUT: [ErrorKind; 3] = [
 ];
 
 impl Page {
-    fn of(server: &Running) -> Self {
+    pub fn of(server: &Running) -> Self {
         let session = server.session(&server.control);
         open(server, &session, Some(PROTOCOL)).unwrap_or_else(|status| panic!("{status}"))
     }
@@ -97,6 +97,16 @@ impl Page {
                 if message["type"] == kind {
                     return message;
                 }
+            }
+        }
+    }
+
+    /// Returns the next message, whatever it is.
+    pub fn message(&mut self) -> Message {
+        loop {
+            match self.0.read() {
+                Err(Error::Io(error)) if error.kind() == ErrorKind::WouldBlock => {}
+                message => return message.unwrap(),
             }
         }
     }

@@ -5,5 +5,6 @@ mod access;
 mod change;
 mod control;
 mod live;
+mod samples;
 mod server;
 mod settings;

@@ -1,6 +1,7 @@
 import { render } from "preact";
 import { App } from "./app/App";
 import { enter } from "./store/live";
+import "uplot/dist/uPlot.min.css";
 import "./style/base.css";
 
 const root = document.getElementById("app");

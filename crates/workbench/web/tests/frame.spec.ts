@@ -21,6 +21,8 @@ async function screens(page: Page): Promise<[string, string][]> {
     ["faults-none", "/drives/none/faults"],
     ["control", `/drives/${named("axis-1")}/control`],
     ["control-none", "/drives/none/control"],
+    ["scope", `/drives/${named("press-1")}/scope`],
+    ["scope-none", "/drives/none/scope"],
     ["parameters", `/drives/${named("axis-1")}/parameters`],
     ["parameters-none", "/drives/none/parameters"],
     ["compare", `/drives/${named("axis-1")}/compare`],
@@ -131,6 +133,7 @@ for (const theme of ["light", "dark"] as const) {
           await expect(page.locator("main h1")).toBeVisible();
           await expect(page.getByText("Reading the drive ..")).toHaveCount(0);
           await expect(page.getByRole("option").filter({ hasText: "axis-1" }).first()).toBeAttached();
+          await expect(page.getByText(/(Connecting|Waiting for the first values) \.\./)).toHaveCount(0);
           await page.screenshot({ path: join(pictures, `${name}-${theme}${lang ? "-long" : ""}-${width}.png`) });
           // by the protocol of the browser, which the policy of the page does not bind
           await page.evaluate(axe);

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
+use profile::state::bits::Bit;
 use profile::telegram::{Field, signal};
 
 use super::{Axis, Ending};
@@ -175,6 +176,19 @@ impl Axis {
         let setpoints = wiring.setpoints().iter().map(|field| of(field, true));
         let actuals = wiring.actuals().iter().map(|field| of(field, false));
         setpoints.chain(actuals).collect()
+    }
+
+    /// Returns the bits of a control or status word of its telegram, bit 0 first; `None` for another signal.
+    #[must_use]
+    pub fn bits(&self, word: &AxisSignal) -> Option<&'static [Bit; 16]> {
+        let client = self.session.client();
+        let words = client.wiring(self.link)?.words();
+        let mode = client.axis(self.link)?.mode;
+        match word.field.signal.number {
+            signal::STW1 => Some(words.control_bits(mode)),
+            signal::ZSW1 => Some(words.status_bits(mode)),
+            _ => None,
+        }
     }
 
     /// Every cyclic input from now on; at most `capacity` of them are kept until they are taken.

@@ -13,6 +13,7 @@ import { type Theme, theme } from "./theme";
 const Overview = lazy(() => import("../screens/screens").then((screens) => screens.Overview));
 const Control = lazy(() => import("../screens/screens").then((screens) => screens.Control));
 const Parameters = lazy(() => import("../screens/screens").then((screens) => screens.Parameters));
+const Scope = lazy(() => import("../screens/screens").then((screens) => screens.Scope));
 const Compare = lazy(() => import("../screens/screens").then((screens) => screens.Compare));
 const Faults = lazy(() => import("../screens/screens").then((screens) => screens.Faults));
 const Virtual = lazy(() => import("../screens/screens").then((screens) => screens.Virtual));
@@ -39,6 +40,7 @@ function Navigation() {
       <Link href={address(id, "overview")} icon="overview" text={t("nav.overview")} />
       <Link href={address(id, "control")} icon="live" text={t("nav.control")} />
       <Link href={address(id, "parameters")} icon="parameters" text={t("nav.parameters")} />
+      <Link href={address(id, "scope")} icon="scope" text={t("nav.scope")} />
       <Link href={address(id, "faults")} icon="triangle" text={t("nav.faults")} />
       <Link href={address(id, "compare")} icon="compare" text={t("nav.compare")} />
       {server.value?.simulation && <Link href="/virtual" icon="virtual" text={t("nav.virtual")} />}
@@ -81,6 +83,7 @@ function Shell() {
               <Route path="/drives/:id/overview" component={Overview} />
               <Route path="/drives/:id/control" component={Control} />
               <Route path="/drives/:id/parameters" component={Parameters} />
+              <Route path="/drives/:id/scope" component={Scope} />
               <Route path="/drives/:id/faults" component={Faults} />
               <Route path="/drives/:id/compare" component={Compare} />
               <Route path="/virtual" component={Virtual} />

@@ -42,6 +42,7 @@ export function useKeys(): void {
         o: address(id, "overview"),
         c: address(id, "control"),
         p: address(id, "parameters"),
+        s: address(id, "scope"),
         f: address(id, "faults"),
         d: address(id, "compare"),
         v: "/virtual",

@@ -14,7 +14,7 @@ export function selected(path: string): Station | undefined {
 }
 
 /** The screens of a drive. */
-export const OF_DRIVE = ["overview", "control", "parameters", "faults", "compare"] as const;
+export const OF_DRIVE = ["overview", "control", "parameters", "scope", "faults", "compare"] as const;
 
 /** The screens. */
 export type Screen = "network" | "virtual" | (typeof OF_DRIVE)[number];

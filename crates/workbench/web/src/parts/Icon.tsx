@@ -9,6 +9,7 @@ const PATHS = {
   overview: "M2 2h5v12H2zM10 2h4v5h-4zM10 10h4v4h-4z",
   virtual: "M8 3a5 5 0 1 0 0 10A5 5 0 1 0 8 3zM8 8V3",
   parameters: "M2 4h12M2 8h12M2 12h12M5 2.5v3M11 6.5v3M7 10.5v3",
+  scope: "M2 13V3M2 13h12M4 10l3-5 3 3 3-5",
   compare: "M2 2h5v12H2zM9 2h5v12H9zM4 6h1M11 6h1M11 10h1",
   live: "M3 3l5 5-5 5M8 3l5 5-5 5",
 } as const;

@@ -4,4 +4,5 @@ export { Control } from "./control/control";
 export { Faults } from "./faults/faults";
 export { Overview } from "./overview/overview";
 export { Parameters } from "./parameters/parameters";
+export { Scope } from "./scope/scope";
 export { Virtual } from "./virtual/virtual";

@@ -2,12 +2,13 @@ import { signal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import { useLocation } from "preact-iso";
 import type { Station } from "../../api";
-import { selected, selectedId } from "../../app/selected";
+import { address, selected, selectedId } from "../../app/selected";
 import { foreign, label, sentence } from "../../parts/format";
 import { Nothing } from "../../parts/Nothing";
 import { ownerName } from "../../parts/Reason";
 import { Shaft } from "../../parts/Shaft";
 import * as control from "../../store/control";
+import * as scope from "../../store/scope";
 import { server, silent } from "../../store/store";
 import { t } from "../../text";
 import { JogPad } from "./JogPad";
@@ -78,6 +79,7 @@ function obstacle(station: Station): string | null {
   if (silent.value !== null || !control.connected.value) return t("control.lost");
   if (refusal === "view" || refusal === "read_only") return t("control.view");
   if (refusal === "addresses") return t("control.addresses");
+  if (refusal === "remote") return t("control.remote");
   if (refusal === "real") return t("control.real");
   const other = control.axes.value.find((axis) => axis.drive === station.id);
   if (other && control.own(station.id) === undefined && !control.leases.value.has(station.id)) {
@@ -394,6 +396,49 @@ function Values({ id }: { id: string }) {
   );
 }
 
+/** Time of the picture of a step, in s. */
+const stepTime = signal("2");
+
+/** Records what the next step of the set speed does, whatever moves the axis. */
+function Step({ id }: { id: string }) {
+  const waited = scope.step.value?.drive === id ? scope.step.value : null;
+  const waits = waited !== null && !waited.done;
+  return (
+    <p class="buttons">
+      <button type="button" disabled={waits} onClick={() => scope.recordStep(id, Number(stepTime.value) * 1e6)}>
+        {t("scope.step.record")}
+      </button>
+      <label class="check">
+        <span>{t("scope.span")}</span>
+        <select
+          value={stepTime.value}
+          disabled={waits}
+          onChange={(event) => {
+            stepTime.value = event.currentTarget.value;
+          }}
+        >
+          {["1", "2", "5", "10"].map((seconds) => (
+            <option key={seconds} value={seconds}>
+              {`${seconds} s`}
+            </option>
+          ))}
+        </select>
+      </label>
+      {waited !== null && (
+        <span role="status" class="muted">
+          {t(waits ? "scope.step.waits" : "scope.step.done")}
+        </span>
+      )}
+      {waits && (
+        <button type="button" onClick={() => scope.giveUp()}>
+          {t("scope.step.cancel")}
+        </button>
+      )}
+      {waited?.done && <a href={address(id, "scope") + location.search}>{t("scope.step.open")}</a>}
+    </p>
+  );
+}
+
 /** Takes an axis, enables it, and moves it while its page is there. */
 export function Control() {
   const { path } = useLocation();
@@ -403,6 +448,7 @@ export function Control() {
     // whoever leaves this screen does not see the axis any more
     return () => {
       control.letGo();
+      scope.leaveStep();
     };
   }, []);
   if (id === null || !station) {
@@ -443,6 +489,7 @@ export function Control() {
           <Motion station={station} />
         </section>
       </div>
+      <Step id={id} />
       <p class="muted small">{t("control.rules")}</p>
     </article>
   );

@@ -1,0 +1,2 @@
+/** The library of plots, which is loaded when the Scope is opened. */
+export { default } from "uplot";

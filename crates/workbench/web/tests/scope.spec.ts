@@ -1,0 +1,219 @@
+import { readFileSync } from "node:fs";
+import { join } from "node:path";
+import type { Page } from "@playwright/test";
+import { end, expect, idOf, pictures, type Running, rows, serve, test, watch } from "./bench";
+
+/** A server of its own for a test that moves drives. */
+async function alone(test: (server: Running) => Promise<void>): Promise<void> {
+  const server = await serve("--demo", "--listen", "127.0.0.1:0");
+  try {
+    await test(server);
+  } finally {
+    await end(server);
+  }
+}
+
+async function open(page: Page, server: Running, name: string, screen: string): Promise<string> {
+  await page.goto(server.url);
+  await rows(page);
+  const id = await idOf(page, name);
+  await page.goto(`${server.origin}/drives/${encodeURIComponent(id)}/${screen}`);
+  return id;
+}
+
+async function inject(page: Page, drive: string, event: string, seconds: number | null): Promise<void> {
+  const done = await page.evaluate(async (body) => {
+    const headers = { "Content-Type": "application/json" };
+    return (await fetch("/api/v1/plant/inject", { method: "POST", headers, body })).status;
+  }, JSON.stringify({ drive, event, seconds }));
+  expect(done).toBe(200);
+}
+
+/** Takes control of the drive on the page and turns it. */
+async function turn(page: Page): Promise<void> {
+  await page.getByRole("button", { name: "Take control" }).click();
+  await expect(page.getByText(/This page has control/)).toBeVisible();
+  await page.getByRole("button", { name: "Enable" }).click();
+  await expect(page.getByText("Torque on, at rest")).toBeVisible();
+  await page.getByRole("tab", { name: "Velocity" }).click();
+  await page.getByRole("button", { name: "Turn at this speed" }).click();
+  await expect(page.getByText("Torque on, moving")).toBeVisible();
+}
+
+/** The numbers of the table of a signal, by their titles. */
+async function measured(page: Page, signal: string): Promise<Record<string, number>> {
+  const titles = await page.locator(".scope thead th").allTextContents();
+  const cells = await page.getByRole("row", { name: signal, exact: false }).locator("td").allTextContents();
+  return Object.fromEntries(
+    titles.slice(1).map((title, place) => [title, Number((cells[place] ?? "").replace("\u2212", "-"))]),
+  );
+}
+
+/** Presses a button that saves a file; returns its lines without the time of day. */
+async function saved(page: Page, name: string): Promise<string[]> {
+  const download = page.waitForEvent("download");
+  await page.getByRole("button", { name, exact: true }).click();
+  const text = readFileSync(await (await download).path(), "utf8");
+  return text
+    .trim()
+    .split("\n")
+    .map((line) => {
+      const [time, , ...rest] = line.split(",");
+      return [time, ...rest].join(",");
+    });
+}
+
+test("each frame of an axis under control is a row, and cursors measure what the table says", async ({ page }) => {
+  await alone(async (server) => {
+    const wrong = watch(page);
+    await open(page, server, "axis-1", "control");
+    await turn(page);
+    await page.getByRole("link", { name: "Scope" }).click();
+    await expect(page.getByText(/cyclic 16 ms, 6\d\.\d Hz, telegram \d+/)).toBeVisible();
+    await expect.poll(async () => (await measured(page, "NIST_A")).Max).toBeGreaterThan(19);
+    expect((await measured(page, "NSOLL_A")).Max).toBeCloseTo(20, 0);
+    await page.getByRole("combobox", { name: "Time" }).selectOption({ label: "1 s" });
+    await page.getByText("Bits of ZSW1").click();
+    await page
+      .getByRole("checkbox", { name: "2 OP_ENABLED" })
+      .or(page.getByRole("checkbox", { name: /^2 / }))
+      .check();
+    await expect(page.locator(".plots canvas")).toHaveCount(2);
+    await page.keyboard.press("r");
+    await expect(page.getByText("Stopped", { exact: true })).toBeVisible();
+    await page.keyboard.press("c");
+    await page.getByRole("slider", { name: "Cursor A" }).fill("0.05");
+    await page.getByRole("slider", { name: "Cursor B" }).fill("0.3");
+    await expect(page.getByText(/B - A \d/)).toBeVisible();
+    const lines = await saved(page, "Save CSV between cursors");
+    const at = (lines[0] ?? "").split(",").findIndex((title) => title.startsWith("NIST_A"));
+    const values = lines.slice(1).map((line) => Number(line.split(",")[at]));
+    const table = await measured(page, "NIST_A");
+    const mean = values.reduce((sum, value) => sum + value, 0) / values.length;
+    expect(table.Mean).toBeCloseTo(mean, 1);
+    expect(table.Max).toBeCloseTo(Math.max(...values), 1);
+    expect(table["Peak to peak"]).toBeCloseTo(Math.max(...values) - Math.min(...values), 1);
+    expect(table["B - A"]).toBeCloseTo((table.B ?? 0) - (table.A ?? 0), 1);
+    await page.mouse.move(0, 0);
+    await page.screenshot({ path: join(pictures, "scope-cursors.png") });
+    // the picture as a file
+    const download = page.waitForEvent("download");
+    await page.getByRole("button", { name: "Save picture" }).click();
+    const picture = readFileSync(await (await download).path());
+    expect(picture.subarray(1, 4).toString()).toBe("PNG");
+    expect(picture.length).toBeGreaterThan(5000);
+    expect(wrong).toEqual([]);
+  });
+});
+
+test("a cable that is cut is a gap with the number of lost frames", async ({ page }) => {
+  await alone(async (server) => {
+    const id = await open(page, server, "axis-1", "control");
+    await turn(page);
+    await page.getByRole("link", { name: "Scope" }).click();
+    await expect.poll(async () => (await measured(page, "NIST_A")).Max).toBeGreaterThan(19);
+    await inject(page, id, "cable=pulled", 0.1);
+    await expect(page.locator(".source .warn")).toHaveText(/^\d+ lost$/);
+    const count = Number(((await page.locator(".source .warn").textContent()) ?? "").split(" ")[0]);
+    await page.keyboard.press("r");
+    const lines = (await saved(page, "Save CSV")).slice(1).map((line) => line.split(","));
+    const gaps = lines.filter((fields) => fields[2] === "true");
+    expect(gaps).toHaveLength(count);
+    // as many as the cycle and the times around the gap say
+    const first = lines.findIndex((fields) => fields[2] === "true");
+    const around = Number(lines[first + count]?.[0]) - Number(lines[first - 1]?.[0]);
+    expect(Math.round(around / 0.016) - 1).toBe(count);
+    expect(count).toBeGreaterThanOrEqual(5);
+    expect(count).toBeLessThanOrEqual(8);
+  });
+});
+
+test("a single shot waits for a fault and keeps what was before it", async ({ page }) => {
+  await alone(async (server) => {
+    const id = await open(page, server, "axis-1", "scope");
+    await expect(page.getByText(/acyclic, measured \d+\.\d Hz/)).toBeVisible();
+    await page.getByRole("combobox", { name: "Event" }).selectOption("fault");
+    await page.getByRole("combobox", { name: "Time" }).selectOption({ label: "1 s" });
+    // what is before the trigger is recorded
+    await expect.poll(async () => (await measured(page, "speed")).Max).toBeCloseTo(0, 0);
+    await page.waitForTimeout(400);
+    await page.keyboard.press("s");
+    await expect(page.getByText("Waiting for the trigger ..")).toBeVisible();
+    await inject(page, id, "fault=439", null);
+    await expect(page.getByText("Stopped", { exact: true })).toBeVisible();
+    await page.keyboard.press("c");
+    await page.getByRole("slider", { name: "Cursor A" }).fill("0");
+    await page.getByRole("slider", { name: "Cursor B" }).fill("1");
+    await expect(page.getByText(/^A \u2212200 ms, B 800 ms/)).toBeVisible();
+    const lines = (await saved(page, "Save CSV between cursors")).map((line) => line.split(","));
+    const word = (lines[0] ?? []).indexOf("ZSW1");
+    const at = lines.slice(1).findIndex((fields) => (Number(fields[word]) & 8) !== 0);
+    const [begin, fault, last] = [lines[1], lines[at + 1], lines.at(-1)].map((fields) => Number(fields?.[0]));
+    expect((fault ?? 0) - (begin ?? 0)).toBeGreaterThan(0.1);
+    expect(((fault ?? 0) - (begin ?? 0)) / ((last ?? 0) - (begin ?? 0))).toBeLessThan(0.3);
+  });
+});
+
+test("a file is opened with the same numbers after the page was loaded again", async ({ page }) => {
+  await alone(async (server) => {
+    await open(page, server, "press-1", "scope");
+    await expect(page.getByText(/acyclic, measured \d+\.\d Hz/)).toBeVisible();
+    await expect(page.getByText("Controller: plc-1").first()).toBeVisible();
+    await page.getByRole("textbox", { name: "Parameter" }).fill("VBUS.VALUE");
+    await page.getByRole("button", { name: "Add" }).click();
+    await expect(page.getByRole("row", { name: "VBUS.VALUE" })).toBeVisible();
+    await page.getByRole("textbox", { name: "Parameter" }).fill("NO.SUCH");
+    await page.getByRole("button", { name: "Add" }).click();
+    await expect(page.getByRole("listitem").filter({ hasText: "NO.SUCH" })).toContainText(/no|not/);
+    await expect.poll(async () => (await measured(page, "VBUS.VALUE")).Max).toBeGreaterThan(100);
+    await page.keyboard.press("r");
+    await expect(page.getByText("Stopped", { exact: true })).toBeVisible();
+    const before = await saved(page, "Save CSV");
+    await page.reload();
+    // the choice is that of before
+    await expect(page.getByRole("row", { name: "VBUS.VALUE" })).toBeVisible();
+    const content = before.map((line, place) => line.replace(",", place === 0 ? ",wall," : ",,"));
+    const file = { name: "run.csv", mimeType: "text/csv", buffer: Buffer.from(`${content.join("\n")}\n`) };
+    await page.getByLabel("Open CSV").setInputFiles(file);
+    await expect(page.getByRole("heading", { name: "Scope run.csv" })).toBeVisible();
+    await expect(page.getByText("The file run.csv was opened.")).toBeVisible();
+    expect(await saved(page, "Save CSV")).toEqual(before);
+    await page.getByRole("button", { name: "Keep as overlay" }).click();
+    await page.getByLabel("Open CSV").setInputFiles({ ...file, name: "<img src=x>.csv", buffer: Buffer.from("a,b\n") });
+    await expect(page.getByRole("status").filter({ hasText: "line 1" })).toBeVisible();
+    // back to the drive
+    await page.keyboard.press("r");
+    await expect(page.getByText(/acyclic, measured \d+\.\d Hz/)).toBeVisible();
+    await page.screenshot({ path: join(pictures, "scope-overlay.png") });
+  });
+});
+
+test("a spike of one sample in 600,000 is visible", async ({ entered: page }) => {
+  const id = await idOf(page, "axis-1");
+  await page.goto(`/drives/${encodeURIComponent(id)}/scope`);
+  const lines = ["t,wall,drive,gap,NIST_A [rpm]"];
+  for (let row = 0; row < 600_000; row += 1) {
+    lines.push(`${row / 1000},,x,false,${row === 300_000 ? 100 : 0}`);
+  }
+  const buffer = Buffer.from(`${lines.join("\n")}\n`);
+  await page.getByLabel("Open CSV").setInputFiles({ name: "long.csv", mimeType: "text/csv", buffer });
+  await expect(page.getByRole("heading", { name: "Scope long.csv" })).toBeVisible();
+  await expect.poll(async () => (await measured(page, "NIST_A")).Max).toBe(100);
+  await expect
+    .poll(() =>
+      page.evaluate(() => {
+        const canvas = document.querySelector<HTMLCanvasElement>(".plots canvas");
+        const pen = canvas?.getContext("2d");
+        if (!canvas || !pen) return 0;
+        // the upper half, where nothing but the spike is drawn in the colour of the signal
+        const { data, width } = pen.getImageData(0, 0, canvas.width, canvas.height / 2);
+        const columns = new Set<number>();
+        for (let at = 0; at < data.length; at += 4) {
+          const [red, green, blue] = [data[at] ?? 0, data[at + 1] ?? 0, data[at + 2] ?? 0];
+          if (red < 90 && green > 90 && green < 160 && blue > 150) columns.add((at / 4) % width);
+        }
+        return columns.size;
+      }),
+    )
+    .toBeGreaterThan(0);
+});

@@ -1,0 +1,162 @@
+/** The task of a commissioning engineer, whole: by the keyboard alone, then by the mouse. */
+import { readFileSync, writeFileSync } from "node:fs";
+import { join } from "node:path";
+import type { Page } from "@playwright/test";
+import { end, expect, idOf, pictures, type Running, serve, test, watch } from "./bench";
+
+/** Eight drives of three vendors; two of them do not run. */
+function plant(): string {
+  const file = join(pictures, "task.toml");
+  const drive = (place: number, name: string, more: string) =>
+    `[[drive]]\nname = "${name}"\nip = "192.168.77.${place + 30}/24"\n${more}`;
+  const fault = 'event = [{ at = "0s", do = "fault=439" }]\n';
+  const rows = ["servo-1", "servo-2", "servo-3", "servo-4"].map((name, place) =>
+    drive(place, name, place === 1 || place === 2 ? fault : ""),
+  );
+  rows.push(drive(4, "pump-1", 'model = "vlt"\n'), drive(5, "pump-2", 'model = "vlt"\n'));
+  rows.push(drive(6, "fan-1", 'model = "vacon"\n'), drive(7, "fan-2", 'model = "vacon"\n'));
+  writeFileSync(file, rows.join("\n"));
+  return file;
+}
+
+async function speed(page: Page, server: Running, id: string): Promise<number> {
+  const answer = await page.request.get(`${server.origin}/api/v1/plant/drives`);
+  const { drives } = (await answer.json()) as { drives: { id: string; speed: number }[] };
+  return drives.find((drive) => drive.id === id)?.speed ?? Number.NaN;
+}
+
+/** How a person uses the page. */
+interface Hand {
+  /** Activates a link or a button. */
+  press(role: "link" | "button", name: string): Promise<void>;
+  /** Opens a screen. */
+  screen(name: string, letter: string): Promise<void>;
+  /** Writes into a field in place of what it has. */
+  write(role: "textbox" | "searchbox", name: string, text: string): Promise<void>;
+  hold(): Promise<void>;
+  letGo(): Promise<void>;
+}
+
+/** Moves the focus by the tab key alone until it is on an element of this role and name. */
+async function reach(page: Page, role: "link" | "button" | "textbox" | "searchbox", name: string): Promise<void> {
+  const wanted = page.getByRole(role, { name, exact: role !== "searchbox" }).first();
+  await expect(wanted).toBeEnabled();
+  for (let press = 0; press < 400; press += 1) {
+    if (await wanted.evaluate((element) => element === document.activeElement)) return;
+    await page.keyboard.press("Tab");
+  }
+  throw new Error(`the tab key does not reach ${role} ${name}`);
+}
+
+const keyboard = (page: Page): Hand => ({
+  async press(role, name) {
+    await reach(page, role, name);
+    await page.keyboard.press("Enter");
+  },
+  async screen(_, letter) {
+    // a letter in a field is a text
+    await page.evaluate(() => (document.activeElement as HTMLElement | null)?.blur());
+    await page.keyboard.press("g");
+    await page.keyboard.press(letter);
+  },
+  async write(role, name, text) {
+    await reach(page, role, name);
+    await page.keyboard.press("Control+a");
+    await page.keyboard.type(text);
+  },
+  async hold() {
+    await reach(page, "button", "+20 rpm");
+    await page.keyboard.down("ArrowRight");
+  },
+  async letGo() {
+    await page.keyboard.up("ArrowRight");
+  },
+});
+
+const mouse = (page: Page): Hand => ({
+  async press(role, name) {
+    await page.getByRole(role, { name, exact: true }).first().click();
+  },
+  async screen(name) {
+    await page.getByRole("link", { name, exact: true }).click();
+  },
+  async write(role, name, text) {
+    await page.getByRole(role, { name, exact: role !== "searchbox" }).click({ clickCount: 3 });
+    await page.keyboard.type(text);
+  },
+  async hold() {
+    await page.getByRole("button", { name: "+20 rpm" }).hover();
+    await page.mouse.down();
+  },
+  async letGo() {
+    await page.mouse.up();
+  },
+});
+
+for (const [how, hand, name] of [
+  ["the keyboard alone", keyboard, "servo-2"],
+  ["the mouse", mouse, "servo-3"],
+] as const) {
+  test(`with eight drives one is found, fixed, tuned, jogged and recorded by ${how}`, async ({ page }) => {
+    const server = await serve("--plant", plant(), "--listen", "127.0.0.1:0");
+    const wrong = watch(page);
+    const by = hand(page);
+    try {
+      await page.goto(server.url);
+      await expect(page.getByRole("row")).toHaveCount(9);
+      // those that do not run are on top
+      for (const place of [1, 2]) await expect(page.getByRole("row").nth(place)).toContainText("F439");
+      const id = await idOf(page, name);
+      await by.press("link", name);
+      await expect(page.locator(".why-not")).toHaveAttribute("data-cause", "fault");
+      await by.press("button", "Acknowledge");
+      await expect(page.locator(".why-not")).not.toHaveAttribute("data-cause", "fault");
+
+      await by.screen("Parameters", "p");
+      await by.write("searchbox", "", "DRV.ACC");
+      await expect(page.getByRole("textbox", { name: "Value of DRV.ACC", exact: true })).toHaveValue("3000");
+      await by.write("textbox", "Value of DRV.ACC", "100 rpm/s");
+      const changes = page.getByRole("region", { name: "Changes" });
+      await expect(changes).toContainText("3000 \u2192 100 rpm/s");
+      await by.press("button", "Apply 1");
+      await expect(changes).toContainText("written and verified");
+
+      await by.screen("Control", "c");
+      await by.press("button", "Take control");
+      await expect(page.getByText(/This page has control/)).toBeVisible();
+      await by.press("button", "Enable");
+      await expect(page.getByText("Torque on, at rest")).toBeVisible();
+      await by.press("button", "Record the next step");
+      await expect(page.getByText("Waiting for a step of the set speed ..")).toBeVisible();
+      await expect(async () => {
+        await by.letGo();
+        await by.hold();
+        await expect.poll(() => speed(page, server, id), { intervals: [5], timeout: 2000 }).toBeGreaterThan(19);
+      }).toPass({ timeout: 30_000 });
+      await by.letGo();
+      await expect(page.getByText("The step is recorded.")).toBeVisible();
+      await by.press("link", "Open in Scope");
+      await expect(page.getByText("Stopped", { exact: true })).toBeVisible();
+      await expect(page.getByText(/^cyclic 16 ms/)).toBeVisible();
+      // the set speed steps, and the speed follows by the new ramp
+      const row = (signal: string) => page.getByRole("row", { name: signal });
+      await expect(row("NSOLL_A")).toContainText(/(19|20)\.\d/);
+      await expect(row("NIST_A")).toContainText(/(19|20)\.\d/);
+      await page.screenshot({ path: join(pictures, `task-${how.split(" ").at(-1)}.png`) });
+      const download = page.waitForEvent("download");
+      await by.press("button", "Save picture");
+      const picture = await download;
+      expect(picture.suggestedFilename()).toMatch(new RegExp(`^${name}-.*\\.png$`));
+      expect(readFileSync(await picture.path()).length).toBeGreaterThan(5000);
+
+      await by.screen("Control", "c");
+      await by.press("button", "Disable");
+      await expect(page.getByText("Power stage off")).toBeVisible();
+      await by.press("button", "Release");
+      await expect(page.getByText("Not under control")).toBeVisible();
+      expect(wrong).toEqual([]);
+    } finally {
+      await end(server);
+    }
+  });
+}
