@@ -5,6 +5,7 @@ Importing this package opens nothing, starts no thread, and loads the binding on
 
 from __future__ import annotations
 
+import logging
 from importlib import import_module
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -13,41 +14,50 @@ from profidrive.errors import ErrorKind, ProfidriveError
 from profidrive.types import State
 
 if TYPE_CHECKING:
-    from profidrive import events, gsdml, reports
-    from profidrive.axis import Axis, Control
+    from profidrive import aio, events, frames, gsdml, reports
+    from profidrive._sync import Axis, Control, Drive, Drives, Network, Recording, open
     from profidrive.backup import Backup
     from profidrive.campaign import SweepResult, choice, log_uniform, normal, sweep, uniform
-    from profidrive.network import Drive, Drives, Network, open
-    from profidrive.plant import Plant, PlantDrive, VirtualDrive, World
-    from profidrive.recording import Recording
+    from profidrive.capture import Decoded, Pdu, decode
+    from profidrive.plant import Plant, PlantDrive, Served, VirtualDrive, World
     from profidrive.table import Table
     from profidrive.trace import Trace
+    from profidrive.words import Stw1, Zsw1
+
+# what a program does not want to see is not printed
+logging.getLogger(__name__).addHandler(logging.NullHandler())
 
 _LAZY = {
-    "Axis": "axis",
+    "Axis": "_sync",
     "Backup": "backup",
-    "Control": "axis",
-    "Drive": "network",
-    "Drives": "network",
-    "Network": "network",
+    "Control": "_sync",
+    "Decoded": "capture",
+    "Drive": "_sync",
+    "Drives": "_sync",
+    "Network": "_sync",
+    "Pdu": "capture",
     "Plant": "plant",
     "PlantDrive": "plant",
-    "Recording": "recording",
+    "Recording": "_sync",
+    "Served": "plant",
+    "Stw1": "words",
     "SweepResult": "campaign",
     "Table": "table",
     "Trace": "trace",
     "VirtualDrive": "plant",
     "World": "plant",
+    "Zsw1": "words",
     "choice": "campaign",
+    "decode": "capture",
     "log_uniform": "campaign",
     "normal": "campaign",
-    "open": "network",
+    "open": "_sync",
     "sweep": "campaign",
     "uniform": "campaign",
 }
 
 
-_MODULES = ("events", "gsdml", "reports")
+_MODULES = ("aio", "events", "frames", "gsdml", "reports")
 
 
 def __getattr__(name: str) -> object:
@@ -86,24 +96,32 @@ __all__ = [
     "Backup",
     "BuildInfo",
     "Control",
+    "Decoded",
     "Drive",
     "Drives",
     "ErrorKind",
     "Network",
+    "Pdu",
     "Plant",
     "PlantDrive",
     "ProfidriveError",
     "Recording",
+    "Served",
     "State",
+    "Stw1",
     "SweepResult",
     "Table",
     "Trace",
     "VirtualDrive",
     "World",
+    "Zsw1",
+    "aio",
     "build_info",
     "choice",
+    "decode",
     "errors",
     "events",
+    "frames",
     "gsdml",
     "log_uniform",
     "normal",

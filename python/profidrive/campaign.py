@@ -8,14 +8,17 @@ import math
 import os
 import time
 from collections import deque
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Container, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, ProcessPoolExecutor, wait
+from contextlib import suppress
 from dataclasses import dataclass, field
+from functools import cached_property
 from itertools import product
 from multiprocessing import get_context
-from typing import Any, Literal, NamedTuple
+from typing import Any, Literal, NamedTuple, overload
 
 from profidrive import _profidrive
+from profidrive._render import page, table
 from profidrive._values import document, optional_span, span, value_text
 from profidrive.errors import ProfidriveError, UsageError
 from profidrive.events import ExpectationResult
@@ -113,12 +116,12 @@ class Failure:
         Raises:
             UsageError: when it is not the same run: this package is another one than that of the worker.
         """
-        [again] = json.loads(self._job.campaign().run([self.seed]))
+        again = json.loads(self._job.campaign().run([(self.seed, [])]).row(0) or "{}")
         if again["digest"] != self.digest:
             raise UsageError(f"seed {self.seed} is another run here: {again['digest']} in place of {self.digest}")
         return self.plant().run(self._job.until)
 
-    def shrink(self, *, expectation: str | None = None, budget: Duration = 60.0) -> Reproduction:
+    def shrink(self, *, expectation: str | None = None, executor: Executor | None = None, budget: Duration = 60.0) -> Reproduction:
         """Returns the smallest plant in which the same expectation of the same drive still fails.
 
         Events, controllers, other drives and other expectations are removed, varied values become those of the file, and the run
@@ -126,11 +129,16 @@ class Failure:
 
         Args:
             expectation: its name; the first one that failed where it is None.
-            budget: seconds of this computer. Then the smallest plant so far is returned.
+            executor: where it is searched, as one task; here where it is None.
+            budget: seconds of the computer that searches. Then the smallest plant so far is returned.
         """
         name = self.results[0].name if expectation is None else expectation
-        plant, reason, runs, smallest = self._job.campaign().shrink(self.seed, name, span(budget))
-        return Reproduction(Plant(plant), self.seed, reason, runs, smallest)
+        if executor is None:
+            found = _shrink(self._job, self.seed, name, span(budget))
+        else:
+            found = executor.submit(_shrink, self._job, self.seed, name, span(budget)).result()
+        text, reason, runs, smallest = found
+        return Reproduction(Plant.from_toml(text), self.seed, reason, runs, smallest)
 
 
 @dataclass(frozen=True)
@@ -153,37 +161,77 @@ class Reproduction:
             file.write(f"# {self.reason}\n{self.plant.to_toml()}")
 
 
-class SweepResult(Sequence[Row]):
-    """The runs of a sweep: by the lists that vary, then by seed."""
+class SweepResult:
+    """The runs of a sweep: by the lists that vary, then by seed.
 
-    def __init__(self, rows: Sequence[Row], failures: Sequence[Failure]) -> None:
-        self._rows = tuple(rows)
-        self.failures = tuple(failures)
-        """The runs in which an expectation did not come true."""
+    It is a table: `pyarrow.table(result)`, `polars.DataFrame(result)` and duckdb take it without a copy. Its columns are `seed`,
+    each value that varied, `passed`, `failed`, each measure, `digest`, `wall`, and `results` with the JSON of expectations that
+    failed.
+    """
 
-    def __getitem__(self, place: Any) -> Any:
-        return self._rows[place]
+    def __init__(self, runs: _profidrive.Runs, jobs: Sequence[_Job]) -> None:
+        self._runs = runs
+        self._table = runs.table()
+        self._jobs = jobs
+        """The job of each row."""
+
+    @overload
+    def __getitem__(self, place: int) -> Row: ...
+    @overload
+    def __getitem__(self, place: slice) -> tuple[Row, ...]: ...
+    def __getitem__(self, place: int | slice) -> Row | tuple[Row, ...]:
+        chosen = range(len(self))[place]
+        return self._row(chosen) if isinstance(chosen, int) else tuple(map(self._row, chosen))
 
     def __len__(self) -> int:
-        return len(self._rows)
+        return len(self._runs)
+
+    def __iter__(self) -> Iterator[Row]:
+        return map(self._row, range(len(self)))
+
+    def _document(self, place: int) -> dict[str, Any]:
+        document: dict[str, Any] = json.loads(self._runs.row(place) or "{}")
+        return document
+
+    def _row(self, place: int) -> Row:
+        row = self._document(place)
+        return Row(row["seed"], row["variables"], tuple(row["failed"]), row["measures"], row["digest"], row["wall"])
+
+    @cached_property
+    def failures(self) -> Sequence[Failure]:
+        """The runs in which an expectation did not come true."""
+        return tuple(map(self._failure, self._runs.failures()))
+
+    def _failure(self, place: int) -> Failure:
+        row = self._document(place)
+        results = tuple(ExpectationResult._of(result) for result in row["results"])
+        return Failure(row["seed"], row["variables"], results, row["digest"], self._jobs[place])
 
     @property
-    def columns(self) -> dict[str, list[Any]]:
-        """The rows as columns, which `polars.DataFrame` and `pandas.DataFrame` take."""
-        columns: dict[str, list[Any]] = {
-            "seed": [row.seed for row in self._rows],
-            "passed": [row.passed for row in self._rows],
-            "failed": [list(row.failed) for row in self._rows],
-            "digest": [row.digest for row in self._rows],
-            "wall": [row.wall for row in self._rows],
-        }
-        for kind in ("variables", "measures"):
-            names = dict.fromkeys(name for row in self._rows for name in getattr(row, kind))
-            columns.update({name: [getattr(row, kind).get(name) for row in self._rows] for name in names})
-        return columns
+    def columns(self) -> tuple[str, ...]:
+        """Names of the columns."""
+        return tuple(name for name, _ in self._table.columns())
+
+    @property
+    def units(self) -> Mapping[str, str]:
+        """Units of the columns, empty for none."""
+        return dict(self._table.columns())
+
+    def __arrow_c_stream__(self, requested_schema: object = None) -> object:
+        """The Arrow stream of the PyCapsule interface."""
+        return self._table.__arrow_c_stream__(requested_schema)
+
+    def write(self, path: Path) -> None:
+        """Writes a new Parquet file."""
+        self._runs.write(os.fspath(path))
+
+    def _repr_html_(self) -> str:
+        """The failures, for notebooks."""
+        rows = [(one.seed, one.variables, ", ".join(result.name for result in one.results)) for one in self.failures]
+        return page(table(("seed", "varied", "failed"), rows, f"{len(self)} runs, {len(rows)} failed"))
 
     def __repr__(self) -> str:
-        return f"<SweepResult of {len(self)} runs, {len(self.failures)} failed>"
+        return f"<SweepResult of {len(self)} runs, {len(self._runs.failures())} failed>"
 
 
 @dataclass(frozen=True)
@@ -192,11 +240,15 @@ class _Job:
 
     text: str
     until: float | str | None
-    vary: tuple[tuple[str, str, list[str]], ...]
+    vary: tuple[tuple[str, str, list[str], int | None], ...]
     measure: Measure | None
     build: tuple[str, str | None, str]
 
     def campaign(self) -> _profidrive.Campaign:
+        """The campaign, where this computer has the same build."""
+        own = _profidrive.build_info()
+        if tuple(own) != tuple(self.build):
+            raise UsageError(f"a worker has profidrive {own}, the program has {self.build}: install the same on all of them")
         return _profidrive.Campaign(_profidrive.Plant.from_toml(self.text), self.until, list(self.vary))
 
     def key(self) -> str:
@@ -206,17 +258,19 @@ class _Job:
         return hashlib.sha256(known.encode()).hexdigest()[:16]
 
 
-def _run(job: _Job, seeds: Sequence[int]) -> list[dict[str, Any]]:
-    """Carries out a chunk. It depends on its arguments alone."""
-    own = _profidrive.build_info()
-    if tuple(own) != tuple(job.build):
-        raise UsageError(f"a worker has profidrive {own}, the program has {job.build}: install the same on all of them")
+def _run(job: _Job, seeds: Sequence[int]) -> bytes:
+    """Carries out a chunk, and returns its runs as an Arrow IPC stream. It depends on its arguments alone."""
     campaign = job.campaign()
-    rows: list[dict[str, Any]] = json.loads(campaign.run(list(seeds)))
-    for row in rows:
-        traced = {} if job.measure is None else job.measure(Plant(campaign.plant(row["seed"])).run(job.until))
-        row["measures"] = dict(traced)
-    return rows
+    measured: list[tuple[int, list[tuple[str, float]]]] = []
+    for seed in seeds:
+        numbers = {} if job.measure is None else job.measure(Plant(campaign.plant(seed)).run(job.until))
+        measured.append((seed, [(name, float(number)) for name, number in numbers.items()]))
+    return campaign.run(measured).to_ipc()
+
+
+def _shrink(job: _Job, seed: int, expectation: str, budget: float | str) -> tuple[str, str, int, bool]:
+    plant, reason, runs, smallest = job.campaign().shrink(seed, expectation, budget)
+    return plant.to_toml(), reason, runs, smallest
 
 
 @dataclass
@@ -227,47 +281,65 @@ class _Chunk:
 
 
 class _Folder:
-    """Rows of chunks that are done, a file for each, so that the same sweep goes on where it ended."""
+    """Runs of chunks that are done, a Parquet file for each, so that the same sweep goes on where it ended."""
 
     def __init__(self, path: Path | None) -> None:
         self._path = None if path is None else os.fspath(path)
         if self._path is not None:
             os.makedirs(self._path, exist_ok=True)
 
-    def rows(self, job: _Job) -> Iterator[dict[str, Any]]:
+    def parts(self, job: _Job) -> Iterator[_profidrive.Runs]:
         if self._path is None:
             return
         for name in sorted(os.listdir(self._path)):
-            if name.startswith(job.key()) and name.endswith(".json"):
-                with open(os.path.join(self._path, name), encoding="utf-8") as file:
-                    yield from json.load(file)
+            if name.startswith(job.key()) and name.endswith(".parquet"):
+                yield _profidrive.Runs.read(os.path.join(self._path, name))
 
-    def keep(self, job: _Job, rows: list[dict[str, Any]]) -> None:
-        if self._path is not None and rows:
-            self._write(f"{job.key()}-{rows[0]['seed']}-{len(rows)}.json", rows)
+    def keep(self, job: _Job, runs: _profidrive.Runs) -> None:
+        if self._path is None or len(runs) == 0:
+            return
+        path = os.path.join(self._path, f"{job.key()}-{runs.seeds()[0]}-{len(runs)}.parquet")
+        part = f"{path}.part"
+        with suppress(FileNotFoundError):
+            # of a sweep that was killed
+            os.remove(part)
+        runs.write(part)
+        os.replace(part, path)
 
     def finish(self, build: object, total: int, failures: int) -> None:
-        if self._path is not None:
-            self._write("manifest.json", {"build": build, "runs": total, "failures": failures})
-
-    def _write(self, name: str, content: object) -> None:
-        assert self._path is not None
-        path = os.path.join(self._path, name)
+        if self._path is None:
+            return
+        path = os.path.join(self._path, "manifest.json")
         with open(f"{path}.part", "w", encoding="utf-8") as file:
-            json.dump(content, file)
+            json.dump({"build": build, "runs": total, "failures": failures}, file)
         os.replace(f"{path}.part", path)
+
+
+class _Done:
+    """The runs of a job that are done."""
+
+    def __init__(self) -> None:
+        self.parts: list[_profidrive.Runs] = []
+        self.places: dict[int, tuple[int, int]] = {}
+        """Part and row of each seed."""
+        self.failures = 0
+
+    def add(self, runs: _profidrive.Runs, wanted: Container[int]) -> None:
+        failed = set(runs.failures())
+        for row, seed in enumerate(runs.seeds()):
+            if seed in wanted and seed not in self.places:
+                self.places[seed] = (len(self.parts), row)
+                self.failures += row in failed
+        self.parts.append(runs)
 
 
 def _jobs(
     plant: Plant, until: Duration | None, vary: Mapping[str, Sequence[object] | Distribution], measure: Measure | None
 ) -> list[_Job]:
-    drawn = tuple((path, how.kind, list(how.values)) for path, how in vary.items() if isinstance(how, Distribution))
-    # each value of a list is the only choice of a job, so that the text stays that of the file
-    crossed = [
-        [(path, one.kind, list(one.values)) for one in map(choice, how)]
-        for path, how in vary.items()
-        if not isinstance(how, Distribution)
-    ]
+    drawn = tuple((path, how.kind, list(how.values), None) for path, how in vary.items() if isinstance(how, Distribution))
+    # each value of a list is that of a job, so that the text stays that of the file
+    lists = {path: list(choice(*how).values) for path, how in vary.items() if not isinstance(how, Distribution)}
+    crossed = [[(path, "choice", values, place) for place in range(len(values))] for path, values in lists.items()]
     build = _profidrive.build_info()
     text, end = plant.to_toml(), optional_span(until)
     return [_Job(text, end, (*point, *drawn), measure, build) for point in product(*crossed)]
@@ -308,26 +380,32 @@ def sweep(
     """
     source = plant if isinstance(plant, Plant) else Plant.from_file(plant)
     jobs = _jobs(source, until, vary or {}, measure)
+    if not jobs:
+        raise UsageError("a list of values that vary is empty")
     folder = _Folder(out)
     wanted = dict.fromkeys(seeds)
-    done: list[dict[int, dict[str, Any]]] = []
-    for job in jobs:
-        kept = (row for row in folder.rows(job) if row["seed"] in wanted)
-        done.append({row["seed"]: row for row in kept})
-    failures = sum(bool(row["failed"]) for rows in done for row in rows.values())
+    done = [_Done() for _ in jobs]
+    for job, one in zip(jobs, done, strict=True):
+        for part in folder.parts(job):
+            one.add(part, wanted)
 
-    def note(place: int, rows: list[dict[str, Any]]) -> None:
-        nonlocal failures
-        folder.keep(jobs[place], rows)
-        done[place].update({row["seed"]: row for row in rows})
-        failures += sum(bool(row["failed"]) for row in rows)
+    def failures() -> int:
+        return sum(one.failures for one in done)
+
+    def total() -> int:
+        return sum(len(one.places) for one in done)
+
+    def note(place: int, octets: bytes) -> None:
+        runs = _profidrive.Runs.from_ipc(octets)
+        folder.keep(jobs[place], runs)
+        done[place].add(runs, wanted)
         if progress is not None:
-            progress(Progress(sum(map(len, done)), len(jobs) * len(wanted), failures))
+            progress(Progress(total(), len(jobs) * len(wanted), failures()))
 
     def enough() -> bool:
-        return stop_after is not None and failures >= stop_after
+        return stop_after is not None and failures() >= stop_after
 
-    left = [[seed for seed in wanted if seed not in rows] for rows in done]
+    left = [[seed for seed in wanted if seed not in one.places] for one in done]
     size = chunk if chunk != "auto" else 1
     if chunk == "auto":
         place = next((place for place, seeds in enumerate(left) if seeds), None)
@@ -349,8 +427,7 @@ def sweep(
         finally:
             if executor is None:
                 pool.shutdown(cancel_futures=True)
-    total = sum(map(len, done))
-    folder.finish(_profidrive.build_info(), total, failures)
+    folder.finish(_profidrive.build_info(), total(), failures())
     return _result(jobs, done, list(wanted))
 
 
@@ -360,12 +437,12 @@ def _carry_out(
     chunks: deque[_Chunk],
     in_flight: int | None,
     retries: int,
-    note: Callable[[int, list[dict[str, Any]]], None],
+    note: Callable[[int, bytes], None],
     enough: Callable[[], bool],
 ) -> None:
     workers = getattr(pool, "_max_workers", None)
     most = in_flight or (2 * workers if isinstance(workers, int) else _IN_FLIGHT)
-    pending: dict[Future[list[dict[str, Any]]], _Chunk] = {}
+    pending: dict[Future[bytes], _Chunk] = {}
     try:
         while (chunks or pending) and not enough():
             while chunks and len(pending) < most:
@@ -374,7 +451,7 @@ def _carry_out(
             for future in wait(pending, return_when=FIRST_COMPLETED).done:
                 one = pending.pop(future)
                 try:
-                    rows = future.result()
+                    runs = future.result()
                 except (BrokenExecutor, ProfidriveError):
                     # no repetition helps; what is done is in the folder
                     raise
@@ -388,25 +465,29 @@ def _carry_out(
                     else:
                         raise
                 else:
-                    note(one.place, rows)
+                    note(one.place, runs)
     finally:
         for future in pending:
             future.cancel()
 
 
-def _result(jobs: Sequence[_Job], done: Sequence[Mapping[int, dict[str, Any]]], seeds: Sequence[int]) -> SweepResult:
-    rows = []
-    failures = []
-    for job, found in zip(jobs, done, strict=True):
-        for seed in seeds:
-            if (row := found.get(seed)) is None:
-                continue
-            variables = row["variables"]
-            rows.append(Row(seed, variables, tuple(row["failed"]), row["measures"], row["digest"], row["wall"]))
-            if row["failed"]:
-                results = tuple(ExpectationResult._of(result) for result in row["results"])
-                failures.append(Failure(seed, variables, results, row["digest"], job))
-    return SweepResult(rows, failures)
+def _result(jobs: Sequence[_Job], done: Sequence[_Done], seeds: Sequence[int]) -> SweepResult:
+    parts: list[_profidrive.Runs] = []
+    firsts: list[int] = []
+    rows: list[int] = []
+    of_rows: list[_Job] = []
+    for job, one in zip(jobs, done, strict=True):
+        own = len(parts)
+        for part in one.parts:
+            firsts.append(firsts[-1] + len(parts[-1]) if parts else 0)
+            parts.append(part)
+        found = [one.places[seed] for seed in seeds if seed in one.places]
+        rows += [firsts[own + part] + row for part, row in found]
+        of_rows += [job] * len(found)
+    if not parts:
+        # the columns are known all the same
+        parts.append(jobs[0].campaign().run([]))
+    return SweepResult(_profidrive.Runs.of_parts(parts, rows), of_rows)
 
 
 __all__ = [

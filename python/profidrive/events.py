@@ -519,7 +519,7 @@ Event: TypeAlias = (
 )
 """Something that happened to a drive of a plant. The same plant gives the same events every time."""
 
-_CLASSES: dict[str, Any] = {
+_EVENTS: dict[str, Any] = {
     "state_changed": StateChanged,
     "fault_raised": FaultRaised,
     "fault_cleared": FaultCleared,
@@ -541,9 +541,9 @@ _CLASSES: dict[str, Any] = {
 
 
 def event_of(data: Mapping[str, Any]) -> Event:
-    """Returns an event from its JSON document."""
-    event: Event = _CLASSES[data["event"]]._of(data)
-    return event
+    """Returns it from its JSON document."""
+    made: Event = _EVENTS[data["event"]]._of(data)
+    return made
 
 
 class Outcome(str, Enum):

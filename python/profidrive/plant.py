@@ -5,10 +5,13 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Mapping, Sequence
+from types import TracebackType
 from typing import Any
 
 from profidrive import _profidrive
+from profidrive._sync import Network, network_of
 from profidrive._values import chosen, document, goal_text, optional_span, span, value_text
+from profidrive.errors import MisuseError
 from profidrive.events import (
     DriveMessage,
     Event,
@@ -16,9 +19,9 @@ from profidrive.events import (
     ParameterReading,
     event_of,
 )
-from profidrive.network import Network
 from profidrive.trace import Trace, judged, read_results
 from profidrive.types import Duration, Path, State, Value
+from profidrive.words import Stw1, Zsw1
 
 
 class Plant:
@@ -85,6 +88,22 @@ class Plant:
         """Runs the plant from its start, until its `duration` where no time is given, and returns what happened."""
         return self.start(seed=seed).run(until)
 
+    def serve(self, interface: str, *, state: Path | None = None) -> Served:
+        """Puts the drives on a network interface in a `with` block, where a controller finds them, in real time.
+
+        They are ready when the block begins, and run until it ends, whatever the `duration` of the plant. Its controllers and its
+        expectations are left out.
+
+        Args:
+            interface: a network interface; raw sockets are required there.
+            state: a folder that keeps names, addresses and saved parameters; without one they are discarded at the end.
+
+        Raises:
+            PermissionMissing: when raw sockets are not permitted (CAP_NET_RAW).
+            UnreachableError: when the interface is not there or is down.
+        """
+        return Served(self, interface, None if state is None else os.fspath(state))
+
     def __getitem__(self, drive: str) -> PlantDrive:
         return PlantDrive(self, chosen(self.drives, drive, "drive"))
 
@@ -105,6 +124,68 @@ class PlantDrive:
         """Lets something happen to the drive at the start of every later run of this plant."""
         self._plant._plant.check_action(self.name, action)
         self._plant._first.append((self.name, action, for_))
+
+
+class Served:
+    """A plant on a network interface, in real time; see `Plant.serve`."""
+
+    def __init__(self, plant: Plant, interface: str, state: str | None) -> None:
+        self._plant = plant
+        self._interface = interface
+        self._state = state
+        self._served: _profidrive.Served | None = None
+
+    def __enter__(self) -> Served:
+        if self._served is not None:
+            raise MisuseError("a plant is served in one block")
+        self._served = self._plant._plant.serve(self._interface, self._state)
+        for drive, action, lasts in self._plant._first:
+            self[drive].inject(action, for_=lasts)
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        self._running.close()
+
+    @property
+    def _running(self) -> _profidrive.Served:
+        if self._served is None:
+            raise MisuseError("the plant runs in a with block")
+        return self._served
+
+    @property
+    def drives(self) -> tuple[str, ...]:
+        """Names of the drives."""
+        return self._plant.drives
+
+    @property
+    def events(self) -> tuple[Event, ...]:
+        """What has happened until now, with times from the start; the last 100,000 events."""
+        return tuple(event_of(event) for event in json.loads(self._running.events()))
+
+    def __getitem__(self, drive: str) -> ServedDrive:
+        return ServedDrive(self, chosen(self.drives, drive, "drive"))
+
+    def __repr__(self) -> str:
+        return f"<Served {', '.join(self.drives)} on {self._interface}>"
+
+
+class ServedDrive:
+    """A virtual drive on a network interface."""
+
+    __slots__ = ("_served", "name")
+
+    def __init__(self, served: Served, name: str) -> None:
+        self._served = served
+        self.name = name
+
+    @property
+    def events(self) -> tuple[Event, ...]:
+        """What has happened to the drive until now."""
+        return tuple(event for event in self._served.events if event.drive == self.name)
+
+    def inject(self, action: str, *, for_: Duration | None = None) -> None:
+        """Lets something happen to the drive now: `"sto=on"`, `"cable=pulled"`, `"load=0.8Nm"`; with `for_` for this time."""
+        self._served._running.inject(self.name, action, optional_span(for_))
 
 
 class World:
@@ -136,7 +217,7 @@ class World:
     @property
     def network(self) -> Network:
         """The network of the plant, for the code of a client: its waiting calls pass virtual time. It joins at its first use."""
-        return Network(self._world.network())
+        return network_of(self)
 
     def run(self, until: Duration | None = None, *, for_: Duration | None = None) -> Trace:
         """Runs until a time since the start, or for a time; until the `duration` of the plant where neither is given.
@@ -199,14 +280,14 @@ class VirtualDrive:
         return State(self._look()["state"])
 
     @property
-    def stw1(self) -> int:
+    def stw1(self) -> Stw1:
         """Control word in force."""
-        return int(self._look()["stw1"])
+        return Stw1(self._look()["stw1"])
 
     @property
-    def zsw1(self) -> int:
+    def zsw1(self) -> Zsw1:
         """Status word that the drive sends."""
-        return int(self._look()["zsw1"])
+        return Zsw1(self._look()["zsw1"])
 
     @property
     def speed(self) -> float:
@@ -275,4 +356,4 @@ def _messages(found: Sequence[Mapping[str, Any]]) -> tuple[DriveMessage, ...]:
     return tuple(DriveMessage._of(message) for message in found)
 
 
-__all__ = ["Plant", "PlantDrive", "VirtualDrive", "World"]
+__all__ = ["Plant", "PlantDrive", "Served", "ServedDrive", "VirtualDrive", "World"]

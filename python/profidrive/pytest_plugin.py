@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 import shlex
 from collections.abc import Generator, Iterable, Iterator
+from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,7 +18,7 @@ import pytest
 from profidrive.errors import ExpectationFailed, ProfidriveError, UsageError
 
 if TYPE_CHECKING:
-    from profidrive import Network, Plant, Trace, World
+    from profidrive import Network, Plant, Served, Trace, World
     from profidrive.events import ExpectationResult
 
 _SHOWN = 20
@@ -50,7 +51,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     group.addoption(
         "--profidrive-interface",
         metavar="IFACE",
-        help="network interface of real drives, for the fixture profidrive_network",
+        help="network interface: of real drives for the fixture profidrive_network, for virtual ones of served_plant",
     )
     group.addoption(
         "--profidrive-allow-motion",
@@ -133,6 +134,27 @@ def world(plant: Plant) -> World:
 def virtual_network(world: World) -> Network:
     """The network of the plant, for code under test: in virtual time, without root and without a sleep."""
     return world.network
+
+
+@pytest.fixture
+def served_plant(request: pytest.FixtureRequest, plant: Plant) -> Iterator[Served]:
+    """The drives of the plant on the interface of `--profidrive-interface`, in real time, for a controller.
+
+    Without an interface, or without permission for raw sockets, its tests are skipped.
+    """
+    from profidrive.errors import PermissionMissing
+
+    interface = request.config.getoption("--profidrive-interface")
+    if interface is None:
+        pytest.skip("it puts drives on a network: --profidrive-interface IFACE")
+    served = plant.serve(interface)
+    try:
+        served.__enter__()
+    except PermissionMissing as error:
+        pytest.skip(f"{error}; {error.hint}")
+    with ExitStack() as stack:
+        stack.push(served.__exit__)
+        yield served
 
 
 @pytest.fixture(scope="session")

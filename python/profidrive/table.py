@@ -22,11 +22,15 @@ class Table:
     as it is, without a copy. `t["speed"]` is a read-only numpy array of the same memory.
     """
 
-    __slots__ = ("_table", "_write")
+    __slots__ = ("_look", "_write")
 
-    def __init__(self, table: _profidrive.Table, write: Callable[[str], None]) -> None:
-        self._table = table
+    def __init__(self, look: Callable[[], _profidrive.Table], write: Callable[[str], None]) -> None:
+        self._look = look
         self._write = write
+
+    @property
+    def _table(self) -> _profidrive.Table:
+        return self._look()
 
     @property
     def columns(self) -> tuple[str, ...]:
@@ -58,12 +62,13 @@ class Table:
             import numpy
         except ImportError as error:
             raise UnsupportedError("columns as arrays need numpy", hint='pip install "profidrive[numpy]"') from error
+        table = self._table
         if column == "wall":
-            return numpy.full(len(self), "NaT", "M8[ns]")
+            return numpy.full(len(table), "NaT", "M8[ns]")
         if column == "gap":
-            return numpy.array(self._table.bits(column), bool)
-        numbers = numpy.asarray(self._table.column(column))
-        texts = self._table.texts(column)
+            return numpy.array(table.bits(column), bool)
+        numbers = numpy.asarray(table.column(column))
+        texts = table.texts(column)
         return numpy.array(texts)[numbers] if texts else numbers
 
     def __arrow_c_stream__(self, requested_schema: object = None) -> object:

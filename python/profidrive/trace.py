@@ -64,7 +64,8 @@ class Trace:
     @cached_property
     def samples(self) -> Table:
         """Words and quantities of the drives at each time at which they changed."""
-        return Table(self._trace.samples(self._drive), self.write)
+        samples = self._trace.samples(self._drive)
+        return Table(lambda: samples, self.write)
 
     def of(self, drive: str) -> Trace:
         """Returns what the trace has of one drive."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from enum import IntEnum
 from os import PathLike
-from typing import TYPE_CHECKING, Protocol, TypeAlias, runtime_checkable
+from typing import TYPE_CHECKING, NamedTuple, Protocol, TypeAlias, runtime_checkable
 
 if TYPE_CHECKING:
     from datetime import timedelta
@@ -53,6 +53,14 @@ class State(IntEnum):
         return f"{self.name} {self.text}"
 
 
+class CycleStats(NamedTuple):
+    """Frames of a connection."""
+
+    received: int
+    missed: int
+    """Lost between them, by their counter."""
+
+
 _STATES = {
     State.S1: "switching on inhibited",
     State.S2: "ready for switching on",
@@ -61,4 +69,4 @@ _STATES = {
     State.S5: "switching off",
 }
 
-__all__ = ["Duration", "HasUnits", "Path", "State", "Value"]
+__all__ = ["CycleStats", "Duration", "HasUnits", "Path", "State", "Value"]

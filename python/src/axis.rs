@@ -3,7 +3,7 @@
 use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
 use std::time::Duration;
 
-use client::{AxisStatus, Drive, StopHandle};
+use client::{AxisStatus, Drive, ErrorKind, StopHandle};
 use profidrive::motion::{
     self, AxisState, Control, Event, HeldAxis, Hold, MotionError, Observer, Report, Speed,
 };
@@ -12,10 +12,11 @@ use profile::notation::Quantity;
 use profile::state::Mode;
 use pyo3::prelude::*;
 
-use crate::attention::{LOOK, wait};
+use crate::attention::LOOK;
 use crate::errors::{Failure, closed, of_motion};
+use crate::log::{self, Logger};
 use crate::network::{Place, locked};
-use crate::time::Span;
+use crate::time::{Span, seconds};
 use crate::trace::document;
 
 /// How an axis is taken.
@@ -98,10 +99,10 @@ impl Axis {
     ) -> Result<Self, Failure> {
         let seen = Arc::new(Mutex::new(None));
         let shown = Arc::clone(&seen);
-        let observer = Observer::new(move |event| {
-            if let Event::Sample(status) = event {
-                *locked(&shown) = Some(*status);
-            }
+        let label = drive.label();
+        let observer = Observer::new(move |event| match event {
+            Event::Sample(status) => *locked(&shown) = Some(*status),
+            other => log::of_motion(&label, other),
         });
         let hold = wanted.hold(caller, drive).await;
         let hold = hold.map_err(|error| of_motion(&error))?;
@@ -127,9 +128,24 @@ impl Axis {
         Ok((at_work, locked(&self.held)))
     }
 
+    /// Ends the call of another thread that moves it, by a stop.
+    fn end_other(&self, py: Python<'_>, quick: bool) -> PyResult<()> {
+        while free(&self.at_work).is_none() {
+            if quick {
+                self.stop.quick_stop();
+            } else {
+                self.stop.stop();
+            }
+            py.detach(|| std::thread::sleep(LOOK));
+            py.check_signals()?;
+        }
+        Ok(())
+    }
+
     fn call<T: Send>(
         &self,
         py: Python<'_>,
+        what: &str,
         work: impl AsyncFnOnce(&mut HeldAxis) -> Result<T, MotionError> + Send,
     ) -> PyResult<T> {
         py.detach(|| {
@@ -137,9 +153,12 @@ impl Axis {
             let held = held.as_mut().ok_or_else(released)?;
             self.place.goes_on();
             self.requests.clear();
-            wait(&self.requests, async {
+            self.place.joined.wait(&self.requests, async {
                 let done = work(held).await;
-                done.map_err(|error| of_motion(&error).about(&held.drive().label()))
+                let done = done.map_err(|error| of_motion(&error).about(&held.drive().label()));
+                let what = format_args!("{}: {what}", held.drive().label());
+                log::call(Logger::Axis, what, &done, true);
+                done
             })
         })
     }
@@ -148,9 +167,10 @@ impl Axis {
     fn motion(
         &self,
         py: Python<'_>,
+        what: &str,
         work: impl AsyncFnOnce(&mut HeldAxis) -> Result<Report, MotionError> + Send,
     ) -> PyResult<String> {
-        Ok(document(&self.call(py, work)?)?)
+        Ok(document(&self.call(py, what, work)?)?)
     }
 }
 
@@ -169,11 +189,36 @@ fn released() -> Failure {
 
 #[pymethods]
 impl Axis {
+    /// Stops it. While another thread moves it, that call ends first.
+    fn stop(&self, py: Python<'_>, quick: bool, timeout: Option<Span>) -> PyResult<String> {
+        let timeout = timeout.map(|timeout| timeout.read()).transpose()?;
+        self.end_other(py, quick)?;
+        let Some(timeout) = timeout else {
+            return self.motion(py, "stop", async move |axis| axis.bring_to_rest(quick).await);
+        };
+        let rests = self.call(py, "stop", async move |axis| {
+            axis.rest_within(quick, timeout).await
+        })?;
+        let late = || {
+            let text = format!(
+                "the axis is not at rest after {} s; it goes on stopping",
+                seconds(timeout)
+            );
+            Failure::new(ErrorKind::NotReached, text)
+        };
+        Ok(document(&rests.ok_or_else(late)?)?)
+    }
+
+    /// Requests that the call which moves it ends; it is stopped along its ramp.
+    fn interrupt(&self) {
+        self.requests.request();
+    }
+
     /// Turns at a speed, for some time or until another call.
     fn run(&self, py: Python<'_>, speed: &str, lasts: Option<Span>) -> PyResult<String> {
         let speed = Wanted::speed(speed)?;
         let lasts = lasts.map(|lasts| lasts.read()).transpose()?;
-        self.motion(py, async move |axis| {
+        self.motion(py, "run", async move |axis| {
             let speed = axis.in_rpm(speed).await?;
             axis.turn(speed, lasts).await
         })
@@ -183,7 +228,7 @@ impl Axis {
     fn jog(&self, py: Python<'_>, speed: Option<&str>, lasts: Span) -> PyResult<String> {
         let speed = speed.map(Wanted::speed).transpose()?;
         let lasts = lasts.read()?;
-        self.motion(py, async move |axis| {
+        self.motion(py, "jog", async move |axis| {
             let speed = match speed {
                 Some(speed) => Some(axis.in_rpm(speed).await?),
                 None => None,
@@ -215,7 +260,7 @@ impl Axis {
             .and_then(|wanted| wanted.with_ramps(acceleration.as_ref(), deceleration.as_ref()));
         let order = wanted.map_err(|error| of_motion(&error))?.order;
         let timeout = timeout.map(|timeout| timeout.read()).transpose()?;
-        self.motion(py, async move |axis| {
+        self.motion(py, "move", async move |axis| {
             if waits {
                 return axis.travel(&order, timeout).await;
             }
@@ -226,38 +271,32 @@ impl Axis {
 
     fn home(&self, py: Python<'_>, timeout: Span) -> PyResult<String> {
         let timeout = timeout.read()?;
-        self.motion(py, async move |axis| axis.find_home(timeout).await)
+        self.motion(py, "home", async move |axis| axis.find_home(timeout).await)
     }
 
-    fn task(&self, py: Python<'_>, number: u16, timeout: Span) -> PyResult<String> {
+    /// Carries out a motion task. Where it does not wait it returns once the drive has accepted it.
+    fn task(&self, py: Python<'_>, number: u16, waits: bool, timeout: Span) -> PyResult<String> {
         let timeout = timeout.read()?;
-        self.motion(py, async move |axis| axis.carry_out(number, timeout).await)
-    }
-
-    /// Stops it. While another thread moves it, that call ends first.
-    fn stop(&self, py: Python<'_>, quick: bool) -> PyResult<String> {
-        while free(&self.at_work).is_none() {
-            if quick {
-                self.stop.quick_stop();
-            } else {
-                self.stop.stop();
+        self.motion(py, "task", async move |axis| {
+            if waits {
+                return axis.carry_out(number, timeout).await;
             }
-            py.detach(|| std::thread::sleep(LOOK));
-            py.check_signals()?;
-        }
-        self.motion(py, async move |axis| axis.bring_to_rest(quick).await)
+            axis.set_out_task(number).await?;
+            Ok(Report::default())
+        })
     }
 
     fn ack(&self, py: Python<'_>) -> PyResult<()> {
-        self.call(py, async |axis| Ok(axis.acknowledge().await?))
+        self.call(py, "ack", async |axis| Ok(axis.acknowledge().await?))
     }
 
     fn keep_alive(&self, py: Python<'_>) -> PyResult<()> {
-        self.call(py, async |axis| Ok(axis.keep_alive().await?))
+        self.call(py, "keep alive", async |axis| Ok(axis.keep_alive().await?))
     }
 
     /// Brings it to rest and gives control back; its report as JSON. After an interrupt the next one makes it a quick stop.
     fn release(&self, py: Python<'_>, is_interrupted: bool) -> PyResult<String> {
+        self.end_other(py, is_interrupted)?;
         py.detach(|| {
             let (_at_work, mut held) = self.work()?;
             let held = held.take().ok_or_else(released)?;
@@ -267,7 +306,7 @@ impl Axis {
                 self.requests.request();
             }
             let drive = held.drive().label();
-            let report = wait(&self.requests, async {
+            let report = self.place.joined.wait(&self.requests, async {
                 let done = held.release().await;
                 done.map_err(|error| of_motion(&error).about(&drive))
             })?;

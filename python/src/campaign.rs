@@ -1,34 +1,41 @@
 //! Many runs of one plant.
 
+use std::path::PathBuf;
 use std::time::Instant as Clock;
 
-use ::plant::{Bounds, Campaign as Runs, CampaignError, Distribution, DistributionError};
+use ::plant::{Bounds, Campaign as Source, CampaignError, Distribution, DistributionError};
 use client::ErrorKind;
 use profidrive::Explained as _;
+use profidrive::recording::{MeasuredRun, Runs as Table};
 use profile::notation::Quantity;
 use pyo3::prelude::*;
-use serde_json::{Value, json};
+use pyo3::types::PyBytes;
 
 use crate::attention::LOOK;
 use crate::errors::{Failure, explained};
 use crate::plant::Plant;
+use crate::table::unwritten;
 use crate::time::{Span, seconds};
 
 /// A campaign: a run depends on nothing but it and a seed.
 #[pyclass(frozen, module = "profidrive._profidrive")]
 pub struct Campaign {
-    runs: Runs,
+    runs: Source,
 }
 
-/// How a value varies: its path, the name of a distribution, and the numbers of that.
-type Varied = (String, String, Vec<String>);
+/// How a value varies: its path, the name of a distribution, the numbers of that, and which of a list it is.
+type Varied = (String, String, Vec<String>, Option<usize>);
 
-fn distribution(kind: &str, values: &[String]) -> Result<Distribution, Failure> {
+fn distribution(kind: &str, values: &[String], place: Option<usize>) -> Result<Distribution, Failure> {
     let unread = |error: &dyn std::fmt::Display| Failure::usage(error.to_string());
     if kind == "choice" {
         let values = values.iter().map(|value| serde_json::from_str(value));
         let values: Result<Vec<toml::Value>, _> = values.collect();
-        return Ok(Distribution::Choice(values.map_err(|error| unread(&error))?));
+        let values = values.map_err(|error| unread(&error))?;
+        return Ok(match place {
+            Some(place) => Distribution::Listed { values, place },
+            None => Distribution::Choice(values),
+        });
     }
     let quantity = |place: usize| {
         let text = values.get(place).map_or("", String::as_str);
@@ -60,9 +67,9 @@ fn failed(error: &CampaignError) -> Failure {
 impl Campaign {
     #[new]
     fn new(plant: &Plant, until: Option<Span>, vary: Vec<Varied>) -> PyResult<Self> {
-        let mut runs = Runs::new(plant.source.clone());
-        for (path, kind, values) in vary {
-            let drawn = distribution(&kind, &values)?;
+        let mut runs = Source::new(plant.source.clone());
+        for (path, kind, values, place) in vary {
+            let drawn = distribution(&kind, &values, place)?;
             runs = runs.vary(path, drawn);
         }
         if let Some(until) = until {
@@ -71,37 +78,24 @@ impl Campaign {
         Ok(Self { runs })
     }
 
-    /// Runs the plant with each of these seeds; a JSON list. Results of expectations are with those runs in which one failed.
-    fn run(&self, py: Python<'_>, seeds: Vec<u64>) -> PyResult<String> {
-        let mut rows = Vec::new();
+    /// Runs the plant with each of these seeds, which come with what was measured of their runs.
+    fn run(&self, py: Python<'_>, seeds: Vec<(u64, Vec<(String, f64)>)>) -> PyResult<Runs> {
+        let mut runs = Vec::new();
         let mut looked = Clock::now();
-        for seed in seeds {
+        for (seed, measures) in seeds {
             let begin = Clock::now();
             let run = py
                 .detach(|| self.runs.run(seed))
                 .map_err(|error| failed(&error))?;
-            let lost: Vec<_> = run.results.iter().filter(|result| !result.is_met()).collect();
-            let failed: Vec<_> = lost.iter().map(|result| &result.name).collect();
-            let variables: Value = run
-                .variables
-                .iter()
-                .cloned()
-                .map(|(path, value)| (path, json!(value)))
-                .collect();
-            rows.push(json!({
-                "seed": seed,
-                "variables": variables,
-                "failed": failed,
-                "results": lost,
-                "digest": run.digest,
-                "wall": seconds(begin.elapsed()),
-            }));
+            let wall = seconds(begin.elapsed());
+            runs.push(MeasuredRun { run, measures, wall });
             if looked.elapsed() >= LOOK {
                 looked = Clock::now();
                 py.check_signals()?;
             }
         }
-        Ok(Value::from(rows).to_string())
+        let table = Table::new(&self.runs, &runs);
+        Ok(Runs(table.map_err(|error| Failure::usage(error.to_string()))?))
     }
 
     /// The smallest plant in which an expectation of a run still fails, found within a time of this computer; what fails in
@@ -139,5 +133,68 @@ impl Campaign {
     fn plant(&self, seed: u64) -> PyResult<Plant> {
         let (source, _) = self.runs.plant(seed).map_err(|error| failed(&error))?;
         Ok(Plant { source })
+    }
+}
+
+/// Runs in columns.
+#[pyclass(frozen, module = "profidrive._profidrive")]
+pub struct Runs(Table);
+
+fn unfit(error: &dyn std::fmt::Display) -> Failure {
+    Failure::internal(error)
+}
+
+#[pymethods]
+impl Runs {
+    #[staticmethod]
+    fn from_ipc(octets: &[u8]) -> PyResult<Self> {
+        Ok(Self(Table::from_ipc(octets).map_err(|error| unfit(&error))?))
+    }
+
+    /// Reads a file of a part.
+    #[staticmethod]
+    fn read(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
+        let read = py.detach(|| Table::read(&path));
+        Ok(Self(read.map_err(|error| unwritten(&path, &error))?))
+    }
+
+    /// Chosen rows of many parts, by their numbers as if all parts were one.
+    #[staticmethod]
+    fn of_parts(py: Python<'_>, parts: Vec<PyRef<'_, Self>>, rows: Vec<u64>) -> PyResult<Self> {
+        let parts: Vec<_> = parts.iter().map(|part| part.0.clone()).collect();
+        let whole = py.detach(|| Table::of_parts(&parts, &rows));
+        Ok(Self(whole.map_err(|error| Failure::usage(error.to_string()))?))
+    }
+
+    fn to_ipc<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        let octets = py.detach(|| self.0.to_ipc()).map_err(|error| unfit(&error))?;
+        Ok(PyBytes::new(py, &octets))
+    }
+
+    /// Writes them to a new file of a part.
+    fn write(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
+        let written = py.detach(|| self.0.write(&path));
+        Ok(written.map_err(|error| unwritten(&path, &error))?)
+    }
+
+    fn __len__(&self) -> usize {
+        self.0.columns().num_rows()
+    }
+
+    fn seeds(&self) -> Vec<u64> {
+        self.0.seeds()
+    }
+
+    fn failures(&self) -> Vec<usize> {
+        self.0.failures()
+    }
+
+    /// A row as a JSON object.
+    fn row(&self, place: usize) -> Option<String> {
+        self.0.row(place).map(|row| row.to_string())
+    }
+
+    fn table(&self) -> crate::table::Table {
+        crate::table::Table::new(self.0.columns().clone())
     }
 }

@@ -77,6 +77,12 @@ impl Failure {
     }
 }
 
+impl std::fmt::Display for Failure {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.message)
+    }
+}
+
 /// An error of the library.
 pub fn explained(error: &dyn Explained) -> Failure {
     let advice = error.advice();

@@ -1,7 +1,9 @@
 //! Networks, real ones and those of plants: the calls of a client.
 
 use std::collections::HashMap;
+use std::future::poll_fn;
 use std::net::Ipv4Addr;
+use std::pin::{Pin, pin};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak, mpsc};
 use std::time::{Duration, Instant as Clock};
 
@@ -9,14 +11,15 @@ use client::{Drive, DriveAddress, ErrorKind};
 use profidrive::addressing::{self, AddressingError, NewAddress, NewName};
 use profidrive::fleet::{self, Member, Selected};
 use profidrive::recording::{Every, Request};
-use profidrive::{Access, Caller, DriveError, IpSuite, Opening, Selector, StopRequests, scan};
+use profidrive::{Access, Caller, DriveError, IpSuite, Opening, Selector, StopRequests, Wait as _, scan};
 use pyo3::exceptions::PyBaseException;
 use pyo3::prelude::*;
 use serde_json::json;
 
-use crate::attention::{LOOK, Signals, wait};
+use crate::attention::{self, LOOK, Signals};
 use crate::axis::{Axis, Wanted};
 use crate::errors::{Failure, closed, explained, of_client, of_drive, of_open};
+use crate::log::{self, Logger};
 use crate::recording::{Recording, record};
 use crate::time::Span;
 use crate::trace::document;
@@ -29,6 +32,8 @@ pub const STOP: Duration = Duration::from_secs(10);
 /// The networks that are open.
 static OPEN: Mutex<Vec<Weak<Joined>>> = Mutex::new(Vec::new());
 
+type Task = Pin<Box<dyn Future<Output = ()> + Send>>;
+
 pub fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
@@ -37,19 +42,26 @@ pub fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 pub struct Joined {
     network: Mutex<Option<profidrive::Network>>,
     caller: Caller,
+    /// For the first answer to each call; `None` for the usual time.
+    timeout: Option<Duration>,
     opening: Opening,
     drives: Mutex<HashMap<String, Drive>>,
+    /// What goes on beside the calls that wait. On a real network it has threads of its own; in a plant time passes for it only
+    /// while a call waits.
+    beside: Mutex<Vec<Task>>,
     /// The process that opened it: a copy of that has no thread that carries it.
     process: u32,
 }
 
 impl Joined {
-    fn new(network: profidrive::Network, opening: Opening) -> Arc<Self> {
+    fn new(network: profidrive::Network, opening: Opening, timeout: Option<Duration>) -> Arc<Self> {
         let joined = Arc::new(Self {
             caller: Caller::clone(&network),
+            timeout,
             network: Mutex::new(Some(network)),
             opening,
             drives: Mutex::default(),
+            beside: Mutex::default(),
             process: std::process::id(),
         });
         let mut open = locked(&OPEN);
@@ -61,7 +73,7 @@ impl Joined {
     /// Joins a plant.
     pub fn in_plant(held: &Held) -> Result<Arc<Self>, Failure> {
         let network = held.running.join(None).map_err(|error| of_open(&error))?;
-        Ok(Self::new(network, Opening::new(Access::Cyclic)))
+        Ok(Self::new(network, Opening::new(Access::Cyclic), None))
     }
 
     /// Fails where the network cannot be used any more.
@@ -83,14 +95,33 @@ impl Joined {
     pub fn caller(&self, requests: &StopRequests) -> Caller {
         let mut caller = self.caller.clone();
         caller.obey(requests);
+        if let Some(timeout) = self.timeout {
+            caller.expect_first_answer_within(timeout);
+        }
         caller
+    }
+
+    /// Waits for a call; what goes on beside the calls of a plant goes on.
+    pub fn wait<T>(
+        &self,
+        requests: &StopRequests,
+        call: impl Future<Output = Result<T, Failure>>,
+    ) -> PyResult<T> {
+        let mut call = pin!(call);
+        attention::wait(
+            requests,
+            poll_fn(|context| {
+                locked(&self.beside).retain_mut(|task| task.as_mut().poll(context).is_pending());
+                call.as_mut().poll(context)
+            }),
+        )
     }
 
     /// Lets time pass; the connections go on.
     pub fn pass(&self, time: Duration) -> PyResult<()> {
         let requests = StopRequests::default();
         let mut caller = self.caller(&requests);
-        wait(&requests, async {
+        self.wait(&requests, async {
             let passed = caller.pass(time).await;
             passed.map_err(|error| of_client(&error))
         })
@@ -102,7 +133,9 @@ impl Joined {
             return Ok(drive.clone());
         }
         let found = self.opening.find(caller, &address(name)?, &mut |_| {}).await;
-        found.map_err(|error| of_drive(&error))
+        let found = found.map_err(|error| of_drive(&error));
+        log::call(Logger::Network, format_args!("{name}: find"), &found, false);
+        found
     }
 
     /// Returns drives of these names, those that are not known found at the same time.
@@ -166,6 +199,7 @@ impl Joined {
         let Some(network) = locked(&self.network).take() else {
             return Ok(());
         };
+        log::info(Logger::Network, || "close".to_owned());
         let (done, ended) = mpsc::channel();
         std::thread::spawn(move || {
             drop(network);
@@ -245,13 +279,21 @@ pub fn leave_all(py: Python<'_>, seconds: f64) -> PyResult<()> {
 
 /// Opens a network interface, the only one there is where none is named, or the serial line of a drive. With `ip` only UDP.
 #[pyfunction]
-pub fn open(py: Python<'_>, interface: Option<&str>, by_ip: bool, read_only: bool) -> PyResult<Network> {
+pub fn open(
+    py: Python<'_>,
+    interface: Option<&str>,
+    by_ip: bool,
+    read_only: bool,
+    timeout: Option<Span>,
+) -> PyResult<Network> {
+    let timeout = timeout.map(|timeout| timeout.read()).transpose()?;
+    log::begin(py)?;
     let opened = py.detach(|| match interface {
         Some(line) if line.contains(':') => {
             let address = address(line)?;
             let opening = Opening::new(Access::Cyclic);
             let network = opening.open_to(&address).map_err(|error| of_open(&error))?;
-            Ok::<_, Failure>(Joined::new(network, opening))
+            Ok::<_, Failure>(Joined::new(network, opening, timeout))
         }
         interface => {
             let access = if by_ip { Access::Records } else { Access::Cyclic };
@@ -262,9 +304,11 @@ pub fn open(py: Python<'_>, interface: Option<&str>, by_ip: bool, read_only: boo
                 None => opening,
             };
             let network = opening.clone().open().map_err(|error| of_open(&error))?;
-            Ok(Joined::new(network, opening))
+            Ok(Joined::new(network, opening, timeout))
         }
     });
+    let shown = interface.unwrap_or(if by_ip { "UDP alone" } else { "the only interface" });
+    log::call(Logger::Network, format_args!("open {shown}"), &opened, true);
     Ok(Network {
         source: Source::Real(opened?),
         read_only,
@@ -280,6 +324,11 @@ pub struct Place {
 }
 
 impl Place {
+    /// Whether it is a plant in virtual time.
+    pub const fn is_plant(&self) -> bool {
+        self.held.is_some()
+    }
+
     /// A plant is about to go on.
     pub fn goes_on(&self) {
         if let Some(held) = &self.held {
@@ -345,7 +394,7 @@ impl Network {
             place.goes_on();
             let requests = StopRequests::default();
             let mut caller = place.joined.caller(&requests);
-            wait(&requests, work(&place.joined, &mut caller))
+            place.joined.wait(&requests, work(&place.joined, &mut caller))
         })
     }
 
@@ -379,7 +428,7 @@ impl Network {
             place.goes_on();
             let requests = StopRequests::default();
             let mut caller = place.joined.caller(&requests);
-            wait(&requests, async {
+            place.joined.wait(&requests, async {
                 let found = place.joined.drive(&mut caller, name).await;
                 let mut drive = found.map_err(|failure| failure.about(name))?;
                 let result = work(&mut caller, &mut drive).await;
@@ -432,14 +481,15 @@ impl Network {
         Ok(members.into_iter().map(named).collect())
     }
 
-    /// Records signals of these drives: at an interval, or with each cycle where none is given.
+    /// Records signals of these drives: at an interval, or with each cycle where none is given; for a time, or beside other calls
+    /// until it is stopped.
     fn record(
         &self,
         py: Python<'_>,
         names: Vec<String>,
         signals: Vec<String>,
         every: Option<Span>,
-        time: Span,
+        time: Option<Span>,
         most: usize,
     ) -> PyResult<Recording> {
         let every = match every {
@@ -447,13 +497,33 @@ impl Network {
             None => Every::CYCLE,
         };
         let request = Request {
-            time: Some(time.read()?),
+            time: time.map(|time| time.read()).transpose()?,
             ..Request::new(signals, every)
         };
-        self.search(py, async |joined, caller| {
+        let place = self.place()?;
+        let inside = place.clone();
+        let recorded = self.search(py, async move |joined, caller| {
             let members = joined.members(caller, &names).await?;
-            record(caller, caller.wall_clock(), members, &request, most).await
-        })
+            let waits = request.time.is_some();
+            // nothing but its end interrupts what goes on beside the calls
+            let own = joined.caller(&StopRequests::default());
+            let session = if waits { &*caller } else { &own };
+            let clock = caller.wall_clock();
+            let (recording, task) = record(inside, session, clock, members, &request, most).await?;
+            if waits {
+                task.await;
+                recording.check()?;
+                return Ok((recording, None));
+            }
+            Ok((recording, Some(task)))
+        });
+        let (recording, task) = recorded?;
+        match task {
+            Some(task) if place.is_plant() => locked(&place.joined.beside).push(Box::pin(task)),
+            Some(task) => drop(std::thread::spawn(move || task.wait())),
+            None => {}
+        }
+        Ok(recording)
     }
 
     /// Finds all stations and reads who they are; a report as JSON.

@@ -9,6 +9,8 @@ use pyo3::prelude::*;
 use serde_json::json;
 
 use crate::errors::{Failure, explained, of_world};
+use crate::log;
+use crate::served::Served;
 use crate::time::seconds;
 use crate::world::World;
 
@@ -108,9 +110,16 @@ impl Plant {
         Ok(())
     }
 
+    /// Runs its drives on an interface in real time; they are ready when it returns.
+    fn serve(&self, py: Python<'_>, interface: String, state: Option<PathBuf>) -> PyResult<Served> {
+        log::begin(py)?;
+        Ok(py.detach(|| Served::start(self.source.plan(), interface, state))?)
+    }
+
     /// Starts it in virtual time; `capture` is a file for the frames.
     #[pyo3(signature = (seed=None, capture=None))]
     fn start(&self, py: Python<'_>, seed: Option<u64>, capture: Option<PathBuf>) -> PyResult<World> {
+        log::begin(py)?;
         let mut plan: PlantPlan = self.source.plan().clone();
         plan.seed = seed.unwrap_or(plan.seed);
         Ok(py.detach(|| World::start(Arc::new(plan), capture))?)

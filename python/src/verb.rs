@@ -16,6 +16,7 @@ use pyo3::prelude::*;
 use serde_json::json;
 
 use crate::errors::{Failure, explained, of_client, of_motion};
+use crate::log::{self, Logger};
 use crate::network::STOP;
 use crate::trace::document;
 use crate::words::Calls;
@@ -154,10 +155,30 @@ impl Verb {
         }
     }
 
+    /// What it is, for the log.
+    const fn name(&self) -> &'static str {
+        match self.0 {
+            What::Read(_) => "read",
+            What::Write(..) => "write",
+            What::Describe(_) => "describe",
+            What::List(_) => "parameters",
+            What::Identity => "identity",
+            What::Status => "status",
+            What::Faults { .. } => "faults",
+            What::Acknowledge { .. } => "ack",
+            What::Stop(_) => "stop",
+            What::Backup => "backup",
+            What::Diff(..) => "diff",
+            What::Restore(..) => "restore",
+        }
+    }
+
     /// Does it.
     pub async fn carry_out(&self, session: &mut Session, drive: &mut Drive) -> Result<String, Failure> {
         let label = drive.label();
         let done = self.done(session, drive).await;
+        let what = format_args!("{label}: {}", self.name());
+        log::call(Logger::Network, what, &done, self.changes());
         done.map_err(|failure| failure.about(&label))
     }
 

@@ -4,7 +4,9 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, Weak};
 use std::time::{Duration, Instant as Clock};
 
-use ::plant::{Observed as _, ObservedQuantity, PlantEvent, PlantPlan, Trace as Kept, WorldError};
+use ::plant::{
+    Event, Goal, NotMet, Observed as _, ObservedQuantity, PlantEvent, PlantPlan, Trace as Kept, WorldError,
+};
 use network::files::create;
 use network::pcap::Writer;
 use profidrive::{Instant, Running};
@@ -13,10 +15,14 @@ use serde_json::json;
 
 use crate::attention::LOOK;
 use crate::errors::{Failure, explained, of_world};
+use crate::log;
 use crate::network::{Joined, Network, locked};
 use crate::table::unwritten;
 use crate::time::{Span, seconds};
 use crate::trace::{Cell, Trace, event, fill, inline, lost, results};
+
+/// Virtual time that passes at least between two looks at a goal while something has joined.
+const TICK: Duration = Duration::from_micros(250);
 
 /// Virtual time that passes at least between two looks at the signals of Python.
 const STRIDE: Duration = Duration::from_millis(100);
@@ -64,13 +70,30 @@ impl Held {
         Ok(self.running.with_world(|world| {
             while begin.elapsed() < LOOK {
                 let until = (world.now() + STRIDE).min(end);
-                world.run_until(until, &mut drop);
+                world.run_until(until, &mut log::of_plant);
                 if world.now() >= end {
                     return true;
                 }
             }
             false
         }))
+    }
+}
+
+impl Held {
+    /// Runs until a goal is met. What has joined the plant is carried along.
+    fn run_until_met(&self, goal: &Goal, timeout: Duration) -> PyResult<Result<Event, NotMet>> {
+        let running = &self.running;
+        let joined = locked(&self.joined).clone();
+        let Some(joined) = joined.filter(|joined| joined.is_open()) else {
+            let run = |world: &mut ::plant::World| world.run_until_met(goal, timeout, &mut log::of_plant);
+            return Ok(running.with_world(run));
+        };
+        let mut pursuit = running.with_world(|world| world.pursue(goal, timeout));
+        while let Some(time) = running.with_world(|world| world.pursues(&mut pursuit)) {
+            joined.pass(time.max(TICK))?;
+        }
+        Ok(running.with_world(|world| world.end_pursuit(&pursuit, None)))
     }
 }
 
@@ -87,6 +110,7 @@ impl World {
         let running = Running::start(plan).map_err(|error| explained(&error))?;
         running.with_world(|world| {
             world.keep_trace(Kept::USUAL_LIMIT);
+            world.observe(log::of_plant);
             if let Some(tap) = tap {
                 world.add_tap(Box::new(tap));
             }
@@ -172,10 +196,8 @@ impl World {
         let timeout = timeout.read()?;
         let met = py.detach(|| {
             self.held.goes_on();
-            self.held
-                .running
-                .with_world(|world| world.run_until_met(&goal, timeout, &mut drop))
-        });
+            self.held.run_until_met(&goal, timeout)
+        })?;
         let met = met.map_err(|error| lost(&error, &error.0))?;
         Ok(event(&met)?)
     }

@@ -8,19 +8,21 @@ import warnings
 
 import pytest
 
-from profidrive import Drive, Plant, State, World
+from profidrive import Drive, Plant, State, Stw1, World, Zsw1
 from profidrive.errors import (
     AxisFault,
     ConnectionLost,
+    ExpectationFailed,
     InterruptedCall,
     MisuseError,
+    NotReached,
     ProfidriveError,
     RefusedError,
     SafetyError,
     UnsupportedError,
     UsageError,
 )
-from profidrive.events import ParameterWritten, Released
+from profidrive.events import ParameterWritten, Released, StateChanged
 
 from .conftest import output_when_interrupted
 
@@ -63,6 +65,38 @@ def test_motions_follow_each_other(world: World, akd: Drive) -> None:
     assert released.time > 1
 
 
+def test_an_axis_is_kept_while_a_world_runs_until_something(world: World, akd: Drive) -> None:
+    recording = akd.record("p922", every="100ms")
+    with pytest.raises(AxisFault), akd.control(max_speed="1000rpm", lease="30s") as axis:
+        axis.run("300rpm")
+        with pytest.raises(ExpectationFailed):
+            world.run_until("akd-1", speed=0, tolerance="1rpm", timeout="2s")
+        assert world["akd-1"].speed == pytest.approx(300, abs=5)
+        world["akd-1"].inject("fault=439")
+        raised = world.run_until("akd-1", state="S1", timeout="100ms")
+        assert isinstance(raised, StateChanged)
+        assert [fault.number for fault in world["akd-1"].faults] == [439]
+        axis.run("300rpm", for_="1s")
+    recording.stop()
+    assert len(recording) > 20
+    assert recording.gaps() == ()
+
+
+def test_a_stop_that_takes_too_long_goes_on(world: World, akd: Drive) -> None:
+    akd.write({"DRV.DEC": "100rpm/s"})
+    with akd.control(max_speed="1000rpm") as axis:
+        axis.run("600rpm")
+        with pytest.raises(NotReached, match=r"0\.5 s"):
+            axis.stop(timeout="500ms")
+        slower = world["akd-1"].speed
+        assert 500 < slower < 600
+        assert axis.zsw1 is not None
+        assert Zsw1.NO_OFF2 in axis.zsw1
+        assert Stw1.CTRL_PLC in world["akd-1"].stw1
+        assert axis.stop(timeout="20s").reached
+    assert_at_rest(world)
+
+
 def test_positions_need_the_mode_and_put_it_back(world: World, akd: Drive) -> None:
     with pytest.raises(SafetyError) as wrong, akd.control(max_speed="600rpm", mode="position"):
         pass
@@ -86,6 +120,8 @@ def test_positions_need_the_mode_and_put_it_back(world: World, akd: Drive) -> No
         assert world["akd-1"].speed == pytest.approx(300, abs=10)
         with pytest.raises((SafetyError, RefusedError, UsageError, UnsupportedError)):
             axis.task(77)
+        with pytest.raises((SafetyError, RefusedError, UsageError, UnsupportedError)):
+            axis.task(77, wait=False)
         with pytest.raises(SafetyError) as wrong:
             axis.run(100)
         assert wrong.value.rule == "mode"

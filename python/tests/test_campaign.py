@@ -4,16 +4,20 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import signal
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from multiprocessing import get_context
 from pathlib import Path
 
+import polars
+import pyarrow
 import pytest
+from pyarrow import ipc, parquet
 
-from profidrive import Plant, Trace, choice, log_uniform, normal, sweep, uniform
+from profidrive import Plant, Trace, build_info, choice, log_uniform, normal, sweep, uniform
 from profidrive.campaign import Distribution, Progress, Row, _jobs, _run
 from profidrive.errors import UsageError
 from profidrive.events import FaultRaised
@@ -48,7 +52,12 @@ def plant() -> Plant:
     return Plant.from_file(PRESS)
 
 
-def same(rows: Iterator[Row] | list[Row]) -> list[tuple[object, ...]]:
+def seeds_of(folder: Path) -> list[int]:
+    """The seeds of the runs that a folder has."""
+    return [seed for file in folder.glob("*.parquet") for seed in parquet.read_table(file)["seed"].to_pylist()]
+
+
+def same(rows: Iterable[Row]) -> list[tuple[object, ...]]:
     return [(row.seed, dict(row.variables), row.failed, dict(row.measures), row.digest) for row in rows]
 
 
@@ -67,11 +76,11 @@ def test_rows_do_not_depend_on_the_executor_or_the_size_of_chunks(plant: Plant, 
     assert (seen[-1].done, seen[-1].total) == (24, 24)
     with ThreadPoolExecutor(2) as threads:
         second = sweep(PRESS, seeds=range(12), vary=vary, until="6s", measure=highest, executor=threads)
-    assert same(list(first)) == same(list(second))
+    assert same(first) == same(second)
     frictions = {row.variables["drive.press-1.load.friction"] for row in first}
     assert len(frictions) == 12, "of a seed it is the same for each value of the list"
     assert {row.variables["drive.press-1.load.inertia"] for row in first} == {0.001, 0.002}
-    columns = first.columns
+    columns = pyarrow.table(first).to_pydict()
     assert columns["seed"] == [*range(12), *range(12)]
     assert len(columns["highest"]) == 24
 
@@ -104,6 +113,7 @@ event = [{ at = "1s", do = "warning=107" }]
     result = sweep(Plant.from_toml(LOSSY + extra), seeds=range(40), vary=vary, executor=pool)
     small = result.failures[0].shrink()
     assert small.is_smallest
+    assert result.failures[0].shrink(executor=pool).plant.to_toml() == small.plant.to_toml()
     assert small.reason.startswith("akd-1: no fault: not met")
     small.save(tmp_path / "repro.toml")
     saved = Plant.from_file(tmp_path / "repro.toml")
@@ -126,7 +136,7 @@ def test_every_distribution_is_within_its_bounds(plant: Plant) -> None:
     }
     for way in ways.values():
         [job] = _jobs(plant, "10ms", {path: way}, None)
-        values = {row["variables"][path] for row in _run(job, range(30))}
+        values = set(ipc.open_stream(_run(job, range(30))).read_all()[path].to_pylist())
         assert len(values) == (2 if way.kind == "choice" else 30)
     with pytest.raises(UsageError, match="not below"):
         sweep(plant, seeds=[1], vary={path: uniform(2, 1)})
@@ -147,14 +157,14 @@ def test_a_sweep_goes_on_where_it_ended(plant: Plant, tmp_path: Path) -> None:
     with Ends(1) as pool, pytest.raises(BrokenProcessPool):
         sweep(plant, seeds=range(20), until="1s", executor=pool, chunk=4, in_flight=1, out=tmp_path)
     assert not (tmp_path / "manifest.json").exists()
-    kept = [row["seed"] for file in tmp_path.glob("*.json") for row in json.loads(file.read_text())]
+    kept = seeds_of(tmp_path)
     assert len(kept) == len(set(kept)) > 0
     asked: list[Progress] = []
     with ThreadPoolExecutor(1) as threads:
         whole = sweep(plant, seeds=range(20), until="1s", executor=threads, chunk=4, out=tmp_path, progress=asked.append)
         alone = sweep(plant, seeds=range(20), until="1s", executor=threads)
     assert asked[0].done > len(kept)
-    assert same(list(whole)) == same(list(alone))
+    assert same(whole) == same(alone)
     assert json.loads((tmp_path / "manifest.json").read_text())["runs"] == 20
 
 
@@ -173,7 +183,7 @@ def kills_at_seven(trace: Trace) -> dict[str, float]:
 def test_a_task_that_fails_is_repeated_and_divided(plant: Plant, tmp_path: Path) -> None:
     with ThreadPoolExecutor(2) as pool, pytest.raises(RuntimeError, match="seed 7"):
         sweep(plant, seeds=range(10), until="100ms", measure=dies_at_seven, executor=pool, chunk=10, out=tmp_path)
-    done = {row["seed"] for file in tmp_path.glob("*.json") for row in json.loads(file.read_text())}
+    done = set(seeds_of(tmp_path))
     assert 7 not in done
     assert done >= {0, 1, 2, 3, 4}
 
@@ -182,14 +192,14 @@ def test_a_killed_worker_loses_nothing_that_is_done(plant: Plant, tmp_path: Path
     spawn = get_context("spawn")
     with ProcessPoolExecutor(2, mp_context=spawn) as pool, pytest.raises(BrokenProcessPool):
         sweep(plant, seeds=range(10), until="100ms", measure=kills_at_seven, executor=pool, chunk=2, out=tmp_path, in_flight=1)
-    done = [row["seed"] for file in tmp_path.glob("*.json") for row in json.loads(file.read_text())]
+    done = seeds_of(tmp_path)
     assert sorted(done) == [0, 1, 2, 3, 4, 5]
 
 
 def test_a_worker_with_another_version_is_refused(plant: Plant) -> None:
     [job] = _jobs(plant, "10ms", {}, None)
     other = type(job)(job.text, job.until, job.vary, None, ("0.0.1", None, "release"))
-    with pytest.raises(UsageError, match=r"0\.0\.1"):
+    with pytest.raises(UsageError, match=rf"{re.escape(build_info().version)}.*0\.0\.1"):
         _run(other, [1])
 
 
@@ -206,3 +216,33 @@ if __name__ == "__main__":
         print("ended", flush=True)
 """
     assert output_when_interrupted(program).endswith("ended\n")
+
+
+def test_a_result_is_a_table_with_typed_columns(pool: Executor, tmp_path: Path) -> None:
+    vary: dict[str, Sequence[object] | Distribution] = {
+        "drive.akd-1.event.1.at": uniform("900ms", "1100ms"),
+        "drive.akd-1.load.friction": [0, 0.1],
+    }
+    result = sweep(Plant.from_toml(LOSSY), seeds=range(10), vary=vary, executor=pool, chunk=3, out=tmp_path)
+    found = pyarrow.table(result)
+    assert found.column_names == [*result.columns]
+    types = {"seed": pyarrow.uint64(), "passed": pyarrow.bool_(), "failed": pyarrow.list_(pyarrow.string())}
+    types |= {name: pyarrow.float64() for name in (*vary, "wall")}
+    for name, kind in types.items():
+        assert found.schema.field(name).type.equals(kind), name
+    assert (result.units["drive.akd-1.event.1.at"], result.units["wall"]) == ("ms", "s")
+    assert result[0].variables["drive.akd-1.event.1.at"] == f"{found['drive.akd-1.event.1.at'][0].as_py()}ms"
+    assert [row.passed for row in result] == found["passed"].to_pylist()
+    assert result[-1].seed == 9
+    assert [row.seed for row in result[:2]] == [0, 1]
+    frame = polars.DataFrame(result)
+    assert frame.shape == found.shape
+    # the folder is the same table
+    kept = polars.read_parquet(tmp_path / "*.parquet").sort("drive.akd-1.load.friction", "seed")
+    assert kept.drop("wall").equals(frame.drop("wall"))
+    result.write(tmp_path / "whole.parquet")
+    assert parquet.read_table(tmp_path / "whole.parquet").equals(found)
+    assert "runs, " in result._repr_html_()
+    assert len(sweep(Plant.from_toml(LOSSY), seeds=[], vary=vary, executor=pool)) == 0
+    with pytest.raises(UsageError, match="empty"):
+        sweep(Plant.from_toml(LOSSY), seeds=[1], vary={"seed": []})

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import dataclasses
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -15,10 +17,11 @@ from pathlib import Path
 import pytest
 from distributed import Client
 
-from profidrive import sweep, uniform
-from profidrive.campaign import Progress, SweepResult
+from profidrive import Plant, build_info, sweep, uniform
+from profidrive.campaign import Progress, SweepResult, _jobs, _run
+from profidrive.errors import UsageError
 
-from .conftest import PRESS
+from .conftest import PRESS, output_when_interrupted
 
 
 class Cluster:
@@ -92,3 +95,21 @@ def test_rows_of_a_cluster_are_those_of_a_pool_when_a_worker_is_killed(tmp_path:
         assert rows(halved) == expected
         assert done == list(range(2, 101, 2)), "each task is counted once"
         assert len(client.scheduler_info()["workers"]) == 1
+        [job] = _jobs(Plant.from_file(PRESS), "10ms", {}, None)
+        with pytest.raises(UsageError, match=rf"{re.escape(build_info().version)}.*0\.0\.1"):
+            executor.submit(_run, dataclasses.replace(job, build=("0.0.1", None, "release")), [1]).result()
+        program = f"""
+from distributed import Client
+import profidrive
+def note(progress):
+    if progress.done == 10:
+        print("runs", flush=True)
+with Client(scheduler_file={str(tmp_path / "scheduler.json")!r}, timeout=10) as client:
+    try:
+        profidrive.sweep({str(PRESS)!r}, seeds=range(1_000_000), until="1s", chunk=5, progress=note, executor=client.get_executor())
+    except KeyboardInterrupt:
+        print("ended", flush=True)
+"""
+        assert "ended\n" in output_when_interrupted(program)
+        # the cluster goes on
+        assert rows(sweep(PRESS, seeds=range(2), vary=vary, until="6s", executor=executor, chunk=1)) == expected[:2]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import subprocess
 from pathlib import Path
 
 import pytest
@@ -10,13 +9,12 @@ import pytest
 from profidrive import gsdml
 from profidrive.errors import LocalError, UsageError
 
-from .wire import PROGRAM
-
 
 @pytest.fixture
 def akd(tmp_path: Path) -> Path:
-    subprocess.run([PROGRAM, "gsdml", "export", "--model", "akd", "-o", tmp_path], check=True, capture_output=True, timeout=30)
-    [file] = tmp_path.glob("*.xml")
+    file, *pictures = gsdml.export("akd", tmp_path)
+    assert file.suffix == ".xml"
+    assert {file, *pictures} == set(tmp_path.iterdir())
     return file
 
 
@@ -39,3 +37,14 @@ def test_a_wrong_description_has_its_problems(akd: Path) -> None:
         gsdml.load(akd)
     with pytest.raises(LocalError):
         gsdml.check(akd.with_name("none.xml"))
+
+
+def test_a_description_has_the_cycle_of_its_drive(tmp_path: Path) -> None:
+    [file] = (file for file in gsdml.export("vlt", tmp_path, min_cycle="8ms") if file.suffix == ".xml")
+    assert gsdml.check(file).sound
+    with pytest.raises(UsageError, match="akd, vlt, vacon"):
+        gsdml.export("x", tmp_path)
+    with pytest.raises(UsageError, match="3"):
+        gsdml.export("vlt", tmp_path, min_cycle="3ms")
+    with pytest.raises(LocalError):
+        gsdml.export("vlt", file)

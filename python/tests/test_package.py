@@ -40,14 +40,17 @@ def test_the_build_is_described() -> None:
     assert info.profile in ("dev", "release")
 
 
-@pytest.mark.parametrize("page", ["python/README.md", "docs/src/python.md"])
-def test_the_examples_of_the_pages_run(page: str, pytester: pytest.Pytester) -> None:
-    programs = re.findall(r"^```python\n(.*?)^```", (ROOT / page).read_text(), re.M | re.S)
+@pytest.mark.parametrize(("page", "tests"), [("python/README.md", 3), ("docs/src/python.md", 5)])
+def test_the_examples_of_the_pages_run(page: str, tests: int, pytester: pytest.Pytester) -> None:
+    text = (ROOT / page).read_text()
+    programs = re.findall(r"^```python\n(.*?)^```", text, re.M | re.S)
+    for plant in re.findall(r"^```toml\n(.*?)^```", text, re.M | re.S):
+        pytester.path.joinpath("line.toml").write_text(plant)
     pytester.path.joinpath("press.toml").write_text((ROOT / "examples/plants/press.toml").read_text())
+    pytester.path.joinpath("full.pcapng").write_bytes((ROOT / "captures/pnio-profinetpy-full.pcapng").read_bytes())
     for number, program in enumerate(programs):
         if "def test_" in program:
             pytester.makepyfile(**{f"test_page_{number}": program})
         else:
             subprocess.run([sys.executable, "-c", program], check=True, timeout=60, cwd=pytester.path)
-    # each page has one test, of three seeds
-    pytester.runpytest_subprocess("-p", "no:cacheprovider").assert_outcomes(passed=3)
+    pytester.runpytest_subprocess("-p", "no:cacheprovider").assert_outcomes(passed=tests)

@@ -7,9 +7,11 @@ import json
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from profidrive import Plant, Trace
+from profidrive import Plant, Trace, decode
 from profidrive._values import document, expectation_text, value_text
-from profidrive.errors import ProfidriveError, UsageError
+from profidrive.errors import LocalError, ProfidriveError, UsageError
+
+from .test_capture import FULL, pcap
 
 # the same cases in each run, so that a test fails for a change and not by chance
 settings.register_profile("same", derandomize=True, deadline=None, max_examples=200)
@@ -95,3 +97,25 @@ def test_numbers_travel_as_they_are(number: float) -> None:
     assert json.loads(document({"x": number}))["x"] == number
     if number >= 0:
         assert float(json.loads(expectation_text({"at": number}))["at"].removesuffix("s")) == number
+
+
+OCTETS = FULL.read_bytes()
+HEADS = st.sampled_from(
+    [b"", *(bytes.fromhex(f"020000000002 020000000001 {kind}") for kind in ("8892fefe", "8892fc01", "88cc", "0800"))]
+)
+
+
+@given(st.lists(st.tuples(HEADS, st.binary(max_size=80)), max_size=5))
+def test_any_frames_are_explained(frames: list[tuple[bytes, bytes]]) -> None:
+    for pdu in decode(pcap(*(head + rest for head, rest in frames))):
+        assert pdu.summary
+        assert pdu.tree is None or pdu.tree.name == "frame"
+
+
+@given(st.integers(0, len(OCTETS) - 1), st.binary(min_size=1, max_size=8))
+def test_any_octets_are_a_capture_or_an_error(place: int, other: bytes) -> None:
+    try:
+        for pdu in decode(OCTETS[:place] + other + OCTETS[place + len(other) :]):
+            assert pdu.summary
+    except LocalError:
+        return

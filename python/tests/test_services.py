@@ -181,3 +181,46 @@ def test_signals_are_recorded_as_a_table(world: World, tmp_path: Path) -> None:
     lost = network.select("akd-*").record("DRV.ACC", for_="60s", every="100ms").drives
     assert (lost[0].missed, lost[0].outages) == (0, 0)
     assert lost[1].missed > 100
+
+
+def test_a_recording_without_a_time_grows_beside_other_calls(world: World, tmp_path: Path) -> None:
+    drives = world.network.select("akd-*")
+    with drives.record(["p922", "DRV.ACC"], every="100ms") as recording:
+        assert recording.grows
+        world.run(for_="1s")
+        first = len(recording)
+        assert first >= 18
+        drives.write({"DRV.ACC": 5000})
+        with drives[0].control(max_speed="100rpm") as axis:
+            axis.run("60rpm", for_="1s")
+        assert len(recording) > first
+        assert len(recording["DRV.ACC"]) == len(recording)
+    assert not recording.grows
+    rows = len(recording)
+    world.run(for_="1s")
+    assert len(recording) == rows
+    assert {3000.0, 5000.0} <= set(recording["DRV.ACC"])
+    recording.stop()
+    recording.write(str(tmp_path / "run.parquet"))
+    again = drives.record("p922", every="100ms")
+    world["akd-2"].inject("cable=pulled")
+    world.run(for_="20s")
+    gaps = again.gaps()
+    assert gaps
+    assert {gap.drive for gap in gaps} == {"akd-2"}
+    assert gaps[0].time < 20
+    world.network.close()
+    again.stop()
+
+
+def test_a_recording_in_a_plant_is_the_same_each_time() -> None:
+    def recorded() -> list[tuple[object, ...]]:
+        world = Plant.of("akd").start()
+        with world.network["akd-1"].record("all", every="cycle") as recording:
+            world.run(for_="1s")
+        columns = [name for name in recording.columns if name != "wall"]
+        return list(zip(*(recording[name].tolist() for name in columns), strict=True))
+
+    first = recorded()
+    assert len(first) > 50
+    assert first == recorded()

@@ -293,3 +293,69 @@ def test_moves(profidrive_network):
     assert outcome().startswith("2 skipped")
     assert outcome("--profidrive-interface", "ctl0").startswith("1 passed, 1 skipped")
     assert outcome("--profidrive-interface", "ctl0", "--profidrive-allow-motion").startswith("2 passed")
+
+
+def test_a_plant_is_served_in_a_block_for_a_controller(wire: Wire, tmp_path: Path) -> None:
+    program = wire.start(
+        [
+            sys.executable,
+            "-W",
+            "error",
+            "-c",
+            """
+import profidrive
+from profidrive.errors import *
+from profidrive.events import FaultRaised, Injected
+
+plant = profidrive.Plant.from_toml('[[drive]]\\nname = "akd-1"\\nip = "192.168.77.50/24"')
+plant["akd-1"].inject("warning=107")
+with plant.serve("dev0") as served, profidrive.open("ctl0", timeout="5s") as network:
+    drive = network["akd-1"]
+    with drive.record("DRV.ACC", every="50ms") as recording:
+        with drive.control(max_speed="600rpm", cycle="128ms") as axis:
+            assert axis.run("300rpm", for_="500ms").reached
+    assert len(recording) > 5 and not recording.grows
+    served["akd-1"].inject("fault=439")
+    while drive.status().faults == ():
+        pass
+    assert [event.fault.number for event in served["akd-1"].events if isinstance(event, FaultRaised)] == [439]
+    assert len([event for event in served.events if isinstance(event, Injected)]) == 2
+    try:
+        served["akd-1"].inject("load=x")
+    except UsageError as error:
+        print(error)
+try:
+    plant.serve("none0").__enter__()
+except UnreachableError as error:
+    print("none0" in str(error))
+""",
+        ]
+    )
+    output, _ = program.communicate(timeout=30)
+    assert program.returncode == 0, output
+    assert output.splitlines()[-1] == "True"
+
+
+def test_the_fixture_serves_the_plant_of_a_test(wire: Wire, tmp_path: Path) -> None:
+    tests = tmp_path / "test_served.py"
+    (tmp_path / "line.toml").write_text('[[drive]]\nname = "akd-1"\nip = "192.168.77.50/24"')
+    tests.write_text(
+        """
+import profidrive
+import pytest
+
+@pytest.mark.plant("line.toml")
+def test_a_controller(served_plant):
+    with profidrive.open("ctl0") as network:
+        assert network["akd-1"].read("DRV.ACC").value == 3000
+    assert served_plant.drives == ("akd-1",)
+"""
+    )
+
+    def outcome(*options: str) -> str:
+        command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", str(tests), *options]
+        output, _ = wire.start(command).communicate(timeout=60)
+        return output.splitlines()[-1]
+
+    assert outcome().startswith("1 skipped")
+    assert outcome("--profidrive-interface", "dev0").startswith("1 passed")

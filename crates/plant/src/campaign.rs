@@ -18,6 +18,13 @@ use crate::world::World;
 pub enum Distribution {
     /// One of these values, each as often as the others.
     Choice(Vec<toml::Value>),
+    /// The value at this place of a list, in every run: the campaigns with the other values stand beside it.
+    Listed {
+        /// All values.
+        values: Vec<toml::Value>,
+        /// Which one, from 0.
+        place: usize,
+    },
     /// Any value between two, each as often as the others.
     Uniform(Bounds),
     /// Any value between two above 0, each order of magnitude as often as the others.
@@ -39,6 +46,33 @@ pub struct Bounds {
     low: f64,
     high: f64,
     unit: Option<String>,
+}
+
+/// What the values of a distribution have in common: the type of a column of them.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum ValueForm {
+    /// True and false.
+    Flag,
+    /// Whole numbers without a unit.
+    Integer,
+    /// Numbers of this unit, empty for none.
+    Number(String),
+    /// Anything else.
+    Text,
+}
+
+/// Returns the number of a value and its unit; `None` for a value that is no quantity.
+#[must_use]
+pub fn number_of(value: &toml::Value) -> Option<(f64, String)> {
+    match value {
+        toml::Value::Integer(number) => Some((*number as f64, String::new())),
+        toml::Value::Float(number) => Some((*number, String::new())),
+        toml::Value::String(text) => {
+            let quantity: Quantity = text.parse().ok()?;
+            Some((quantity.number.as_f64(), quantity.unit?))
+        }
+        _ => None,
+    }
 }
 
 /// Numbers that make no distribution.
@@ -89,6 +123,32 @@ impl Distribution {
         })
     }
 
+    /// Returns what all of its values have in common.
+    #[must_use]
+    pub fn form(&self) -> ValueForm {
+        let unit = |unit: &Option<String>| ValueForm::Number(unit.clone().unwrap_or_default());
+        let values = match self {
+            Self::Uniform(Bounds { unit: of, .. }) | Self::LogUniform(Bounds { unit: of, .. }) => {
+                return unit(of);
+            }
+            Self::Normal { unit: of, .. } => return unit(of),
+            Self::Choice(values) | Self::Listed { values, .. } => values,
+        };
+        if values.iter().all(toml::Value::is_bool) {
+            return ValueForm::Flag;
+        }
+        if values.iter().all(toml::Value::is_integer) {
+            return ValueForm::Integer;
+        }
+        let units: Option<Vec<_>> = values.iter().map(|value| Some(number_of(value)?.1)).collect();
+        match units.as_deref() {
+            Some([first, rest @ ..]) if rest.iter().all(|unit| unit == first) => {
+                ValueForm::Number(first.clone())
+            }
+            _ => ValueForm::Text,
+        }
+    }
+
     /// Returns the value for a run. It depends on the seed of the run and the path of the value alone, so that neither the order of
     /// runs nor other values change it.
     #[must_use]
@@ -99,6 +159,7 @@ impl Distribution {
                 let place = draws.share() * values.len() as f64;
                 return values.get(place as usize).cloned();
             }
+            Self::Listed { values, place } => return values.get(*place).cloned(),
             Self::Uniform(Bounds { low, high, unit }) => (low + draws.share() * (high - low), unit),
             Self::LogUniform(Bounds { low, high, unit }) => {
                 ((low.ln() + draws.share() * (high.ln() - low.ln())).exp(), unit)
@@ -237,6 +298,11 @@ impl Campaign {
         self
     }
 
+    /// Returns the paths whose values vary, with how they do.
+    pub fn varied(&self) -> impl Iterator<Item = (&str, &Distribution)> {
+        self.vary.iter().map(|(path, how)| (path.as_str(), how))
+    }
+
     /// Returns the plant of a run with this seed, and the values that vary.
     ///
     /// # Errors
@@ -327,6 +393,28 @@ mod tests {
 
     fn number(value: &toml::Value) -> f64 {
         value.as_float().unwrap()
+    }
+
+    #[test]
+    fn values_of_one_kind_have_a_form() {
+        let of = |values: Vec<toml::Value>| Distribution::Choice(values).form();
+        let number = |unit: &str| ValueForm::Number(unit.to_owned());
+        assert_eq!(of(vec![true.into(), false.into()]), ValueForm::Flag);
+        assert_eq!(of(vec![1.into(), 2.into()]), ValueForm::Integer);
+        assert_eq!(of(vec![1.into(), 2.5.into()]), number(""));
+        assert_eq!(of(vec!["1Nm".into(), "0.2Nm".into()]), number("Nm"));
+        assert_eq!(of(vec!["1Nm".into(), "0.2mNm".into()]), ValueForm::Text);
+        assert_eq!(of(vec!["akd".into(), "vlt".into()]), ValueForm::Text);
+        let listed = Distribution::Listed {
+            values: vec![1.into(), 0.5.into()],
+            place: 1,
+        };
+        assert_eq!(
+            (listed.form(), listed.draw(7, "x")),
+            (number(""), Some(0.5.into()))
+        );
+        let bounds = Bounds::new(&"1ms".parse().unwrap(), &"2ms".parse().unwrap()).unwrap();
+        assert_eq!(Distribution::Uniform(bounds).form(), number("ms"));
     }
 
     #[test]

@@ -30,7 +30,9 @@ mod trace;
 mod world;
 mod written;
 
-pub use campaign::{Bounds, Campaign, CampaignError, CampaignRun, Distribution, DistributionError};
+pub use campaign::{
+    Bounds, Campaign, CampaignError, CampaignRun, Distribution, DistributionError, ValueForm, number_of,
+};
 pub use event::{LinkFault, PlantEvent, PlantEventError, Unit, keys};
 pub use expect::{
     Expectation, ExpectationResult, Goal, Live, Monitor, Nearest, Observed, Outcome,
@@ -48,5 +50,5 @@ pub use source::{ChangeError, Happened, ModelsError, PlantSource};
 pub use text::{derived_mac, time};
 pub use timeline::{Played, Timeline};
 pub use trace::{DriveMessage, Event, EventKind, Sample};
-pub use world::{NotMet, Shaft, World};
+pub use world::{NotMet, Pursuit, Shaft, World};
 pub use written::{ParameterReading, ReadingValue, WrittenBy};

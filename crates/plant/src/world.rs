@@ -18,7 +18,7 @@ use virtual_drive::model::Model;
 use virtual_drive::station::{Station, StationEvent};
 
 use controller::ControllerSeat;
-pub use goal::NotMet;
+pub use goal::{NotMet, Pursuit};
 use keep::Watchers;
 
 use crate::event::{PlantEvent, Unit};

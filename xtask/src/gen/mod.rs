@@ -29,7 +29,7 @@ pub struct Generated {
     pub path: String,
     /// Where its facts are, for the first line of the file.
     pub from: String,
-    /// Rust source, unformatted, without the first line.
+    /// Rust source, unformatted, or Python source, without the first line.
     pub text: String,
 }
 
@@ -44,14 +44,13 @@ pub fn run(root: &Path, mode: Mode) -> Outcome<()> {
     files.push(names::file(root)?);
     let mut stale = Vec::new();
     for file in files {
-        let text = rustfmt(
-            root,
-            &format!(
-                "// Generated from {} by `cargo run -p xtask -- gen`.\n\n{}",
-                file.from, file.text
-            ),
-        )
-        .map_err(|error| format!("{}: {error}", file.path))?;
+        let head = format!("Generated from {} by `cargo run -p xtask -- gen`.", file.from);
+        let text = if file.path.ends_with(".py") {
+            Ok(format!("# {head} Do not edit.\n{}", file.text))
+        } else {
+            rustfmt(root, &format!("// {head}\n\n{}", file.text))
+        };
+        let text = text.map_err(|error: Box<dyn std::error::Error>| format!("{}: {error}", file.path))?;
         let path = root.join(&file.path);
         let present = std::fs::read_to_string(&path).unwrap_or_default();
         if present == text {

@@ -17,6 +17,9 @@ const FILES: &[(&str, &str)] = &[
     ("data/vacon/words.csv", "profile/vacon/generated_bits.rs"),
 ];
 
+/// The generated file of the Python package, and its table.
+const PYTHON: (&str, &str) = ("data/profile/words.csv", "python/profidrive/words.py");
+
 /// The generated files.
 pub fn files(root: &Path) -> Outcome<Vec<Generated>> {
     let file = |(from, path): &(&str, &str)| -> Outcome<Generated> {
@@ -26,7 +29,68 @@ pub fn files(root: &Path) -> Outcome<Vec<Generated>> {
             text: render(from, &Table::read(root, from)?)?,
         })
     };
-    FILES.iter().map(file).collect()
+    let mut files: Vec<Generated> = FILES.iter().map(file).collect::<Outcome<_>>()?;
+    let (from, path) = PYTHON;
+    files.push(Generated {
+        path: path.to_owned(),
+        from: from.to_owned(),
+        text: render_python(&Table::read(root, from)?)?,
+    });
+    Ok(files)
+}
+
+/// The words as flags of Python. A bit with two meanings has two names, that of velocity mode first; one that is device specific in
+/// one mode has its other name.
+fn render_python(table: &Table) -> Outcome<String> {
+    let mut text = String::from(
+        "\"\"\"Control and status words of PROFIdrive as flags.\"\"\"\n\nfrom __future__ import annotations\n\nfrom enum import IntFlag\n",
+    );
+    for (word, class, doc) in [
+        ("stw1", "Stw1", "Control word 1: what a controller commands."),
+        ("zsw1", "Zsw1", "Status word 1: what a drive reports."),
+    ] {
+        writeln!(
+            text,
+            "\n\nclass {class}(IntFlag):\n    \"\"\"{doc} `NO_` is of a bit whose 1 is the quiet state.\"\"\"\n"
+        )?;
+        for number in 0..BITS {
+            let mut bits = Vec::new();
+            for row in table.rows() {
+                let of_word = row
+                    .text("words")?
+                    .split_whitespace()
+                    .any(|name| name.starts_with(word));
+                if of_word && row.number::<usize>("bit")? == number {
+                    bits.push(row);
+                }
+            }
+            let is_named = |row: &Row<'_>| row.text("name").is_ok_and(|name| !name.starts_with("BIT"));
+            if bits.iter().any(is_named) {
+                bits.retain(is_named);
+            }
+            let mut names: Vec<String> = Vec::new();
+            for row in bits {
+                let quiet = if row.text("inverse")?.is_empty() {
+                    ""
+                } else {
+                    "NO_"
+                };
+                let name = format!("{quiet}{}", row.text("name")?);
+                if names.contains(&name) {
+                    continue;
+                }
+                let meaning = row.text("on")?;
+                writeln!(
+                    text,
+                    "    {name} = 0x{:04X}\n    \"\"\"Bit {number}: {meaning}.\"\"\"",
+                    1 << number
+                )?;
+                names.push(name);
+            }
+        }
+    }
+    text.push_str("\n\n__all__ = [\"Stw1\", \"Zsw1\"]\n");
+    Ok(text)
 }
 
 /// One table of 16 bits for each word, in the order of the rows.

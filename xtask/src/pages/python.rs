@@ -8,8 +8,12 @@ use serde_json::Value;
 use crate::Outcome;
 
 /// The files below the workspace folder, each with the documents that it has.
-pub const FILES: [(&str, &[&str]); 2] = [
+pub const FILES: [(&str, &[&str]); 3] = [
     ("python/profidrive/events.py", &["Event", "ExpectationResult"]),
+    (
+        "python/profidrive/frames.py",
+        &["CaptureEvent", "DeviceSummary", "FrameNode"],
+    ),
     (
         "python/profidrive/reports.py",
         &[
@@ -38,6 +42,9 @@ pub const FILES: [(&str, &[&str]); 2] = [
 
 /// Numbers that are states of the general state machine: class and fields.
 const STATES: (&str, [&str; 2]) = ("StateChanged", ["old", "new"]);
+
+/// What names the kind of a document among many.
+const TAGS: [&str; 2] = ["event", "problem"];
 
 const HEAD: &str = r#"# Generated from docs/schema by `cargo run -p xtask -- pages`. Do not edit.
 """Documents of the library as frozen data classes; their JSON schemas are in docs/schema."""
@@ -68,8 +75,11 @@ pub fn file(definitions: &Value, roots: &[&str]) -> Outcome<String> {
     for root in roots {
         writer.define(root)?;
     }
-    let functions = writer.written.values().filter(|how| **how == "event_of");
-    let functions: Vec<String> = functions.map(|name| (*name).to_owned()).collect();
+    let functions = writer
+        .written
+        .values()
+        .filter(|made| made.ends_with("_of") && !made.contains('.'));
+    let functions: Vec<String> = functions.cloned().collect();
     let names: BTreeSet<String> = writer.written.into_keys().chain(functions).collect();
     let mut text = writer.text;
     text.push_str("\n__all__ = [\n");
@@ -95,13 +105,30 @@ impl Type {
             made: Box::new(str::to_owned),
         }
     }
+
+    /// The same of a field that may be left out: an empty list, or nothing.
+    fn or_absent(self, is_list: bool) -> Self {
+        let absent = if is_list { ", ()" } else { "" };
+        let name = match self.name.as_str() {
+            "object" => self.name,
+            name if is_list || name.ends_with("| None") => self.name,
+            name => format!("{name} | None"),
+        };
+        Self {
+            name,
+            made: Box::new(move |value| {
+                let field = value.replacen("data[", "data.get(", 1).replace(']', "");
+                (self.made)(&format!("{field}{absent})"))
+            }),
+        }
+    }
 }
 
 struct Writer<'d> {
     definitions: &'d Value,
     text: String,
-    /// The names that are defined, each with what makes a value of it.
-    written: BTreeMap<String, &'static str>,
+    /// The names that are defined, each with the function that makes a value of it; empty where the value stays as it is.
+    written: BTreeMap<String, String>,
 }
 
 impl Writer<'_> {
@@ -113,13 +140,21 @@ impl Writer<'_> {
         if !definition.is_object() {
             return Err(format!("the schemas define no {name}").into());
         }
-        let is_event = |variant: &Value| variant["properties"]["event"].is_object();
+        let has = |key: &str, variant: &Value| variant["properties"][key].is_object();
         match definition["oneOf"].as_array() {
-            Some(variants) if variants.iter().all(is_event) => self.union(name, definition, variants),
-            Some(variants) => self.choice(name, definition, variants),
+            Some(variants) if variants.iter().all(|variant| has("data", variant)) => {
+                self.holder(name, definition, variants)
+            }
+            Some(variants) => match TAGS
+                .iter()
+                .find(|tag| variants.iter().all(|variant| has(tag, variant)))
+            {
+                Some(tag) => self.union(name, definition, variants, tag),
+                None => self.choice(name, definition, variants),
+            },
             None if definition["anyOf"].is_array() => {
                 // the types of its parts alone
-                self.written.insert(name.to_owned(), "");
+                self.written.insert(name.to_owned(), String::new());
                 let parts: Vec<_> = list(&definition["anyOf"])
                     .map(|part| self.name_of(part))
                     .collect();
@@ -131,7 +166,12 @@ impl Writer<'_> {
             }
             None => {
                 let fields = fields(definition);
-                self.class(name, text(&definition["description"]), &[(definition, fields)])
+                self.class(
+                    name,
+                    text(&definition["description"]),
+                    &[(definition, fields)],
+                    None,
+                )
             }
         }
     }
@@ -141,40 +181,72 @@ impl Writer<'_> {
     }
 
     /// An event: a class for each kind of it, and their union.
-    fn union(&mut self, name: &str, definition: &Value, variants: &[Value]) -> Outcome<()> {
+    fn union(&mut self, name: &str, definition: &Value, variants: &[Value], tag: &str) -> Outcome<()> {
         let common = fields(definition);
         let mut classes = Vec::new();
         for variant in variants {
-            let key = text(&variant["properties"]["event"]["const"]);
+            let key = text(&variant["properties"][tag]["const"]);
             let class = camel(key);
-            let own = match variant["$ref"]
-                .as_str()
-                .and_then(|target| target.rsplit('/').next())
-            {
+            let own = match target(variant) {
                 Some(target) => &self.definitions[target],
                 None => variant,
             };
-            let own_fields = fields(own).into_iter().filter(|field| field != "event").collect();
+            let own_fields = fields(own).into_iter().filter(|field| field != tag).collect();
             let parts = [(definition, common.clone()), (own, own_fields)];
-            self.class(&class, text(&variant["description"]), &parts)?;
+            self.class(&class, text(&variant["description"]), &parts, None)?;
             classes.push((key.to_owned(), class));
         }
         let names: Vec<_> = classes.iter().map(|(_, class)| class.as_str()).collect();
         let doc = text(&definition["description"]);
+        let functions = format!("_{}S", snake(name).to_uppercase());
         writeln!(
             self.text,
-            "\n{name}: TypeAlias = (\n    {}\n)\n\"\"\"{doc}\"\"\"\n\n_CLASSES: dict[str, Any] = {{",
+            "\n{name}: TypeAlias = (\n    {}\n)\n\"\"\"{doc}\"\"\"\n\n{functions}: dict[str, Any] = {{",
             names.join("\n    | ")
         )?;
         for (key, class) in &classes {
             writeln!(self.text, "    {key:?}: {class},")?;
         }
+        let function = format!("{}_of", snake(name));
         writeln!(
             self.text,
-            "}}\n\n\ndef event_of(data: Mapping[str, Any]) -> {name}:\n    \"\"\"Returns an event from its JSON document.\"\"\"\n    event: {name} = _CLASSES[data[\"event\"]]._of(data)\n    return event\n"
+            "}}\n\n\ndef {function}(data: Mapping[str, Any]) -> {name}:\n    \"\"\"Returns it from its JSON document.\"\"\"\n    made: {name} = {functions}[data[{tag:?}]]._of(data)\n    return made\n"
         )?;
-        self.written.insert(name.to_owned(), "event_of");
+        self.written.insert(name.to_owned(), function);
         Ok(())
+    }
+
+    /// A class whose `data` is a document of the `kind` beside it.
+    fn holder(&mut self, name: &str, definition: &Value, variants: &[Value]) -> Outcome<()> {
+        let mut kinds = Vec::new();
+        for variant in variants {
+            let properties = &variant["properties"];
+            let class = target(&properties["data"])
+                .ok_or("a document without a name")?
+                .to_owned();
+            self.define(&class)?;
+            let made = self.written.get(&class).cloned().unwrap_or_default();
+            kinds.push((text(&properties["kind"]["const"]).to_owned(), class, made));
+        }
+        let functions = format!("_{}S", snake(name).to_uppercase());
+        writeln!(self.text, "\n{functions}: dict[str, Any] = {{")?;
+        for (kind, _, made) in &kinds {
+            writeln!(self.text, "    {kind:?}: {made},")?;
+        }
+        writeln!(self.text, "}}\n")?;
+        let mut classes: Vec<_> = kinds.iter().map(|(_, class, _)| class.as_str()).collect();
+        classes.dedup();
+        writeln!(
+            self.text,
+            "\n{name}Data: TypeAlias = (\n    {}\n)\n\"\"\"What happened, in numbers.\"\"\"\n",
+            classes.join("\n    | ")
+        )?;
+        let data = Type {
+            name: format!("{name}Data"),
+            made: Box::new(move |value| format!("{functions}[data[\"kind\"]]({value})")),
+        };
+        let parts = [(definition, fields(definition))];
+        self.class(name, text(&definition["description"]), &parts, Some(data))
     }
 
     fn choice(&mut self, name: &str, definition: &Value, variants: &[Value]) -> Outcome<()> {
@@ -193,22 +265,42 @@ impl Writer<'_> {
             )?;
         }
         writeln!(self.text)?;
-        self.written.insert(name.to_owned(), "enum");
+        self.written.insert(name.to_owned(), name.to_owned());
         Ok(())
     }
 
-    /// A data class with the fields of one or more schemas.
-    fn class(&mut self, name: &str, doc: &str, parts: &[(&Value, Vec<String>)]) -> Outcome<()> {
+    /// A data class with the fields of one or more schemas, and with `kind` and `data` where there are documents of many kinds.
+    fn class(
+        &mut self,
+        name: &str,
+        doc: &str,
+        parts: &[(&Value, Vec<String>)],
+        data: Option<Type>,
+    ) -> Outcome<()> {
+        // a part of it may be of the same class
+        self.written.insert(name.to_owned(), format!("{name}._of"));
+        let doc = doc.replace("\n\n", "\n\n    ");
         let mut rows = Vec::new();
         for (schema, fields) in parts {
             for field in fields {
-                let schema = &schema["properties"][field.as_str()];
-                rows.push((
-                    field,
-                    text(&schema["description"]),
-                    self.field(schema, name, field)?,
-                ));
+                let property = &schema["properties"][field.as_str()];
+                let mut kind = self.field(property, name, field)?;
+                if !list(&schema["required"]).any(|required| required == field.as_str()) {
+                    kind = kind.or_absent(property["type"] == "array");
+                }
+                rows.push((field.as_str(), text(&property["description"]), kind));
             }
+            if schema["additionalProperties"] == true {
+                let kind = Type {
+                    name: "Mapping[str, object]".to_owned(),
+                    made: Box::new(|_| "data".to_owned()),
+                };
+                rows.push(("document", "Its JSON document, with all that it has.", kind));
+            }
+        }
+        if let Some(data) = data {
+            rows.push(("kind", "What `data` is.", Type::plain("str")));
+            rows.push(("data", "What happened, in numbers.", data));
         }
         writeln!(
             self.text,
@@ -228,7 +320,6 @@ impl Writer<'_> {
             writeln!(self.text, "            {field}={made},")?;
         }
         writeln!(self.text, "        )\n")?;
-        self.written.insert(name.to_owned(), "class");
         Ok(())
     }
 
@@ -240,18 +331,15 @@ impl Writer<'_> {
                 made: Box::new(|value| format!("State({value})")),
             });
         }
-        if let Some(target) = schema["$ref"].as_str() {
-            let name = target.rsplit('/').next().unwrap_or_default().to_owned();
+        if let Some(name) = target(schema) {
+            let name = name.to_owned();
             self.define(&name)?;
-            let how = self.written.get(&name).copied().unwrap_or_default();
-            let made = name.clone();
+            let made = self.written.get(&name).cloned().unwrap_or_default();
             return Ok(Type {
                 name,
-                made: Box::new(move |value| match how {
+                made: Box::new(move |value| match made.as_str() {
                     "" => value.to_owned(),
-                    "class" => format!("{made}._of({value})"),
-                    "enum" => format!("{made}({value})"),
-                    function => format!("{function}({value})"),
+                    made => format!("{made}({value})"),
                 }),
             });
         }
@@ -296,6 +384,10 @@ impl Writer<'_> {
                 }),
             });
         }
+        if schema["type"].is_null() {
+            // whatever JSON has
+            return Ok(Type::plain("object"));
+        }
         basic(text(&schema["type"]), true)
     }
 }
@@ -322,11 +414,24 @@ fn basic(name: &str, always: bool) -> Outcome<Type> {
     })
 }
 
-/// The fields of an object in the order of its struct.
+/// The fields of an object in the order of its struct, then those that may be left out.
 fn fields(schema: &Value) -> Vec<String> {
-    list(&schema["required"])
-        .map(|field| text(field).to_owned())
+    let required: Vec<_> = list(&schema["required"]).map(text).collect();
+    let properties = schema["properties"].as_object().into_iter().flatten();
+    let optional = properties
+        .map(|(name, _)| name.as_str())
+        .filter(|name| !required.contains(name));
+    required
+        .iter()
+        .copied()
+        .chain(optional)
+        .map(str::to_owned)
         .collect()
+}
+
+/// The name of the definition that a schema refers to.
+fn target(schema: &Value) -> Option<&str> {
+    schema["$ref"].as_str()?.rsplit('/').next()
 }
 
 fn list(value: &Value) -> impl Iterator<Item = &Value> {
@@ -335,6 +440,18 @@ fn list(value: &Value) -> impl Iterator<Item = &Value> {
 
 fn text(value: &Value) -> &str {
     value.as_str().unwrap_or_default()
+}
+
+/// `StateChanged` as `state_changed`.
+fn snake(name: &str) -> String {
+    let mut words = String::new();
+    for letter in name.chars() {
+        if letter.is_uppercase() && !words.is_empty() {
+            words.push('_');
+        }
+        words.extend(letter.to_lowercase());
+    }
+    words
 }
 
 /// `state_changed` as `StateChanged`.

@@ -5,6 +5,7 @@ use std::time::Duration;
 use profile::model::Model;
 
 use super::{Counts, DeviceSummary, Event, Walker};
+use crate::tree::Node;
 
 /// Which events are wanted. Times are since the first frame.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -104,6 +105,18 @@ impl View {
         }
         let events = self.walker.frame(at, frame);
         Some(self.wanted(events))
+    }
+
+    /// Returns the statistics so far, of all stations.
+    #[must_use]
+    pub const fn counts(&self) -> Counts {
+        self.walker.counts()
+    }
+
+    /// Returns a frame as a tree of its fields, with what the frames so far showed ([`Walker::tree`]).
+    #[must_use]
+    pub fn tree(&self, frame: &[u8]) -> Node {
+        self.walker.tree(frame)
     }
 
     /// Counts time without a frame; true when the end of the selection has passed.

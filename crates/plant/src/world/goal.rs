@@ -18,6 +18,23 @@ pub struct NotMet(
     pub Box<ExpectationResult>,
 );
 
+/// A goal that a world waits for.
+#[derive(Debug, Clone)]
+pub struct Pursuit {
+    goal: Goal,
+    /// Name of its drive.
+    name: String,
+    /// When it was looked at last without being decided.
+    looked: Instant,
+    end: Instant,
+}
+
+impl Pursuit {
+    fn is_reported_by(&self, event: &Event) -> bool {
+        event.drive == self.name && self.goal.is_reported_by(&event.kind)
+    }
+}
+
 impl World {
     /// Runs until the conditions of a goal hold of its drive, and stops there; at most for `timeout`, the end of it included. Where
     /// the goal has a `for`, they must become true within `timeout` and the run goes on until they were true for that long.
@@ -45,6 +62,25 @@ impl World {
         timeout: Duration,
         record: &mut dyn FnMut(Event),
     ) -> Result<Event, NotMet> {
+        let mut pursuit = self.pursue(goal, timeout);
+        let reports = pursuit.clone();
+        let mut newest = None;
+        let mut record = |event: Event| {
+            if reports.is_reported_by(&event) {
+                newest = Some(event.clone());
+            }
+            record(event);
+        };
+        while let Some(time) = self.pursues(&mut pursuit) {
+            let next = self.now() + time;
+            self.run_until(next, &mut record);
+        }
+        self.end_pursuit(&pursuit, newest)
+    }
+
+    /// Begins to wait for the conditions of a goal, for a caller that lets the time pass itself ([`pursues`](Self::pursues)). Replaces a
+    /// goal before.
+    pub fn pursue(&mut self, goal: &Goal, timeout: Duration) -> Pursuit {
         let begin = self.now();
         let expectation = goal.within(timeout, begin - Instant::ZERO);
         let monitor = Monitor::new(&[expectation], self.drives.len(), self.seed);
@@ -54,34 +90,54 @@ impl World {
         });
         self.watchers.goal = watchers.goal;
         let name = self.drives.get(goal.drive()).map(|seat| seat.name.clone());
-        let name = name.unwrap_or_default();
-        let mut newest = None;
-        let mut record = |event: Event| {
-            if event.drive == name && goal.is_reported_by(&event.kind) {
-                newest = Some(event.clone());
-            }
-            record(event);
-        };
-        let end = begin + timeout + goal.lasts();
-        let decided = |world: &Self| {
-            let goal = world.watchers.goal.as_ref();
-            goal.is_none_or(|goal| goal.is_decided())
-        };
-        while !decided(self) && self.now() < end {
-            let next = self.next_event().max(self.now()).min(end);
-            self.run_until(next, &mut record);
+        Pursuit {
+            goal: goal.clone(),
+            name: name.unwrap_or_default(),
+            looked: begin,
+            end: begin + timeout + goal.lasts(),
         }
+    }
+
+    /// Returns how long nothing happens yet; `None` once it is decided whether the goal is met.
+    #[must_use]
+    pub fn pursues(&self, pursuit: &mut Pursuit) -> Option<Duration> {
+        let decided = self.watchers.goal.as_ref().is_none_or(|goal| goal.is_decided());
+        if decided || self.now() >= pursuit.end {
+            return None;
+        }
+        pursuit.looked = self.now();
+        Some(self.next_event().max(self.now()).min(pursuit.end) - self.now())
+    }
+
+    /// Ends to wait for a goal; returns as [`run_until_met`](Self::run_until_met). `newest` is the newest event that reports it, where the
+    /// caller knows it; otherwise it is looked for in the trace that is kept.
+    ///
+    /// # Errors
+    /// As [`run_until_met`](Self::run_until_met).
+    pub fn end_pursuit(&mut self, pursuit: &Pursuit, newest: Option<Event>) -> Result<Event, NotMet> {
+        let Pursuit {
+            goal, name, looked, ..
+        } = pursuit;
         let now = self.now();
         let monitor = self.watchers.goal.take();
-        let results = monitor.map(|monitor| monitor.finish(now - Instant::ZERO, |_| &name));
+        let results = monitor.map(|monitor| monitor.finish(now - Instant::ZERO, |_| name));
         // a goal has one drive, so one result
         if let Some(lost) = results.into_iter().flatten().find(|result| !result.is_met()) {
             return Err(NotMet(Box::new(lost)));
         }
-        let became = now - Instant::ZERO - goal.lasts();
+        let kept = || {
+            let events = self.trace()?.events();
+            events
+                .filter(|event| pursuit.is_reported_by(event))
+                .last()
+                .cloned()
+        };
+        // it became true since it was looked at last, or as long before as it had to last
+        let before = (*looked - Instant::ZERO).saturating_sub(goal.lasts());
         Ok(newest
-            .filter(|event| Duration::from_nanos(event.time_ns) >= became)
-            .unwrap_or_else(|| self.sample_of(goal.drive(), &name)))
+            .or_else(kept)
+            .filter(|event| Duration::from_nanos(event.time_ns) >= before)
+            .unwrap_or_else(|| self.sample_of(goal.drive(), name)))
     }
 
     fn sample_of(&self, drive: usize, name: &str) -> Event {

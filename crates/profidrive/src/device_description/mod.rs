@@ -18,8 +18,11 @@ use std::path::{Path, PathBuf};
 
 use client::ErrorKind;
 use gsdml::{Bitmap, Gsdml, MOST_OCTETS, Problem, Severity};
+use network::files::{StateFile, StateFileError};
+use virtual_drive::description::export::export_with;
+use virtual_drive::model::Model;
 
-use crate::report::{GsdmlCheckReport, GsdmlProblem};
+use crate::report::{GsdmlCheckReport, GsdmlExportReport, GsdmlProblem};
 use crate::{Outcome, Reported};
 
 pub use show::{LanguageError, show};
@@ -100,6 +103,28 @@ pub fn check(file: &Path) -> Result<Reported<GsdmlCheckReport>, UnreadError> {
         Outcome::Difference
     };
     Ok(Reported { report, outcome })
+}
+
+/// Writes the device description of a virtual drive and its pictures into a folder, under the names that the rules give them.
+/// Files of these names are replaced. `fastest` is the shortest update time in steps of 31.25 us; `None` for that of the model.
+///
+/// # Errors
+/// When a file cannot be written.
+pub fn export(
+    model: &'static Model,
+    fastest: Option<u16>,
+    folder: &Path,
+) -> Result<GsdmlExportReport, StateFileError> {
+    let exported = export_with(model, fastest);
+    let description = exported.description.to_xml().into_bytes();
+    let description = (exported.file_name.to_string(), description);
+    let mut files = Vec::new();
+    for (name, content) in std::iter::once(description).chain(exported.pictures) {
+        let path = folder.join(name);
+        StateFile::document(&path).replace(&content)?;
+        files.push(path.display().to_string());
+    }
+    Ok(GsdmlExportReport { files })
 }
 
 impl From<&Problem> for GsdmlProblem {

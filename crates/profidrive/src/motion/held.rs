@@ -1,5 +1,8 @@
 //! An axis that its caller holds: enabled once and moved as often as wanted, with the rules of the single motions.
 
+use std::future::{Future as _, poll_fn};
+use std::pin::pin;
+use std::task::Poll;
 use std::time::Duration;
 
 use client::axis::{Jog as Setpoint, Move as Order, MovePlan, Purpose, SpeedUnit};
@@ -495,6 +498,19 @@ impl HeldAxis {
         self.done(End::Task, result, found).await
     }
 
+    /// Starts a motion task once the drive has accepted it, as [`start_task`](Self::start_task) does; the axis is enabled where it is
+    /// not.
+    ///
+    /// # Errors
+    /// As [`start_task`](Self::start_task) and [`enable`](Self::enable).
+    pub async fn set_out_task(&mut self, number: u16) -> Result<(), MotionError> {
+        self.permit_task(number).await?;
+        if !self.taken.axis.operates() {
+            self.enable().await?;
+        }
+        self.start_task(number).await
+    }
+
     /// Homes the axis as the drive is set up, and holds.
     ///
     /// # Errors
@@ -528,6 +544,25 @@ impl HeldAxis {
             ..at(self.status())
         };
         self.done(End::Time, result, found).await
+    }
+
+    /// Stops the axis as [`bring_to_rest`](Self::bring_to_rest) does, and waits at most this time for standstill; `None` when it is over.
+    /// The axis goes on stopping then.
+    ///
+    /// # Errors
+    /// As [`stop`](Self::stop).
+    pub async fn rest_within(&mut self, quick: bool, time: Duration) -> Result<Option<Report>, MotionError> {
+        let mut session = self.taken.axis.session().0.clone();
+        let mut rests = pin!(self.bring_to_rest(quick));
+        let mut over = pin!(session.uninterrupted(async |session| session.pass(time).await));
+        poll_fn(|context| match rests.as_mut().poll(context) {
+            Poll::Ready(report) => Poll::Ready(report.map(Some)),
+            Poll::Pending => over
+                .as_mut()
+                .poll(context)
+                .map(|passed| Ok(passed.map(|()| None)?)),
+        })
+        .await
     }
 
     /// Carries out a whole motion. What becomes of it leaves the axis holding, or at rest where it fails.

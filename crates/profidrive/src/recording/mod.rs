@@ -47,6 +47,8 @@ mod poll;
 mod producer;
 mod remark;
 mod run;
+#[cfg(feature = "simulate")]
+mod runs;
 mod samples;
 mod scope;
 mod source;
@@ -65,6 +67,8 @@ pub use overlay::{EarlierStep, OverlayError, overlay};
 pub use plot::{Mark, PlotError, html, svg};
 pub use producer::{Absence, RecordingStop};
 pub use run::{DriveCounts, News, Recording, Triggered};
+#[cfg(feature = "simulate")]
+pub use runs::{MeasuredRun, Runs};
 pub use samples::{MotionRecorded, MotionRecorder};
 pub use scope::{Curve, Point, Scope};
 pub use source::{Source, prepare};

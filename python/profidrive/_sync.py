@@ -1,22 +1,26 @@
-"""Drives as a client reaches them: on a network, or on that of a plant in virtual time."""
+# Generated from aio.py by tools/py-sync. Do not edit.
+"""Drives, with calls that wait."""
 
 from __future__ import annotations
 
-import atexit
 import ipaddress
 import json
 import os
+import pathlib
+import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from types import TracebackType
-from typing import Any, Generic, Literal, NamedTuple, TypeVar, overload
+from typing import TYPE_CHECKING, Literal, ParamSpec, TypeVar, overload
 
-from profidrive import _profidrive
+from profidrive import _calls, _profidrive
+from profidrive._calls import Call, backup_of, free_beside, grouped, read_all, read_one
 from profidrive._values import optional_span, span, value_text
-from profidrive.axis import Control
+from profidrive._waiting import synchronous as waiting
 from profidrive.backup import Backup
-from profidrive.errors import DriveGroupError, LocalError, ProfidriveError, UsageError
-from profidrive.recording import Recording
+from profidrive.errors import MisuseError, ProfidriveError, UsageError
+from profidrive.recording import Gap, Recorded
 from profidrive.reports import (
+    AxisState,
     BlinkReport,
     DescribeReport,
     DiffReport,
@@ -27,22 +31,26 @@ from profidrive.reports import (
     MotionReport,
     NameReport,
     Parameter,
-    ParametersReport,
     RestoreReport,
     ScanReport,
     StatusReport,
     StopReport,
     WriteReport,
 )
-from profidrive.types import Duration, Path, Value
+from profidrive.table import Table
+from profidrive.types import CycleStats, Duration, Path, State, Value
+from profidrive.words import Zsw1
+
+if TYPE_CHECKING:
+    from profidrive.plant import World
 
 T = TypeVar("T")
-
-_AT_EXIT = 10.0
-"""Seconds that a program which ends waits for its axes."""
+P = ParamSpec("P")
 
 
-def open(interface: str | None = None, *, ip: bool = False, read_only: bool = False) -> Network:
+def open(
+    interface: str | None = None, *, ip: bool = False, read_only: bool = False, timeout: Duration | None = None
+) -> Network:
     """Opens a network.
 
     Args:
@@ -51,114 +59,29 @@ def open(interface: str | None = None, *, ip: bool = False, read_only: bool = Fa
         ip: open UDP alone: drives are given by their IP addresses, can be read, written and stopped, and need no permission.
             Where no interface is named and raw sockets are not permitted, it is that anyway.
         read_only: refuse every call that changes something; a stop is always permitted.
+        timeout: time for a drive to answer the first request of a call; when None the usual 10 s.
 
     Raises:
         PermissionMissing: when raw sockets are required and not permitted (CAP_NET_RAW).
         UnreachableError: when the interface is not there or is down.
     """
     named = interface or os.environ.get("PROFIDRIVE_INTERFACE") or None
-    opened = Network(_profidrive.open(named, ip, read_only))
-    atexit.unregister(_leave_all)
-    atexit.register(_leave_all)
-    return opened
-
-
-def _leave_all() -> None:
-    """No axis is left under control when the program ends, wherever that is."""
-    _profidrive.leave_all(_AT_EXIT)
-
-
-class Call(NamedTuple, Generic[T]):
-    """A call for a drive, with what makes its result of the document."""
-
-    verb: _profidrive.Verb
-    made: Callable[[Any], T]
-
-
-def read_all(names: Sequence[str]) -> Call[tuple[Parameter, ...]]:
-    return Call(_profidrive.Verb.read(list(names)), lambda data: ParametersReport._of(data).parameters)
-
-
-def read_one(name: str) -> Call[Parameter]:
-    def one(data: Any) -> Parameter:
-        report = ParametersReport._of(data)
-        if len(report.parameters) != 1:
-            message = f"{name} has {len(report.parameters)} values: name an element, such as p922[0], or give a list"
-            raise UsageError(message, drive=report.drive)
-        return report.parameters[0]
-
-    return Call(_profidrive.Verb.read([name]), one)
-
-
-def write(values: Mapping[str, Value], save: bool, dry_run: bool) -> Call[WriteReport]:
-    pairs = [(name, value_text(value)) for name, value in values.items()]
-    return Call(_profidrive.Verb.write(pairs, save, dry_run), WriteReport._of)
-
-
-def status() -> Call[StatusReport]:
-    return Call(_profidrive.Verb.status(), StatusReport._of)
-
-
-def faults(history: bool) -> Call[FaultsReport]:
-    return Call(_profidrive.Verb.faults(history), FaultsReport._of)
-
-
-def acknowledge(by_parameter: bool) -> Call[MotionReport]:
-    return Call(_profidrive.Verb.ack(by_parameter), MotionReport._of)
-
-
-def stop(disable: bool) -> Call[StopReport]:
-    return Call(_profidrive.Verb.stop(disable), StopReport._of)
-
-
-def backup() -> Call[Backup]:
-    return Call(_profidrive.Verb.backup(), lambda data: Backup(data["text"], missing=data["missing"]))
-
-
-def diff(other: Backup, name: str) -> Call[DiffReport]:
-    return Call(_profidrive.Verb.diff(other.text, name), DiffReport._of)
-
-
-def restore(
-    settings: Backup, name: str, only: Sequence[str], save: bool, dry_run: bool, way_back: Path | None
-) -> Call[RestoreReport]:
-    kept = None if way_back is None else os.fspath(way_back)
-    chosen = [only] if isinstance(only, str) else list(only)
-    return Call(_profidrive.Verb.restore(settings.text, name, chosen, save, dry_run, kept), RestoreReport._of)
+    opened = waiting.call(_profidrive.open, named, ip, read_only, optional_span(timeout))
+    _calls.leave_at_exit()
+    return Network(opened)
 
 
 def _recorded(
     network: _profidrive.Network,
     names: list[str],
     signals: str | Sequence[str],
-    time: Duration,
+    time: Duration | None,
     every: Duration | Literal["cycle"],
     most: int,
 ) -> Recording:
     wanted = [signals] if isinstance(signals, str) else list(signals)
     interval = None if every == "cycle" else span(every)
-    return Recording(network.record(names, wanted, interval, span(time), most))
-
-
-def _backup_of(source: Backup | Path) -> tuple[Backup, str]:
-    if isinstance(source, Backup):
-        return source, "the backup"
-    return Backup.load(source), os.fspath(source)
-
-
-def _free(path: str) -> str:
-    """A name beside a file that is free, for the values before."""
-    for number in range(1, 10_000):
-        if not os.path.lexists(beside := f"{path}.before-{number}"):
-            return beside
-    raise LocalError(f"no free name for the values before: {path}.before-1 to -9999 exist")
-
-
-def grouped(what: str, errors: Mapping[str, ProfidriveError], results: Mapping[str, object]) -> DriveGroupError:
-    """The error of some drives of many."""
-    lines = "".join(f"\n  {name}: {error}" for name, error in errors.items())
-    message = f"{what}: {len(errors)} of {len(errors) + len(results)} drives failed{lines}"
-    return DriveGroupError(message, errors=dict(errors), results=dict(results))
+    return Recording(waiting.call(network.record, names, wanted, interval, optional_span(time), most))
 
 
 class Network:
@@ -182,7 +105,7 @@ class Network:
         Raises:
             DriveGroupError: when one of them cannot be worked with; `results` has the others.
         """
-        found = self._network.select(",".join(selectors))
+        found = waiting.call(self._network.select, ",".join(selectors))
         errors = {name: error for name, error in found if isinstance(error, ProfidriveError)}
         drives = {name: self[name] for name, error in found if error is None}
         if errors:
@@ -191,7 +114,7 @@ class Network:
 
     def scan(self, *, wait: Duration = 2.0) -> ScanReport:
         """Finds all stations that answer in this time and reads who they are. Nothing is changed."""
-        return ScanReport._of(json.loads(self._network.scan(span(wait))))
+        return ScanReport._of(json.loads(waiting.call(self._network.scan, span(wait))))
 
     def set_name(self, station: str, name: str, *, permanent: bool = True, dry_run: bool = False) -> NameReport:
         """Names a station, which is given by its MAC address, its present name or its IP address; an empty name takes it away.
@@ -200,7 +123,7 @@ class Network:
             UsageError, UnsupportedError: for a name that is not valid, and one that another station has.
             SafetyError: while a controller is connected.
         """
-        return NameReport._of(json.loads(self._network.set_name(station, name, permanent, dry_run)))
+        return NameReport._of(json.loads(waiting.call(self._network.set_name, station, name, permanent, dry_run)))
 
     def set_ip(
         self, station: str, ip: str, *, gateway: str | None = None, permanent: bool = True, dry_run: bool = False
@@ -219,11 +142,11 @@ class Network:
         if "/" not in ip:
             raise UsageError(f"{ip}: the length of the mask is missing, such as {ip}/24", drive=station)
         numbers = int(address.ip), int(address.netmask), int(way)
-        return IpReport._of(json.loads(self._network.set_ip(station, *numbers, permanent, dry_run)))
+        return IpReport._of(json.loads(waiting.call(self._network.set_ip, station, *numbers, permanent, dry_run)))
 
     def blink(self, station: str, *, for_: Duration = 3.0) -> BlinkReport:
         """Lets a station show itself by its lamp."""
-        return BlinkReport._of(json.loads(self._network.blink(station, span(for_))))
+        return BlinkReport._of(json.loads(waiting.call(self._network.blink, station, span(for_))))
 
     def stop_all(self, *, quick: bool = False) -> None:
         """Stops all axes that this program has under control, along their ramps or by quick stop (OFF3), and does not wait.
@@ -234,7 +157,7 @@ class Network:
 
     def close(self) -> None:
         """Brings every axis under control to rest, releases it, and closes the network."""
-        self._network.close()
+        waiting.lasting(self._network.close)
 
     def __enter__(self) -> Network:
         return self
@@ -253,7 +176,7 @@ class Drive:
         self.name = name
 
     def _do(self, call: Call[T]) -> T:
-        return call.made(json.loads(self._network.one(self.name, call.verb)))
+        return call.made(json.loads(waiting.call(self._network.one, self.name, call.verb)))
 
     @overload
     def read(self, parameter: str, /) -> Parameter: ...
@@ -282,45 +205,45 @@ class Drive:
             RefusedError: when the drive refuses the only value.
             PartialWrite: when it refuses one of several; `report` has what was written.
         """
-        return self._do(write(values, save, dry_run))
+        return self._do(_calls.write(values, save, dry_run))
 
     def describe(self, parameter: str) -> DescribeReport:
         """Returns unit, limits, choices and present values of a parameter, as the tables and the drive itself describe it."""
-        return self._do(Call(_profidrive.Verb.describe(parameter), DescribeReport._of))
+        return self._do(_calls.describe(parameter))
 
     def parameters(self, text: str | None = None, *, values: bool = False) -> ListReport:
         """Lists the parameters with a text in name, description or number; all where there is none."""
-        return self._do(Call(_profidrive.Verb.list(text, values), ListReport._of))
+        return self._do(_calls.parameters(text, values))
 
     def identity(self) -> InfoReport:
         """Reads who the drive is: model, serial number, firmware, modules, controller."""
-        return self._do(Call(_profidrive.Verb.identity(), InfoReport._of))
+        return self._do(_calls.identity())
 
     def status(self) -> StatusReport:
         """Reads how the drive is, and in one sentence why it does not run."""
-        return self._do(status())
+        return self._do(_calls.status())
 
     def faults(self, *, history: bool = False) -> FaultsReport:
         """Reads faults and warnings; acknowledged faults and the log with `history`."""
-        return self._do(faults(history))
+        return self._do(_calls.faults(history))
 
     def ack(self, *, by_parameter: bool = False) -> MotionReport:
         """Acknowledges faults: by the control word, or by a parameter beside the controller of the drive. Nothing moves."""
-        return self._do(acknowledge(by_parameter))
+        return self._do(_calls.acknowledge(by_parameter))
 
     def backup(self) -> Backup:
         """Reads all settings. `Backup.missing` says what could not be read."""
-        return self._do(backup())
+        return self._do(_calls.backup())
 
     def diff(self, other: Backup | Drive | Path) -> DiffReport:
         """Compares the settings of the drive with a backup, its file or another drive; reads what the other side has."""
         if isinstance(other, Drive):
-            return self._do(diff(other.backup(), other.name))
-        return self._do(diff(*_backup_of(other)))
+            return self._do(_calls.diff(other.backup(), other.name))
+        return self._do(_calls.diff(*backup_of(other)))
 
     def plan_restore(self, backup: Backup | Path, *, only: Sequence[str] = ()) -> RestoreReport:
         """Returns what restoring a backup would write and leave out. Reads only."""
-        return self._do(restore(*_backup_of(backup), only, False, True, None))
+        return self._do(_calls.restore(*backup_of(backup), only, False, True, None))
 
     def restore(
         self, backup: Backup | Path, *, only: Sequence[str] = (), save: bool = False, way_back: Path | None = None
@@ -338,19 +261,24 @@ class Drive:
             SafetyError: for a backup of another kind of drive, and while a controller is connected.
             RefusedError, DifferenceError: when the drive is not as the backup says; `restore` has what was written.
         """
-        settings, name = _backup_of(backup)
+        settings, name = backup_of(backup)
         if way_back is None and not isinstance(backup, Backup):
-            way_back = _free(os.fspath(backup))
-        return self._do(restore(settings, name, only, save, False, way_back))
+            way_back = free_beside(os.fspath(backup))
+        return self._do(_calls.restore(settings, name, only, save, False, way_back))
 
     def record(
-        self, signals: str | Sequence[str], *, for_: Duration, every: Duration | Literal["cycle"] = 0.1, max_rows: int = 10_000_000
+        self,
+        signals: str | Sequence[str],
+        *,
+        every: Duration | Literal["cycle"] = 0.1,
+        for_: Duration | None = None,
+        max_rows: int = 10_000_000,
     ) -> Recording:
-        """Records signals for a time, and returns them as a table.
+        """Records signals for a time, and returns them as a table; without a time beside other calls, in a `with` block.
 
         Args:
             signals: parameters that are read at an interval; with every cycle signals of the telegram, such as `ZSW1`, or `all`.
-            for_: how long.
+            for_: how long. Where it is None the recording is returned at once and grows until `stop`.
             every: the interval, or `"cycle"`: each cycle of a connection that commands nothing. The drive must have no controller,
                 and its power stage must be off.
             max_rows: the recording ends where it has so many.
@@ -366,7 +294,7 @@ class Drive:
             SafetyError, NotReached: when the axis is not at rest.
             UnsupportedError: when another controller commands it and it has no parameter that stops it.
         """
-        return self._do(stop(disable))
+        return self._do(_calls.stop(disable))
 
     def control(
         self,
@@ -441,7 +369,7 @@ class Drives(Sequence[Drive]):
     def _do(self, what: str, call: Call[T]) -> dict[str, T]:
         errors: dict[str, ProfidriveError] = {}
         results: dict[str, T] = {}
-        for name, document, error in self._network.each(list(self._names), call.verb):
+        for name, document, error in waiting.call(self._network.each, list(self._names), call.verb):
             try:
                 if document is None:
                     assert isinstance(error, ProfidriveError)
@@ -457,7 +385,9 @@ class Drives(Sequence[Drive]):
     def read(self, parameter: str, /) -> dict[str, Parameter]: ...
     @overload
     def read(self, parameter: list[str] | tuple[str, ...], /) -> dict[str, tuple[Parameter, ...]]: ...
-    def read(self, parameter: str | list[str] | tuple[str, ...], /) -> dict[str, Parameter] | dict[str, tuple[Parameter, ...]]:
+    def read(
+        self, parameter: str | list[str] | tuple[str, ...], /
+    ) -> dict[str, Parameter] | dict[str, tuple[Parameter, ...]]:
         """Reads a parameter, or several, of each drive."""
         if not isinstance(parameter, str):
             return self._do("read", read_all(parameter))
@@ -465,37 +395,43 @@ class Drives(Sequence[Drive]):
 
     def write(self, values: Mapping[str, Value], /, *, save: bool = False, dry_run: bool = False) -> dict[str, WriteReport]:
         """Writes the same values to each drive."""
-        return self._do("write", write(values, save, dry_run))
+        return self._do("write", _calls.write(values, save, dry_run))
 
     def status(self) -> dict[str, StatusReport]:
         """Reads how each drive is."""
-        return self._do("status", status())
+        return self._do("status", _calls.status())
 
     def faults(self, *, history: bool = False) -> dict[str, FaultsReport]:
         """Reads faults and warnings of each drive."""
-        return self._do("faults", faults(history))
+        return self._do("faults", _calls.faults(history))
 
     def ack(self, *, by_parameter: bool = False) -> dict[str, MotionReport]:
         """Acknowledges the faults of each drive."""
-        return self._do("ack", acknowledge(by_parameter))
+        return self._do("ack", _calls.acknowledge(by_parameter))
 
     def backup(self) -> dict[str, Backup]:
         """Reads all settings of each drive."""
-        return self._do("backup", backup())
+        return self._do("backup", _calls.backup())
 
     def diff(self, other: Backup | Drive | Path) -> dict[str, DiffReport]:
         """Compares the settings of each drive with a backup, its file or another drive."""
-        settings, name = (other.backup(), other.name) if isinstance(other, Drive) else _backup_of(other)
-        return self._do("diff", diff(settings, name))
+        settings, name = (other.backup(), other.name) if isinstance(other, Drive) else backup_of(other)
+        return self._do("diff", _calls.diff(settings, name))
 
     def record(
-        self, signals: str | Sequence[str], *, for_: Duration, every: Duration | Literal["cycle"] = 0.1, max_rows: int = 10_000_000
+        self,
+        signals: str | Sequence[str],
+        *,
+        every: Duration | Literal["cycle"] = 0.1,
+        for_: Duration | None = None,
+        max_rows: int = 10_000_000,
     ) -> Recording:
-        """Records signals of all drives for a time, and returns them as one table.
+        """Records signals of all drives for a time, and returns them as one table; without a time beside other calls, in a `with`
+        block.
 
         Args:
             signals: parameters that are read at an interval; with every cycle signals of the telegram, such as `ZSW1`, or `all`.
-            for_: how long.
+            for_: how long. Where it is None the recording is returned at once and grows until `stop`.
             every: the interval, or `"cycle"`: each cycle of a connection that commands nothing. The drives must have no controller,
                 and their power stages must be off.
             max_rows: the recording ends where it has so many.
@@ -504,10 +440,257 @@ class Drives(Sequence[Drive]):
 
     def stop(self, *, disable: bool = False) -> dict[str, StopReport]:
         """Brings each drive to rest."""
-        return self._do("stop", stop(disable))
+        return self._do("stop", _calls.stop(disable))
 
     def __repr__(self) -> str:
         return f"<Drives {', '.join(self._names)}>"
 
 
-__all__ = ["Drive", "Drives", "Network", "open"]
+class Axis:
+    """An axis under control, in a `with` block of `Drive.control`.
+
+    Motions wait until they have ended, and leave the axis holding, or at rest where they fail. The first one enables it. A motion
+    that a limit forbids raises `SafetyError`, and the axis goes on as before. An axis that stopped by itself, by the end of its
+    lease for example, is not started again: the next call raises why.
+
+    Ctrl-C stops the axis along its ramp; again, at least a second later, by quick stop (OFF3); a third time ends the wait.
+
+    Raises:
+        AxisFault: when the drive reports a fault.
+        NotReached: when a target or a speed is not reached in time.
+        ConnectionLost: when the connection is lost. The axis cannot be used again, the drive can.
+        InterruptedCall: when another thread stops it.
+    """
+
+    __slots__ = ("_axis", "_drive")
+
+    def __init__(self, axis: _profidrive.Axis, drive: str) -> None:
+        self._axis = axis
+        self._drive = drive
+
+    def run(self, speed: Value, *, for_: Duration | None = None) -> MotionReport:
+        """Turns at a speed. Returns at that speed and leaves it turning; with `for_` it keeps the speed for that time and halts."""
+        return self._move(self._axis.run, value_text(speed), optional_span(for_))
+
+    def jog(self, speed: Value | None = None, *, for_: Duration) -> MotionReport:
+        """Jogs for a time and halts: at a speed (real-time jogging, position mode), or at the jog speed 1 of the drive."""
+        return self._move(self._axis.jog, None if speed is None else value_text(speed), span(for_))
+
+    def move_to(
+        self,
+        position: Value,
+        *,
+        speed: Value,
+        acceleration: Value | None = None,
+        deceleration: Value | None = None,
+        wait: bool = True,
+        timeout: Duration | None = None,
+    ) -> MotionReport:
+        """Goes to a position, such as `10rev`, and holds there. Without `wait` it returns once the drive has accepted the move.
+
+        Ramps are those of the drive where none are given. Without a timeout it may take some multiple of its computed time.
+        """
+        return self._go(position, False, speed, acceleration, deceleration, wait, timeout)
+
+    def move_by(
+        self,
+        distance: Value,
+        *,
+        speed: Value,
+        acceleration: Value | None = None,
+        deceleration: Value | None = None,
+        wait: bool = True,
+        timeout: Duration | None = None,
+    ) -> MotionReport:
+        """Goes by a distance; see `move_to`."""
+        return self._go(distance, True, speed, acceleration, deceleration, wait, timeout)
+
+    def _go(
+        self,
+        target: Value,
+        is_distance: bool,
+        speed: Value,
+        acceleration: Value | None,
+        deceleration: Value | None,
+        wait: bool,
+        timeout: Duration | None,
+    ) -> MotionReport:
+        ramps = [None if ramp is None else value_text(ramp) for ramp in (acceleration, deceleration)]
+        order = (value_text(target), is_distance, value_text(speed), ramps[0], ramps[1])
+        return self._move(self._axis.move_to, *order, wait, optional_span(timeout))
+
+    def _move(self, motion: Callable[P, str], *arguments: P.args, **named: P.kwargs) -> MotionReport:
+        return MotionReport._of(json.loads(waiting.motion(self._axis.interrupt, motion, *arguments, **named)))
+
+    def home(self, *, timeout: Duration = 60.0) -> MotionReport:
+        """Sets the home position by the homing procedure of the drive."""
+        return self._move(self._axis.home, span(timeout))
+
+    def task(self, number: int, *, wait: bool = True, timeout: Duration = 60.0) -> MotionReport:
+        """Carries out a motion task of the drive, or the chain that begins with it.
+
+        Without `wait` it returns once the drive has accepted it.
+        """
+        return self._move(self._axis.task, number, wait, span(timeout))
+
+    def stop(self, *, quick: bool = False, timeout: Duration | None = None) -> MotionReport:
+        """Stops along the ramp (OFF1) or by quick stop (OFF3), ends operation and keeps control. Returns at standstill.
+
+        Any thread may call it while another one waits for a motion, which raises `InterruptedCall` then.
+
+        Raises:
+            NotReached: when it is not at rest after `timeout`; it goes on stopping.
+        """
+        return MotionReport._of(json.loads(waiting.lasting(self._axis.stop, quick, optional_span(timeout))))
+
+    def ack(self) -> None:
+        """Acknowledges faults by an edge of STW1 bit 7."""
+        waiting.call(self._axis.ack)
+
+    def keep_alive(self) -> None:
+        """Renews the lease, as every other call that waits does."""
+        waiting.call(self._axis.keep_alive)
+
+    @property
+    def status(self) -> AxisState:
+        """What the last frame reported: words, speed, position. Without any I/O, from any thread."""
+        document = self._axis.status()
+        if document is None:
+            raise MisuseError("the axis was released", drive=self._drive)
+        return AxisState._of(json.loads(document))
+
+    @property
+    def state(self) -> State | None:
+        """State of the general state machine."""
+        state = self.status.state
+        return None if state is None else State[state.value]
+
+    @property
+    def zsw1(self) -> Zsw1 | None:
+        """Status word of the last frame, in the bits of the profile that the drive is set to; None before the first one."""
+        word = self.status.zsw1
+        return None if word is None else Zsw1(word.number)
+
+    @property
+    def speed(self) -> float | None:
+        """Speed of the motor, rpm; None where the telegram does not carry it."""
+        speed = self.status.speed_actual
+        return None if speed is None else speed.value
+
+    @property
+    def position(self) -> float | None:
+        """Position in revolutions; None where the telegram does not carry it."""
+        position = self.status.position
+        return None if position is None else position.value
+
+    @property
+    def stats(self) -> CycleStats | None:
+        """Frames of the connection; None on a serial line, and while another thread waits for a motion."""
+        frames = self._axis.frames()
+        return None if frames is None else CycleStats(*frames)
+
+    def __repr__(self) -> str:
+        return f"<Axis of {self._drive}>"
+
+    def __del__(self) -> None:
+        # it cannot be reached any more: the network brings it to rest
+        axis = getattr(self, "_axis", None)
+        if axis is not None and axis.abandon():
+            warnings.warn(
+                f"{self!r} was under control and is stopped: use a with block", ResourceWarning, stacklevel=2, source=self
+            )
+
+
+class Control:
+    """Takes control of an axis in a `with` block. However the block ends, the axis is ramped down and released."""
+
+    __slots__ = ("_arguments", "_axis", "_network")
+
+    def __init__(
+        self,
+        network: _profidrive.Network,
+        drive: str,
+        max_speed: str,
+        mode: str | None,
+        telegram: int | None,
+        cycle: float | str | None,
+        lease: float | str,
+        set_mode: bool,
+        accept_no_timeout: bool,
+    ) -> None:
+        self._network = network
+        self._arguments = (drive, max_speed, mode, telegram, cycle, lease, set_mode, accept_no_timeout)
+        self._axis: Axis | None = None
+
+    def __enter__(self) -> Axis:
+        if self._axis is not None:
+            raise MisuseError("control is for one block", drive=self._arguments[0])
+        self._axis = Axis(waiting.call(self._network.control, *self._arguments), self._arguments[0])
+        return self._axis
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        axis = self._axis
+        if axis is None or not axis._axis.is_held:
+            return
+        try:
+            waiting.lasting(axis._axis.release, isinstance(error, KeyboardInterrupt))
+        except ProfidriveError as unreleased:
+            if error is None:
+                raise
+            # what ended the block is the cause; this comes on top of it
+            if hasattr(error, "add_note") and type(unreleased) is not type(error):
+                error.add_note(f"then: {unreleased}")
+
+
+class Recording(Table):
+    """A table with the signals of drives: `t`, `wall` (time of arrival), `drive`, `gap`, then a column for each signal.
+
+    One without a time grows beside other calls until the end of its `with` block, or `stop`. It can be looked at meanwhile: what is
+    taken of it is what there is at that moment. In a plant time passes for it, too, only while a call waits.
+    """
+
+    __slots__ = ("_recording",)
+
+    def __init__(self, recording: _profidrive.Recording) -> None:
+        super().__init__(recording.table, recording.write)
+        self._recording = recording
+
+    @property
+    def grows(self) -> bool:
+        """Whether it is still recorded."""
+        return self._recording.grows
+
+    def stop(self) -> None:
+        """Ends it, and returns when the drives are free again.
+
+        Raises:
+            ConnectionLost, UnreachableError: where it had ended before, by an error of the network.
+        """
+        waiting.lasting(self._recording.stop)
+
+    def gaps(self) -> tuple[Gap, ...]:
+        """Returns the rows in which values are missing."""
+        return tuple(Gap(time, drive) for time, drive in self._recording.gaps())
+
+    def __enter__(self) -> Recording:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        self.stop()
+
+    @property
+    def drives(self) -> tuple[Recorded, ...]:
+        """What was recorded of each drive, and what is missing."""
+        return tuple(Recorded(**drive) for drive in json.loads(self._recording.drives()))
+
+    def draw(self, path: Path, title: str = "") -> None:
+        """Draws the signals to a file (SVG). Needs no other package."""
+        pathlib.Path(path).write_text(self._recording.picture(title), encoding="utf-8")
+
+
+def network_of(world: World) -> Network:
+    """Returns the network of a plant. Time passes there only while a call waits."""
+    return Network(world._world.network())
+
+
+__all__ = ["Axis", "Control", "Drive", "Drives", "Network", "Recording", "network_of", "open"]
