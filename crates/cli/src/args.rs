@@ -35,7 +35,7 @@ pub use motion::{Ack, Cyclic, Enabling, Home, InMode, Jog, Move, Run, Stop, Task
 pub use parameters::{Describe, List, Read, Write};
 pub use record::{Every, Record, Step};
 #[cfg(feature = "serve")]
-pub use serve::Serve;
+pub use serve::{Serve, Tls};
 pub use simulate::{DcpInOperation, Demo, Inject, Protocol, Simulate, simulated};
 pub use stations::{Blink, Ip, Name, Network, Reset, ResetMode, Scan};
 

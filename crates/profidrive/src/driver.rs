@@ -55,6 +55,8 @@ impl Drop for End<'_> {
 
 fn carry(engine: &Engine, carrier: &mut Carrier, stop: Option<&Stop>, ended: &AtomicBool) {
     let _end = End(engine);
+    // a drive stops its axis when this computer is late, whatever else it has to do
+    network::system::run_first();
     let mut stopped = false;
     while !ended.load(Ordering::Acquire) {
         let until = engine.begin_turn(carrier.now());

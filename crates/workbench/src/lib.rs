@@ -34,6 +34,7 @@ mod shared;
 mod upgrade;
 mod words;
 
+pub use access::TlsError;
 pub use api::openapi;
 pub use serve::{ServeError, Server};
-pub use settings::{Settings, Source};
+pub use settings::{Certificate, Settings, Source};

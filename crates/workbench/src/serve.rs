@@ -5,23 +5,24 @@ use std::net::{SocketAddr, TcpListener as Listener};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-use axum::Router;
 use axum::http::StatusCode;
 use axum::middleware::{from_fn, from_fn_with_state};
 use axum::routing::any;
+use axum::{Extension, Router};
 use hyper::server::conn::http1;
 use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::service::TowerToHyperService;
 use profidrive::client::{Advice, ErrorKind};
 use profidrive::plant::PlantError;
 use profidrive::{Explained, Network, OpenError, Stop};
+use tokio::io::{AsyncRead, AsyncWrite};
 use tokio::net::TcpListener;
 use tokio::sync::Semaphore;
-use tokio::time::{interval, sleep};
+use tokio::time::{interval, sleep, timeout};
 use tower_http::limit::RequestBodyLimitLayer;
 use tower_http::timeout::TimeoutLayer;
 
-use crate::access::{Attempts, Once, Places, Sessions, Tokens, guard, secure};
+use crate::access::{Attempts, Once, Peer, Places, Sessions, Tls, TlsError, Tokens, guard, secure};
 use crate::api::{nothing, router};
 use crate::assets;
 use crate::audit::Audit;
@@ -54,8 +55,14 @@ const LOOK: Duration = Duration::from_millis(20);
 #[non_exhaustive]
 pub enum ServeError {
     /// Without encryption the server is for this computer alone.
-    #[error("{0} can be reached from other computers, which needs encryption (TLS); this version has none")]
+    #[error("{0} can be reached from other computers, which needs encryption (TLS)")]
     NotLocal(SocketAddr),
+    /// What is to encrypt cannot be used.
+    #[error(transparent)]
+    Tls(#[from] TlsError),
+    /// The public address is none of a page.
+    #[error("{0} is no address of a page: https://HOST or https://HOST:PORT")]
+    PublicUrl(String),
     /// The address is not one of this computer, or the port is in use.
     #[error("cannot listen on {address}: {error}")]
     Listen {
@@ -78,7 +85,7 @@ pub enum ServeError {
 impl Explained for ServeError {
     fn kind(&self) -> ErrorKind {
         match self {
-            Self::NotLocal(_) | Self::Plant(_) => ErrorKind::Usage,
+            Self::NotLocal(_) | Self::PublicUrl(_) | Self::Tls(_) | Self::Plant(_) => ErrorKind::Usage,
             Self::Open(error) => error.kind(),
             Self::Listen { .. } | Self::System(_) => ErrorKind::Local,
         }
@@ -87,10 +94,13 @@ impl Explained for ServeError {
     fn advice(&self) -> Advice {
         match self {
             Self::NotLocal(address) => format!(
-                "listen on 127.0.0.1; from another computer, `ssh -L {port}:127.0.0.1:{port} HOST` leads there",
+                "encrypt it, or listen on 127.0.0.1; from another computer, `ssh -L {port}:127.0.0.1:{port} HOST` leads there",
                 port = address.port()
             )
             .into(),
+            Self::Tls(TlsError::Readable(path)) => {
+                format!("`chmod 600 {}` keeps it from them", path.display()).into()
+            }
             Self::Open(error) => error.advice(),
             _ => Advice::default(),
         }
@@ -104,6 +114,7 @@ pub struct Server {
     address: SocketAddr,
     network: Network,
     shared: Arc<Shared>,
+    tls: Option<Tls>,
 }
 
 impl Server {
@@ -115,12 +126,15 @@ impl Server {
         let Settings {
             source,
             listen,
+            tls,
+            public_url,
+            moves_remotely,
             name,
             read_only,
             moves_real,
             log,
         } = settings;
-        if !listen.ip().is_loopback() {
+        if !listen.ip().is_loopback() && tls.is_none() {
             return Err(ServeError::NotLocal(listen));
         }
         let refused = |error| ServeError::Listen {
@@ -130,6 +144,10 @@ impl Server {
         let listener = Listener::bind(listen).map_err(refused)?;
         listener.set_nonblocking(true)?;
         let address = listener.local_addr()?;
+        let places = Places::new(address, tls.is_some(), public_url.as_deref());
+        let places = places.map_err(ServeError::PublicUrl)?;
+        let tls = tls.map(|certificate| Tls::new(&certificate, &places.names(), log.as_deref()));
+        let tls = tls.transpose()?;
         let opening = source.opening()?;
         let network = opening.clone().open()?;
         let addresses = match &source {
@@ -143,7 +161,9 @@ impl Server {
             once: Mutex::new(Once::default()),
             read_only,
             moves_real,
-            places: Places::new(address),
+            moves_remotely,
+            encrypted: tls.is_some(),
+            places,
             cookie: format!("profidrive_{}", address.port()),
             source,
             name,
@@ -166,6 +186,7 @@ impl Server {
             address,
             network,
             shared: Arc::new(shared),
+            tls,
         })
     }
 
@@ -177,7 +198,13 @@ impl Server {
 
     fn with_token(&self, token: &str) -> String {
         // what is behind `#` is sent to no server
-        format!("http://{}/#token={token}", self.address)
+        format!("{}/#token={token}", self.shared.places.url(self.address))
+    }
+
+    /// Returns the fingerprint (SHA-256) of its certificate, as browsers show it; `None` without encryption.
+    #[must_use]
+    pub fn fingerprint(&self) -> Option<&str> {
+        self.tls.as_ref().map(Tls::fingerprint)
     }
 
     /// Returns the address for a browser, with the token that allows everything; of a server that changes nothing the same as
@@ -215,6 +242,7 @@ impl Server {
             listener,
             mut network,
             shared,
+            tls,
             ..
         } = self;
         let flag = stop.clone();
@@ -230,7 +258,7 @@ impl Server {
             tokio::spawn(Arc::clone(&shared.board).read(network.clone()));
             tokio::spawn(produce(Arc::clone(&shared)));
             tokio::select! {
-                () = accept(listener, shared) => {}
+                () = accept(listener, shared, tls) => {}
                 () = raised(stop) => {}
             }
             Ok(())
@@ -262,25 +290,38 @@ fn app(shared: Arc<Shared>) -> Router {
         .with_state(shared)
 }
 
-async fn accept(listener: TcpListener, shared: Arc<Shared>) {
+async fn accept(listener: TcpListener, shared: Arc<Shared>, tls: Option<Tls>) {
     let app = app(shared);
     let room = Arc::new(Semaphore::new(CONNECTIONS));
     while let Ok(place) = Arc::clone(&room).acquire_owned().await {
-        let Ok((stream, _)) = listener.accept().await else {
+        let Ok((stream, peer)) = listener.accept().await else {
             sleep(RETRY).await;
             continue;
         };
-        let app = TowerToHyperService::new(app.clone());
+        let app = app.clone().layer(Extension(Peer(peer)));
+        let tls = tls.clone();
         tokio::spawn(async move {
-            let connection = http1::Builder::new()
-                .timer(TokioTimer::new())
-                .header_read_timeout(HEAD_TIME)
-                .max_buf_size(HEAD)
-                .serve_connection(TokioIo::new(stream), app)
-                .with_upgrades();
             // a client that is too slow or uses another protocol is disconnected
-            let _ = connection.await;
+            match tls {
+                None => attend(stream, app).await,
+                Some(tls) => {
+                    if let Ok(Ok(stream)) = timeout(HEAD_TIME, tls.accept(stream)).await {
+                        attend(stream, app).await;
+                    }
+                }
+            }
             drop(place);
         });
     }
+}
+
+/// Serves one connection until it ends.
+async fn attend(stream: impl AsyncRead + AsyncWrite + Unpin + Send + 'static, app: Router) {
+    let connection = http1::Builder::new()
+        .timer(TokioTimer::new())
+        .header_read_timeout(HEAD_TIME)
+        .max_buf_size(HEAD)
+        .serve_connection(TokioIo::new(stream), TowerToHyperService::new(app))
+        .with_upgrades();
+    let _ = connection.await;
 }

@@ -55,6 +55,20 @@ impl Source {
     }
 }
 
+/// What encrypts the connections of a server.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Certificate {
+    /// A certificate that the server makes itself. Browsers warn of it until it is accepted.
+    SelfSigned,
+    /// A certificate with those between it and a known authority, and its key, as files of PEM.
+    Files {
+        /// The certificates.
+        certificate: PathBuf,
+        /// The key.
+        key: PathBuf,
+    },
+}
+
 /// How a server is started.
 #[derive(Debug, Clone)]
 pub struct Settings {
@@ -62,6 +76,12 @@ pub struct Settings {
     pub source: Source,
     /// The address and port to listen on; port 0 takes a free one.
     pub listen: SocketAddr,
+    /// What encrypts connections. Without it the server is for this computer alone.
+    pub tls: Option<Certificate>,
+    /// The address that leads here from elsewhere, by a proxy or another name: `https://line3.example`.
+    pub public_url: Option<String>,
+    /// Whether pages on other computers may control axes too. Whoever moves a machine has to see it.
+    pub moves_remotely: bool,
     /// What people call this server: `line 3`.
     pub name: Option<String>,
     /// Whether no address of this server allows more than to look and to stop.
@@ -79,6 +99,9 @@ impl Settings {
         Self {
             source,
             listen: SocketAddr::new(IpAddr::V4(Ipv4Addr::LOCALHOST), PORT),
+            tls: None,
+            public_url: None,
+            moves_remotely: false,
             name: None,
             read_only: false,
             moves_real: false,

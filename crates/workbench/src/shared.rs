@@ -26,6 +26,10 @@ pub(crate) struct Shared {
     pub read_only: bool,
     /// Whether axes of real drives may be controlled.
     pub moves_real: bool,
+    /// Whether pages on other computers may control axes.
+    pub moves_remotely: bool,
+    /// Whether connections are encrypted.
+    pub encrypted: bool,
     pub places: Places,
     /// Name of the cookie. Browsers send the cookies of a host to each of its ports, so each server has its own name.
     pub cookie: String,

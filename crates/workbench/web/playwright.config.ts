@@ -12,6 +12,8 @@ export default defineConfig({
   expect: { timeout: 10_000 },
   reporter: [["list"]],
   use: {
+    // an action that never becomes possible names what it waits for
+    actionTimeout: 30_000,
     browserName: "chromium",
     viewport: { width: 1366, height: 640 },
     launchOptions: {

@@ -3,7 +3,14 @@
 use std::net::{Ipv4Addr, SocketAddr};
 use std::path::PathBuf;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
+
+/// Where the certificate is from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Tls {
+    /// The server makes it, and keeps it in its folder
+    SelfSigned,
+}
 
 #[derive(Debug, Args)]
 pub struct Serve {
@@ -19,6 +26,22 @@ pub struct Serve {
     /// Address and port of the page; port 0 takes a free one
     #[arg(long, value_name = "ADDRESS:PORT", default_value = "127.0.0.1:8934")]
     pub listen: SocketAddr,
+    /// Encrypt connections with a certificate that the server makes itself: browsers warn of it until it is accepted. Without
+    /// encryption the page is for this computer alone
+    #[arg(long, value_enum, value_name = "HOW")]
+    pub tls: Option<Tls>,
+    /// Encrypt connections with this certificate, and those between it and a known authority (PEM)
+    #[arg(long, value_name = "FILE", requires = "key", conflicts_with = "tls")]
+    pub cert: Option<PathBuf>,
+    /// The key of the certificate (PEM), which other users cannot read
+    #[arg(long, value_name = "FILE", requires = "cert")]
+    pub key: Option<PathBuf>,
+    /// The address that leads here from elsewhere, by a proxy or another name
+    #[arg(long, value_name = "https://HOST")]
+    pub public_url: Option<String>,
+    /// Let pages on other computers move axes too: whoever moves a machine has to see it
+    #[arg(long, conflicts_with_all = ["read_only", "ip"])]
+    pub allow_remote_motion: bool,
     /// Also start the browser
     #[arg(long)]
     pub open: bool,

@@ -4,9 +4,9 @@ use client::ErrorKind;
 use network::system::{ForcedExit, Stop};
 use plant::PlantPlan;
 use profidrive::report::ServeReport;
-use workbench::{ServeError, Server, Settings, Source};
+use workbench::{Certificate, ServeError, Server, Settings, Source};
 
-use crate::args::{Interface, Serve};
+use crate::args::{Interface, Serve, Tls};
 use crate::connect::{named, without_permission};
 use crate::failure::Failure;
 use crate::output::Output;
@@ -24,6 +24,9 @@ pub fn run(args: &Serve, interface: &Interface, output: &Output) -> Result<(), F
     let simulation = source.is_simulation();
     let mut settings = Settings {
         listen: args.listen,
+        tls: certificate(args),
+        public_url: args.public_url.clone(),
+        moves_remotely: args.allow_remote_motion,
         name: args.name.clone(),
         read_only: args.read_only,
         moves_real: args.allow_real_motion,
@@ -41,11 +44,17 @@ pub fn run(args: &Serve, interface: &Interface, output: &Output) -> Result<(), F
             url: server.url(),
             view_url: server.view_url(),
             simulation,
+            fingerprint: server.fingerprint().map(str::to_owned),
         });
     } else {
         output.line(&format!("open {}", server.url()));
         if !args.read_only {
             output.say(&format!("to look and stop only: {}", server.view_url()));
+        }
+        if let (Some(fingerprint), None) = (server.fingerprint(), &args.cert) {
+            output.say(&format!(
+                "its certificate has the fingerprint (SHA-256) {fingerprint}"
+            ));
         }
         output.say("Ctrl-C ends the server");
     }
@@ -56,6 +65,17 @@ pub fn run(args: &Serve, interface: &Interface, output: &Output) -> Result<(), F
         }
     }
     server.run(&stop).map_err(failed)
+}
+
+/// Returns what encrypts connections.
+fn certificate(args: &Serve) -> Option<Certificate> {
+    match (args.tls, &args.cert, &args.key) {
+        (_, Some(certificate), Some(key)) => Some(Certificate::Files {
+            certificate: certificate.clone(),
+            key: key.clone(),
+        }),
+        (how, ..) => how.map(|Tls::SelfSigned| Certificate::SelfSigned),
+    }
 }
 
 /// Returns where the drives are.
@@ -90,6 +110,7 @@ fn failed(error: ServeError) -> Failure {
         ServeError::Listen { .. } => {
             Failure::explained(&error).hint("--listen 127.0.0.1:0 takes a free port")
         }
+        ServeError::NotLocal(_) => Failure::explained(&error).hint("--tls self-signed encrypts it"),
         error => Failure::explained(&error),
     }
 }

@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use profinet::controller::{DcpId, DcpReply, Filter, IdentifyOptions, Misuse, Station};
+use profinet::wire::dcp::DcpOption;
 use profinet::{Instant, IpSuite, MacAddress};
 
 use super::Session;
@@ -14,6 +15,20 @@ const DCP_LIMIT: Duration = Duration::from_secs(30);
 const MAPPER_LIMIT: Duration = Duration::from_secs(10);
 /// How long a second station of the same name may take to answer: ten times the response delay requested.
 const SECOND_ANSWER: Duration = Duration::from_millis(100);
+/// How long one station may take to answer who it is.
+const DIRECT_ANSWER: Duration = Duration::from_millis(500);
+/// What a station says of itself when it answers an Identify request.
+const IDENTITY: [DcpOption; 9] = [
+    DcpOption::IP,
+    DcpOption::NAME,
+    DcpOption::DEVICE_ID,
+    DcpOption::STATION_TYPE,
+    DcpOption::ROLE,
+    DcpOption::OPTIONS,
+    DcpOption::ALIAS,
+    DcpOption::INSTANCE,
+    DcpOption::OEM_DEVICE_ID,
+];
 
 impl Session {
     /// Returns all stations that answer within `time`, by name and address.
@@ -162,6 +177,7 @@ impl Session {
         };
         let answers = match drive {
             DriveAddress::Name(_) => self.identify_one(filter).await?,
+            DriveAddress::Mac(mac) => self.ask_station(*mac).await?,
             _ => self.identify(filter, IdentifyOptions::MANY).await?,
         };
         let fits = |station: &&Station| match drive {
@@ -171,8 +187,8 @@ impl Session {
             DriveAddress::Line(_) => false,
         };
         let answered = match drive {
-            // one that answers too late to its name may be among all
-            DriveAddress::Name(_) if !answers.iter().any(|station| fits(&station)) => {
+            // one that answers too late, or not to what was asked of it alone, may be among all
+            DriveAddress::Name(_) | DriveAddress::Mac(_) if !answers.iter().any(|station| fits(&station)) => {
                 self.identify(Filter::all(), IdentifyOptions::MANY).await?
             }
             _ => answers,
@@ -188,6 +204,23 @@ impl Session {
                 drive: drive.clone(),
                 macs: several.iter().map(|station| station.mac).collect(),
             }),
+        }
+    }
+
+    /// Asks the station of an address who it is: no other one has to answer. Empty where it does not say so at once.
+    async fn ask_station(&mut self, mac: MacAddress) -> Result<Vec<Station>, Error> {
+        let now = self.now();
+        // an address of many stations is none of a drive
+        let Ok(id) = self.client().controller().dcp_get(now, mac, &IDENTITY) else {
+            return Ok(Vec::new());
+        };
+        let answer = self.wait(DIRECT_ANSWER, |client| client.take_dcp(id)).await?;
+        if answer.is_none() {
+            self.client().controller().cancel_dcp(id);
+        }
+        match answer {
+            Some(Ok(DcpReply::Values(station))) => Ok(vec![station]),
+            _ => Ok(Vec::new()),
         }
     }
 

@@ -39,6 +39,23 @@ fn no_one_or_two_stations_with_a_name() {
     assert_eq!(answered.len(), 3);
 }
 
+/// Of many drives only the one that is meant answers, and the search does not wait for others.
+#[test]
+fn a_mac_address_is_asked_alone() {
+    let (mut session, _) = bench(&[("akd-1", 1), ("akd-2", 2)]);
+    let by_name = find(&mut session, "akd-1").expect("by name").station;
+    let begin = session.now();
+    let by_mac = find(&mut session, "02:00:00:00:00:01")
+        .expect("by its address")
+        .station;
+    assert_eq!(by_mac, by_name);
+    assert!(session.now() - begin < Duration::from_millis(50));
+    let Err(Error::NotFound { answered, .. }) = find(&mut session, "02:00:00:00:00:09") else {
+        panic!("no station")
+    };
+    assert_eq!(answered.len(), 2);
+}
+
 /// A station that answers too late to its name stands among all that answer: then it is there.
 #[test]
 fn a_station_that_answers_late_is_found() {
@@ -53,6 +70,8 @@ fn a_station_that_answers_late_is_found() {
     }
     let drive = find(&mut session, "akd-1").expect("it answered, only late");
     assert_eq!(drive.station.mac, MacAddress([2, 0, 0, 0, 0, 1]));
+    let by_mac = find(&mut session, "02:00:00:00:00:01").expect("late too");
+    assert_eq!(by_mac.station, drive.station);
     // two of one name are two, however late
     let Err(Error::Ambiguous { macs, .. }) = find(&mut session, "akd-2") else {
         panic!("two of them")

@@ -14,6 +14,9 @@ pub struct Permissions {
     pub raw: bool,
     /// Settings of interfaces (CAP_NET_ADMIN). Nothing here needs it.
     pub admin: bool,
+    /// Threads that run before those of other programs, by CAP_SYS_NICE or a limit for real-time priorities:
+    /// [`run_first`](super::run_first).
+    pub first: bool,
 }
 
 impl Permissions {
@@ -94,10 +97,12 @@ impl fmt::Display for PortHolder {
 }
 
 /// Sets a timer each `period` for `time` and returns how late each one was, in their order: for a thread of its own, which this
-/// call uses up. Ends early once `stop` is raised.
+/// call uses up, and which runs before others where that is permitted, as one does that carries frames
+/// ([`run_first`](super::run_first)). Ends early once `stop` is raised.
 #[must_use]
 pub fn lateness(period: Duration, time: Duration, stop: Option<&Stop>) -> Vec<Duration> {
     os::sharpen_timers();
+    os::run_first();
     let begin = std::time::Instant::now();
     let mut late = Vec::new();
     let mut due = period;

@@ -59,6 +59,11 @@ pub const fn holders(_port: u16) -> Option<Vec<PortHolder>> {
 /// Does nothing: timers are as the system sets them.
 pub const fn sharpen_timers() {}
 
+/// Returns false: the thread shares the time of the computer with all others.
+pub const fn run_first() -> bool {
+    false
+}
+
 /// Interfaces are used for raw Ethernet only.
 pub fn interfaces() -> Result<Vec<InterfaceInfo>, Error> {
     Ok(Vec::new())

@@ -72,12 +72,13 @@ pub enum Error {
     },
 }
 
-/// Returns the command that permits raw Ethernet to this program.
+/// Returns the command that permits raw Ethernet to this program, and threads that run before others
+/// ([`run_first`](super::run_first)).
 #[must_use]
 pub fn grant_raw_ethernet() -> String {
     let program = std::env::current_exe().map(|path| path.display().to_string());
     let program = program.unwrap_or_else(|_| "PROGRAM".to_owned());
-    format!("sudo setcap cap_net_raw+ep {program}")
+    format!("sudo setcap cap_net_raw,cap_sys_nice+ep {program}")
 }
 
 impl Error {

@@ -7,6 +7,7 @@
 //! | what interfaces there are | [`InterfaceInfo`] |
 //! | Ctrl-C | [`Stop`] |
 //! | what decides how well this computer works as a controller | [`Permissions`], [`Link`], [`PortHolder`], [`lateness`] |
+//! | frames that are on time while other programs compute | [`run_first`] |
 //! | a folder that one program uses at a time | [`FolderLock`] |
 
 mod diagnosis;
@@ -37,7 +38,7 @@ pub use error::{Error, grant_raw_ethernet};
 pub use interface::InterfaceInfo;
 pub use lock::{FolderLock, LockError};
 pub use medium::{ServerPort, UdpMedium};
-pub use os::{free_memory, now, thread_time};
+pub use os::{free_memory, now, run_first, thread_time};
 pub(crate) use os::{wait_for_octets, wait_for_room};
 pub(crate) use stop::Calls;
 pub use stop::{Bell, ForcedExit, Stop, StopRequests};

@@ -326,6 +326,8 @@ impl Host {
     /// When the interface fails for good, when a station on the segment has the MAC address of a drive, or when the
     /// capture file is not complete.
     pub fn run(mut self) -> Result<Vec<ExpectationResult>, HostError> {
+        // a controller gives up drives that are late, whatever else this computer has to do
+        network::system::run_first();
         loop {
             let turn = self.step()?;
             self.reopen()?;

@@ -59,7 +59,21 @@ fn permission(own: Option<Permissions>, wording: &dyn Wording) -> Finding {
             .because("without raw Ethernet there is no discovery and no cyclic data");
     }
     match own {
-        Some(own) if own.raw => Finding::new(Check::Permission, Severity::Ok, "raw Ethernet is permitted"),
+        Some(own) if own.raw && own.first => Finding::new(
+            Check::Permission,
+            Severity::Ok,
+            "raw Ethernet is permitted, and that frames go before other programs",
+        ),
+        Some(own) if own.raw => {
+            let advice = format!("permit it once: {}", grant_raw_ethernet());
+            Finding::new(
+                Check::Permission,
+                Severity::Note,
+                "raw Ethernet is permitted, but not that frames go before other programs (CAP_SYS_NICE)",
+            )
+            .because("while other programs compute, frames are late, and connections end by their watchdogs")
+            .remedied(&Advice::from(advice), wording)
+        }
         None => Finding::new(
             Check::Permission,
             Severity::Unchecked,
@@ -341,11 +355,17 @@ mod tests {
         let none = Permissions {
             raw: false,
             admin: true,
+            first: false,
         };
         if ethernet::AVAILABLE {
             let finding = permission(Some(none), &PlainWording);
             assert_eq!(finding.severity, Severity::Error);
-            assert!(finding.remedy.unwrap().contains("setcap cap_net_raw+ep /"));
+            assert!(
+                finding
+                    .remedy
+                    .unwrap()
+                    .contains("setcap cap_net_raw,cap_sys_nice+ep /")
+            );
         }
         let finding = address(&info(), &PlainWording);
         assert_eq!(finding.severity, Severity::Error);

@@ -14,4 +14,6 @@ pub struct ServeReport {
     pub view_url: String,
     /// Whether the drives are virtual.
     pub simulation: bool,
+    /// Fingerprint (SHA-256, `AB:CD:..`) of the certificate; null without encryption.
+    pub fingerprint: Option<String>,
 }

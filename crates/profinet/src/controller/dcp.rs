@@ -482,23 +482,22 @@ fn set_result(pdu: &Pdu<'_>, option: DcpOption) -> Result<(), DcpError> {
     Err(DcpError::Missing(option))
 }
 
+/// Returns what a station has of `options`; the first error where it has none of them.
 fn get_result(mac: MacAddress, pdu: &Pdu<'_>, options: &[DcpOption]) -> Result<Station, DcpError> {
-    for option in options {
-        let mut present = false;
-        for block in pdu.blocks() {
-            let block = block?;
-            if block.option == *option {
-                present = true;
-            } else if block.option == DcpOption::RESPONSE {
-                let (about, error) = block.result()?;
-                if about == *option {
-                    return Err(DcpError::Refused { option: about, error });
-                }
-            }
+    let mut refused = None;
+    let mut present = false;
+    for block in pdu.blocks() {
+        let block = block?;
+        if block.option == DcpOption::RESPONSE {
+            let (option, error) = block.result()?;
+            refused = refused.or(Some(DcpError::Refused { option, error }));
+        } else {
+            present |= options.contains(&block.option);
         }
-        if !present {
-            return Err(DcpError::Missing(*option));
-        }
+    }
+    if !present {
+        let missing = options.first().copied().map(DcpError::Missing);
+        return Err(refused.or(missing).unwrap_or(DcpError::NotSupported));
     }
     Ok(station(mac, pdu)?)
 }

@@ -52,7 +52,8 @@ impl Controller {
         });
     }
 
-    /// Reads settings of the station `mac`.
+    /// Reads settings of the station `mac`. As in an answer to Identify, what it does not have is empty; where it has none of
+    /// the options the result is an error.
     ///
     /// # Errors
     /// When the address is not a station's, or too many requests are open.

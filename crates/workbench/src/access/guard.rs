@@ -9,7 +9,7 @@ use axum::http::{HeaderMap, HeaderName, Method, StatusCode};
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 
-use super::Role;
+use super::{Peer, Role};
 use crate::problem::Problem;
 use crate::shared::Shared;
 
@@ -21,6 +21,8 @@ pub(crate) struct Caller {
     pub session: Option<String>,
     /// What it is called in the log: the number of its session, or `token`.
     pub who: String,
+    /// Whether it is on another computer.
+    pub remote: bool,
 }
 
 /// Refuses requests for other hosts, from other origins and without a session. What passes carries its [`Caller`].
@@ -55,6 +57,9 @@ fn check(shared: &Shared, request: &Request) -> Result<Option<Caller>, Problem> 
     if !path.starts_with("/api/") {
         return Ok(None);
     }
+    let peer = request.extensions().get::<Peer>();
+    let remote = !peer.is_some_and(|Peer(peer)| peer.ip().to_canonical().is_loopback())
+        || text(headers, &HOST).is_none_or(|host| shared.places.is_public(host));
     let bearer = text(headers, &AUTHORIZATION).and_then(|value| value.strip_prefix("Bearer "));
     if bearer.is_none() {
         from_here(shared, headers, method)?;
@@ -68,6 +73,7 @@ fn check(shared: &Shared, request: &Request) -> Result<Option<Caller>, Problem> 
             role: shared.try_token(token)?,
             session: None,
             who: "token".to_owned(),
+            remote,
         },
         None => {
             let id = session_of(headers, &shared.cookie);
@@ -77,6 +83,7 @@ fn check(shared: &Shared, request: &Request) -> Result<Option<Caller>, Problem> 
                 role: role.ok_or_else(Problem::no_session)?,
                 session: id.map(str::to_owned),
                 who: number.unwrap_or_default().to_string(),
+                remote,
             }
         }
     };

@@ -4,12 +4,15 @@ mod guard;
 mod headers;
 mod origin;
 mod session;
+mod tls;
 mod token;
 
 pub(crate) use guard::{Caller, guard, session_of};
 pub(crate) use headers::secure;
-pub(crate) use origin::Places;
+pub(crate) use origin::{Peer, Places};
 pub(crate) use session::{IDLE, LIFETIME, SESSIONS, Sessions};
+pub(crate) use tls::Tls;
+pub use tls::TlsError;
 pub(crate) use token::{Attempts, Once, Tokens};
 
 use schemars::JsonSchema;

@@ -73,7 +73,8 @@ pub(super) async fn begin(
 
 fn cookie(shared: &Shared, id: &str, seconds: u64) -> String {
     let name = &shared.cookie;
-    format!("{name}={id}; Path=/; Max-Age={seconds}; HttpOnly; SameSite=Strict")
+    let secure = if shared.encrypted { "; Secure" } else { "" };
+    format!("{name}={id}; Path=/; Max-Age={seconds}; HttpOnly; SameSite=Strict{secure}")
 }
 
 /// Returns the session of the caller.

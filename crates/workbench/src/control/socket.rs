@@ -324,6 +324,7 @@ impl Page {
         match (&self.shared.source, self.caller.role) {
             _ if self.shared.read_only => Some("read_only"),
             (_, Role::View) => Some("view"),
+            _ if self.caller.remote && !self.shared.moves_remotely => Some("remote"),
             (Source::Addresses(_), _) => Some("addresses"),
             (Source::Interface(_), _) if !self.shared.moves_real => Some("real"),
             _ => None,

@@ -6,6 +6,7 @@ use std::time::Instant;
 use profidrive_workbench::{ServeError, Server, Settings, Source, openapi};
 use serde_json::Value;
 
+use crate::live::open_at;
 use crate::server::{JSON, PAGE, Running, eventually};
 
 /// Every method and path of the interface.
@@ -423,6 +424,44 @@ fn a_server_is_for_this_computer_alone() {
         ..Settings::new(Source::Demo)
     });
     assert!(matches!(open, Err(ServeError::Listen { .. })), "{open:?}");
+}
+
+/// A page that came by the address elsewhere looks, changes values and stops; it moves axes only where that was permitted.
+#[test]
+fn a_page_elsewhere_moves_nothing_without_permission() {
+    const ELSEWHERE: &str = "Host: line3.example\r\nOrigin: https://line3.example\r\n";
+    for (moves_remotely, refusal) in [(false, Some("remote")), (true, None)] {
+        let server = Running::start(Settings {
+            public_url: Some("https://line3.example".to_owned()),
+            moves_remotely,
+            ..Settings::new(Source::Demo)
+        });
+        let body = format!("{{\"token\":\"{}\"}}", server.control);
+        let answer = server.ask("POST", "/api/v1/session", &format!("{ELSEWHERE}{JSON}"), &body);
+        assert_eq!(answer.status, 200, "{answer:?}");
+        let cookie = answer
+            .header("set-cookie")
+            .unwrap()
+            .split(';')
+            .next()
+            .unwrap()
+            .to_owned();
+        let session = format!("{ELSEWHERE}Cookie: {cookie}\r\n");
+        let hello = |headers: &str| {
+            let page = open_at(&server, "/api/v1/control", headers, Some("profidrive.control.1"));
+            page.unwrap_or_else(|status| panic!("{status}")).next("hello")["refusal"].clone()
+        };
+        assert_eq!(hello(&session).as_str(), refusal);
+        assert_eq!(hello(&format!("{PAGE}Cookie: {cookie}\r\n")), Value::Null, "here");
+        assert_eq!(server.ask("POST", "/api/v1/stop", &session, "").status, 200);
+        let foreign = session.replace("https://", "http://");
+        assert_eq!(server.ask("POST", "/api/v1/stop", &foreign, "").status, 403);
+    }
+    let open = Server::open(Settings {
+        public_url: Some("line3.example".to_owned()),
+        ..Settings::new(Source::Demo)
+    });
+    assert!(matches!(open, Err(ServeError::PublicUrl(_))), "{open:?}");
 }
 
 #[test]

@@ -17,6 +17,16 @@ export interface Running {
   url: string;
   viewUrl: string;
   origin: string;
+  /** Of its certificate; nothing without encryption. */
+  fingerprint: string | null;
+}
+
+/** What a server prints when it is ready. */
+interface Ready {
+  event: string;
+  url: string;
+  view_url: string;
+  fingerprint: string | null;
 }
 
 /** Starts `profidrive serve` with these arguments and waits until it is ready. */
@@ -31,9 +41,9 @@ export async function serveIn(variables: Record<string, string>, ...args: string
   const child = spawn(program, ["serve", "--json", ...args], { stdio: ["ignore", "pipe", "inherit"], env });
   const lines = createInterface({ input: child.stdout });
   for await (const line of lines) {
-    const ready = JSON.parse(line) as { event: string; url: string; view_url: string };
-    expect(ready.event).toBe("ready");
-    return { process: child, url: ready.url, viewUrl: ready.view_url, origin: new URL(ready.url).origin };
+    const { event, url, view_url, fingerprint } = JSON.parse(line) as Ready;
+    expect(event).toBe("ready");
+    return { process: child, url, viewUrl: view_url, origin: new URL(url).origin, fingerprint };
   }
   throw new Error(`${program} serve ${args.join(" ")} did not start`);
 }

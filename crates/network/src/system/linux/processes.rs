@@ -18,6 +18,8 @@ pub fn permissions() -> Option<Permissions> {
     Some(Permissions {
         raw: has(CAP_NET_RAW),
         admin: has(CAP_NET_ADMIN),
+        // in a namespace of users a capability is not enough, and a limit may be
+        first: std::thread::spawn(super::run_first).join().unwrap_or(false),
     })
 }
 

@@ -50,8 +50,17 @@ fn finds_names_and_addresses() {
         panic!()
     };
     assert_eq!(station.name, "akd-7");
-    p.a.dcp_get(p.now, DRIVE, &[DcpOption::NAME, DcpOption::ALIAS])
+    p.a.dcp_get(p.now, DRIVE, &[DcpOption::ALIAS, DcpOption::NAME])
         .unwrap();
+    let Some(Event::DcpDone {
+        result: Ok(DcpReply::Values(station)),
+        ..
+    }) = event(&mut p, SECOND)
+    else {
+        panic!()
+    };
+    assert_eq!((station.name.as_str(), station.alias.as_str()), ("akd-7", ""));
+    p.a.dcp_get(p.now, DRIVE, &[DcpOption::ALIAS]).unwrap();
     let Some(Event::DcpDone {
         result: Err(error), ..
     }) = event(&mut p, SECOND)

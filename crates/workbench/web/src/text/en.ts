@@ -241,6 +241,8 @@ export const en = {
   "control.ended": "The connection was lost. Control has ended: the axis stops by its deadline.",
   "control.view": "This session only looks and stops: it takes no control.",
   "control.addresses": "The drives were given by their addresses: control needs a network interface (serve -i).",
+  "control.remote":
+    "This page is on another computer. Axes are moved by the computer of the server (--allow-remote-motion permits others).",
   "control.real": "This server was started without control of real drives (--allow-real-motion).",
   "control.taken": "Session {who} has control of this drive.",
   "control.owner": "Present controller: {name}",

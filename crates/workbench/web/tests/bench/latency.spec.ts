@@ -22,9 +22,13 @@ test("from STOP and from a button that goes up to the frame", async ({ browser }
   try {
     const page = await open(browser, server.url);
     const others = await Promise.all([1, 2, 3].map(() => open(browser, server.viewUrl)));
+    // the browser gives the page less time while another one is in front
+    await page.bringToFront();
     const id = await idOfStation(page, "axis-1");
     await page.goto(`${server.origin}/drives/${encodeURIComponent(id)}/control`);
-    for (const check of await page.getByRole("checkbox").all()) await check.check();
+    const checks = page.getByRole("checkbox");
+    await expect(checks.first()).toBeVisible();
+    for (const check of await checks.all()) await check.check();
     await page.getByRole("button", { name: "Take control" }).click();
     await expect(page.getByText(/This page has control/)).toBeVisible();
     const enable = page.getByRole("button", { name: "Enable" });

@@ -79,6 +79,7 @@ function obstacle(station: Station): string | null {
   if (silent.value !== null || !control.connected.value) return t("control.lost");
   if (refusal === "view" || refusal === "read_only") return t("control.view");
   if (refusal === "addresses") return t("control.addresses");
+  if (refusal === "remote") return t("control.remote");
   if (refusal === "real") return t("control.real");
   const other = control.axes.value.find((axis) => axis.drive === station.id);
   if (other && control.own(station.id) === undefined && !control.leases.value.has(station.id)) {
