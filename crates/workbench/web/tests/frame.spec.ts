@@ -22,7 +22,6 @@ async function screens(page: Page): Promise<[string, string][]> {
     ["control", `/drives/${named("axis-1")}/control`],
     ["control-none", "/drives/none/control"],
     ["scope", `/drives/${named("press-1")}/scope`],
-    ["scope-none", "/drives/none/scope"],
     ["parameters", `/drives/${named("axis-1")}/parameters`],
     ["parameters-none", "/drives/none/parameters"],
     ["compare", `/drives/${named("axis-1")}/compare`],

@@ -1,5 +1,5 @@
 /** Encryption, as a browser and a TLS client of others see it. */
-import { connect, type ConnectionOptions, type TLSSocket } from "node:tls";
+import { type ConnectionOptions, connect, type TLSSocket } from "node:tls";
 import { test } from "@playwright/test";
 import { end, expect, idOf, type Running, rows, serve } from "./bench";
 

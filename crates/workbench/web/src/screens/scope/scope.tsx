@@ -507,12 +507,13 @@ function Tools({ name }: { name: string }) {
         value={String(span)}
         options={scope.SPANS.map((one) => [String(one), time(one)] as const)}
         onChange={(value) => {
-          const view = scope.shown.value?.view;
-          scope.change({ span: Number(value) });
-          // of a stopped recording another part is shown around the same middle
-          if (!running && view) {
-            const middle = (view.from + view.to) / 2;
-            scope.move(middle - Number(value) / 2, middle + Number(value) / 2);
+          const time = Number(value);
+          const [view, kept] = [scope.shown.value?.view, status?.kept];
+          scope.change({ span: time });
+          // of a stopped recording another part is shown around the same middle, as far as there are values
+          if (!running && view && kept) {
+            const from = Math.min((view.from + Math.min(view.to, kept.to) - time) / 2, kept.to - time);
+            scope.move(Math.max(kept.from, from), Math.max(kept.from, from) + time);
           }
         }}
       />
