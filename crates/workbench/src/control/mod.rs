@@ -6,6 +6,7 @@
 mod axis;
 mod fresh;
 mod ledger;
+mod messages;
 #[cfg(test)]
 mod model;
 mod running;

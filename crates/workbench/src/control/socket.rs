@@ -11,13 +11,13 @@ use axum::response::Response;
 use futures::stream::SplitSink;
 use futures::{SinkExt, StreamExt};
 use profidrive::motion::{Control as Common, Hold};
-use serde::{Deserialize, Serialize};
 use tokio::sync::{OwnedSemaphorePermit, broadcast, mpsc};
 use tokio::time::{MissedTickBehavior, interval, timeout};
 
 use super::axis::attend;
 use super::fresh::Freshness;
 use super::ledger::{Denied, Holder, Stamp};
+use super::messages::{Axes, Echo, For, HeldGoal, Hello, Request, Reset, Stamped, Wanted};
 use super::running::{Command, Order, Reply, Running, conflict};
 use super::{HOLD, LEASE};
 use crate::access::{Caller, Role};
@@ -46,155 +46,13 @@ const GONE: Duration = Duration::from_secs(5);
 /// Highest speed of a lease where the page requests no other, rpm.
 const LIMIT: f64 = 300.0;
 
-/// What an axis is taken for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "snake_case")]
-enum For {
-    Speed,
-    Position,
-}
-
-/// Whom a command is for, and what it has seen.
-#[derive(Debug, Clone, Deserialize)]
-struct Stamped {
-    n: u64,
-    drive: String,
-    lease: u64,
-    epoch: u64,
-}
-
-/// The goal whose button is held.
-#[derive(Debug, Deserialize)]
-struct HeldGoal {
-    drive: String,
-    n: u64,
-}
-
-/// What a page sends.
-#[derive(Debug, Deserialize)]
-#[serde(tag = "type", rename_all = "snake_case")]
-enum Request {
-    Take {
-        n: u64,
-        drive: String,
-        purpose: For,
-        /// Highest speed, rpm.
-        limit: Option<f64>,
-        /// Puts the drive into the mode that this needs, and back afterwards.
-        #[serde(default)]
-        set_mode: bool,
-        /// Consent to an axis that nothing stops when its controller is lost.
-        #[serde(default)]
-        may_run_on: bool,
-    },
-    Release {
-        drive: String,
-    },
-    /// Wants the axis of another page.
-    Handover {
-        drive: String,
-    },
-    /// A sign that a person has the page before them.
-    Beat {
-        n: u64,
-        /// Time of the page, ms.
-        t: f64,
-        held: Option<HeldGoal>,
-    },
-    Enable(Stamped),
-    Disable(Stamped),
-    Acknowledge(Stamped),
-    Confirm(Stamped),
-    Halt {
-        drive: String,
-        lease: u64,
-    },
-    Jog {
-        #[serde(flatten)]
-        of: Stamped,
-        t: f64,
-        speed: f64,
-    },
-    Velocity {
-        #[serde(flatten)]
-        of: Stamped,
-        speed: f64,
-    },
-    Move {
-        #[serde(flatten)]
-        of: Stamped,
-        turns: f64,
-        #[serde(default)]
-        relative: bool,
-        speed: f64,
-    },
-    Home(Stamped),
-    Task {
-        #[serde(flatten)]
-        of: Stamped,
-        number: u16,
-    },
-    Stop,
-    /// Lets axes be enabled again after the STOP of this epoch.
-    Reset {
-        n: u64,
-        epoch: u64,
-    },
-    /// A message of a newer page.
-    #[serde(other)]
-    Other,
-}
-
-/// The first message to a page.
-#[derive(Serialize)]
-struct Hello<'s> {
-    r#type: &'static str,
-    build: &'static str,
-    boot: &'s str,
-    epoch: u64,
-    stopped: bool,
-    /// Whether this page may take control; else why not.
-    refusal: Option<&'static str>,
-    /// After so many ms without a beat a motion ends that a button keeps going, and control.
-    hold_ms: u128,
-    lease_ms: u128,
-}
-
-#[derive(Serialize)]
-struct Echo {
-    r#type: &'static str,
-    n: u64,
-    t: f64,
-    fresh: bool,
-}
-
-#[derive(Serialize)]
-struct Wanted<'s> {
-    r#type: &'static str,
-    drive: &'s str,
-    by: &'s str,
-}
-
-#[derive(Serialize)]
-struct Reset {
-    r#type: &'static str,
-    epoch: u64,
-}
-
-#[derive(Serialize)]
-struct Axes<T> {
-    r#type: &'static str,
-    axes: Vec<T>,
-}
-
 /// Opens the control socket: a page takes an axis by it, keeps a motion going by beats, and stops. Each session may open it, and only
 /// STOP is for all of them.
 #[utoipa::path(get, path = "/api/v1/control", responses(
     (status = 101, description = "A WebSocket with the protocol `profidrive.control.1`"),
-    (status = 401, description = "No session", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
-    (status = 403, description = "Another origin", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
-    (status = 426, description = "No WebSocket, or another protocol", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
-    (status = 429, description = "Too many sockets", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
+    (status = 403, description = "Another origin"),
+    (status = 426, description = "No WebSocket, or another protocol"),
+    (status = 429, description = "Too many sockets"),
 ))]
 pub(crate) async fn control(
     State(shared): State<Arc<Shared>>,

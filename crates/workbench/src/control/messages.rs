@@ -1,0 +1,144 @@
+//! What a page and its control socket send each other, as JSON.
+
+use serde::{Deserialize, Serialize};
+
+/// What an axis is taken for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum For {
+    Speed,
+    Position,
+}
+
+/// Whom a command is for, and what it has seen.
+#[derive(Debug, Clone, Deserialize)]
+pub(super) struct Stamped {
+    pub n: u64,
+    pub drive: String,
+    pub lease: u64,
+    pub epoch: u64,
+}
+
+/// The goal whose button is held.
+#[derive(Debug, Deserialize)]
+pub(super) struct HeldGoal {
+    pub drive: String,
+    pub n: u64,
+}
+
+/// What a page sends.
+#[derive(Debug, Deserialize)]
+#[serde(tag = "type", rename_all = "snake_case")]
+pub(super) enum Request {
+    Take {
+        n: u64,
+        drive: String,
+        purpose: For,
+        /// Highest speed, rpm.
+        limit: Option<f64>,
+        /// Puts the drive into the mode that this needs, and back afterwards.
+        #[serde(default)]
+        set_mode: bool,
+        /// Consent to an axis that nothing stops when its controller is lost.
+        #[serde(default)]
+        may_run_on: bool,
+    },
+    Release {
+        drive: String,
+    },
+    /// Wants the axis of another page.
+    Handover {
+        drive: String,
+    },
+    /// A sign that a person has the page before them.
+    Beat {
+        n: u64,
+        /// Time of the page, ms.
+        t: f64,
+        held: Option<HeldGoal>,
+    },
+    Enable(Stamped),
+    Disable(Stamped),
+    Acknowledge(Stamped),
+    Confirm(Stamped),
+    Halt {
+        drive: String,
+        lease: u64,
+    },
+    Jog {
+        #[serde(flatten)]
+        of: Stamped,
+        t: f64,
+        speed: f64,
+    },
+    Velocity {
+        #[serde(flatten)]
+        of: Stamped,
+        speed: f64,
+    },
+    Move {
+        #[serde(flatten)]
+        of: Stamped,
+        turns: f64,
+        #[serde(default)]
+        relative: bool,
+        speed: f64,
+    },
+    Home(Stamped),
+    Task {
+        #[serde(flatten)]
+        of: Stamped,
+        number: u16,
+    },
+    Stop,
+    /// Lets axes be enabled again after the STOP of this epoch.
+    Reset {
+        n: u64,
+        epoch: u64,
+    },
+    /// A message of a newer page.
+    #[serde(other)]
+    Other,
+}
+
+/// The first message to a page.
+#[derive(Serialize)]
+pub(super) struct Hello<'s> {
+    pub r#type: &'static str,
+    pub build: &'static str,
+    pub boot: &'s str,
+    pub epoch: u64,
+    pub stopped: bool,
+    /// Whether this page may take control; else why not.
+    pub refusal: Option<&'static str>,
+    /// After so many ms without a beat a motion ends that a button keeps going, and control.
+    pub hold_ms: u128,
+    pub lease_ms: u128,
+}
+
+#[derive(Serialize)]
+pub(super) struct Echo {
+    pub r#type: &'static str,
+    pub n: u64,
+    pub t: f64,
+    pub fresh: bool,
+}
+
+#[derive(Serialize)]
+pub(super) struct Wanted<'s> {
+    pub r#type: &'static str,
+    pub drive: &'s str,
+    pub by: &'s str,
+}
+
+#[derive(Serialize)]
+pub(super) struct Reset {
+    pub r#type: &'static str,
+    pub epoch: u64,
+}
+
+#[derive(Serialize)]
+pub(super) struct Axes<T> {
+    pub r#type: &'static str,
+    pub axes: Vec<T>,
+}
