@@ -44,7 +44,7 @@ pub use located::PlantError;
 pub use plan::{Action, ControllerPlan, Cue, DrivePlan, PlantPlan, Step, Trigger, WorldError};
 pub use shrink::Reproduction;
 pub use snapshot::Snapshot;
-pub use source::{ChangeError, ModelsError, PlantSource};
+pub use source::{ChangeError, Happened, ModelsError, PlantSource};
 pub use text::{derived_mac, time};
 pub use timeline::{Played, Timeline};
 pub use trace::{DriveMessage, Event, EventKind, Sample};

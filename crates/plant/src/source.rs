@@ -3,10 +3,12 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
+use std::time::Duration;
 
-use toml_edit::{DocumentMut, InlineTable, Item, TableLike, Value};
+use toml_edit::{Array, DocumentMut, InlineTable, Item, TableLike, Value};
 use virtual_drive::model;
 
+use crate::event::PlantEvent;
 use crate::file::{PlantFileError, read_text};
 use crate::located::PlantError;
 use crate::plan::PlantPlan;
@@ -48,6 +50,19 @@ pub struct ChangeError {
     pub path: String,
     /// What is wrong with the path or the value.
     pub why: String,
+}
+
+/// Something that happened to a drive of a plant.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Happened {
+    /// The name of the drive.
+    pub drive: String,
+    /// Time of the plant.
+    pub at: Duration,
+    /// What happened.
+    pub event: PlantEvent,
+    /// After which time it ended; `None` where it has no end, or was to last.
+    pub lasts: Option<Duration>,
 }
 
 /// Models of which no plant can be made.
@@ -158,6 +173,47 @@ impl PlantSource {
         made.map_err(|PlantError { message, .. }| error(&paths.join(", "), message))
     }
 
+    /// Returns the plant with further events, each at the end of those that its drive has in the text. So what happened to the
+    /// drives of a plant that runs becomes a plant file in which it happens again.
+    ///
+    /// ```
+    /// use std::time::Duration;
+    /// use profidrive_plant::{Happened, PlantSource};
+    /// let press: PlantSource = "[[drive]]\nname = \"press-1\" # the large one".parse()?;
+    /// let pulled = Happened {
+    ///     drive: "press-1".into(),
+    ///     at: Duration::from_millis(2500),
+    ///     event: "cable=pulled".parse()?,
+    ///     lasts: Some(Duration::from_secs(1)),
+    /// };
+    /// let again = press.with_events([&pulled])?;
+    /// assert!(again.as_toml().contains(r#"{ at = "2.5s", do = "cable=pulled", for = "1s" }"#));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// For more events than a plant file may have, and a drive that it does not have.
+    pub fn with_events<'a>(
+        &self,
+        events: impl IntoIterator<Item = &'a Happened>,
+    ) -> Result<Self, PlantError> {
+        let mut missing = None;
+        let made = self.edited(|document| {
+            for happened in events {
+                if !add_event(document, happened) {
+                    missing = Some(happened.drive.clone());
+                }
+            }
+        })?;
+        match missing {
+            Some(drive) => Err(PlantError {
+                line: 1,
+                message: format!("no drive `{drive}` with a list of events"),
+            }),
+            None => Ok(made),
+        }
+    }
+
     /// Returns the plant with a text that was edited.
     pub(crate) fn edited(&self, edit: impl FnOnce(&mut DocumentMut)) -> Result<Self, PlantError> {
         let mut document = self
@@ -179,6 +235,34 @@ impl PlantSource {
             file: self.file.clone(),
         })
     }
+}
+
+/// Adds an event to its drive. False when the text has no such drive.
+fn add_event(document: &mut DocumentMut, happened: &Happened) -> bool {
+    let drives = document.get_mut("drive").and_then(Item::as_array_of_tables_mut);
+    let named = |table: &&mut toml_edit::Table| {
+        table.get("name").and_then(Item::as_str) == Some(happened.drive.as_str())
+    };
+    let Some(drive) = drives.and_then(|drives| drives.iter_mut().find(named)) else {
+        return false;
+    };
+    let seconds = |time: Duration| format!("{}s", time.as_secs_f64());
+    let mut values = vec![("at", seconds(happened.at)), ("do", happened.event.to_string())];
+    values.extend(happened.lasts.map(|lasts| ("for", seconds(lasts))));
+    match drive
+        .entry("event")
+        .or_insert(Item::Value(Value::Array(Array::new())))
+    {
+        Item::Value(Value::Array(list)) => list.push(InlineTable::from_iter(values)),
+        Item::ArrayOfTables(list) => {
+            let rows = values
+                .into_iter()
+                .map(|(key, text)| (key, toml_edit::value(text)));
+            list.push(rows.collect());
+        }
+        _ => return false,
+    }
+    true
 }
 
 fn change(document: &mut DocumentMut, path: &str, value: &toml::Value) -> Result<(), String> {

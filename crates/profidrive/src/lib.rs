@@ -62,6 +62,7 @@
 //! | read, list, describe and write parameters as people name them | [`parameters`] |
 //! | move an axis, with every safety rule | [`motion`] |
 //! | restore settings, with a way back | [`settings`] |
+//! | keep the frames of the last minute, and follow what they mean | [`traffic`] |
 //! | name, address and reset stations, with every check | [`addressing`] |
 //! | read, check and show device descriptions (feature `gsdml`) | `device_description` |
 #![forbid(unsafe_code)]
@@ -101,6 +102,7 @@ pub mod settings;
 #[cfg(feature = "simulate")]
 mod simulate;
 mod state_folder;
+pub mod traffic;
 
 pub use carrier::{CarrierError, serial_settings};
 /// The services of a drive, and the types of this library that come from there.

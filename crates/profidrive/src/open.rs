@@ -5,7 +5,7 @@ use std::ops::{Deref, DerefMut};
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use client::{BoundedDrive, Client, ErrorKind, LineAddress, LineConfig, Session};
-use network::ethernet::{self, PacketMedium};
+use network::ethernet::{self, Capture, PacketMedium};
 use network::serial::{self, Line, Port};
 use network::system::{Error as NetworkError, InterfaceInfo, ServerPort, Stop, StopRequests, UdpMedium};
 use profile::model::Model;
@@ -15,6 +15,7 @@ use profinet::{IpSuite, MacAddress};
 use crate::carrier::{Carrier, serial_settings};
 use crate::driver::Threaded;
 use crate::machine::Machine;
+use crate::traffic::Traffic;
 
 /// The drives of a real network, of a serial line or of a plant in memory, with what carries the bytes to them: a thread of
 /// its own, or the calls that wait for a plant in virtual time.
@@ -247,6 +248,7 @@ pub struct Opening {
     pub(crate) stop: Option<Stop>,
     pub(crate) model: Option<Model>,
     bounds: Vec<BoundedDrive>,
+    pub(crate) traffic: Option<Traffic>,
     #[cfg(feature = "simulate")]
     pub(crate) real_time: bool,
     #[cfg(feature = "gsdml")]
@@ -274,6 +276,7 @@ impl Opening {
             stop: None,
             model: None,
             bounds: Vec::new(),
+            traffic: None,
             #[cfg(feature = "simulate")]
             real_time: false,
             #[cfg(feature = "gsdml")]
@@ -326,6 +329,14 @@ impl Opening {
         self
     }
 
+    /// Keeps the frames of the last minute there: those of a plant, or of an interface that is opened with permission for raw
+    /// frames. UDP alone shows no frames.
+    #[must_use]
+    pub fn kept_in(mut self, traffic: &Traffic) -> Self {
+        self.traffic = Some(traffic.clone());
+        self
+    }
+
     /// Opens it, a plant where one was given. That UDP alone had to be enough shows in its [`Caller::transport`].
     ///
     /// # Errors
@@ -340,7 +351,7 @@ impl Opening {
     fn open_place(self) -> Result<Network, OpenError> {
         let name = match &self.place {
             #[cfg(feature = "simulate")]
-            Place::Plant(plant) => return crate::simulate::join(plant, self.real_time, self.stop),
+            Place::Plant(plant) => return crate::simulate::join(plant, &self),
             Place::Interface(Some(name)) => Some(name.clone()),
             Place::Interface(None) => interface()?,
         };
@@ -364,6 +375,11 @@ impl Opening {
         }
         if let Some(stop) = &self.stop {
             medium.set_stop(stop.clone());
+        }
+        if let Some(traffic) = &self.traffic {
+            let stop = Stop::new().map_err(OpenError::Thread)?;
+            let capture = Capture::open(&info.name, stop)?;
+            traffic.receive(capture).map_err(OpenError::Thread)?;
         }
         let client = Client::new(config(info.usable()?, info.ip()));
         let receives_calls = medium.receives_calls();

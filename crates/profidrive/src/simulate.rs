@@ -175,8 +175,12 @@ impl Running {
     }
 }
 
-pub(crate) fn join(plan: &Arc<PlantPlan>, real_time: bool, stop: Option<Stop>) -> Result<Network, OpenError> {
-    Running::start(Arc::clone(plan))?.join_as(real_time, stop)
+pub(crate) fn join(plan: &Arc<PlantPlan>, opening: &Opening) -> Result<Network, OpenError> {
+    let running = Running::start(Arc::clone(plan))?;
+    if let Some(traffic) = &opening.traffic {
+        running.with_world(|world| world.add_tap(traffic.tap()));
+    }
+    running.join_as(opening.real_time, opening.stop.clone())
 }
 
 #[cfg(test)]

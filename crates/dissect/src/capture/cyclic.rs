@@ -12,7 +12,8 @@ use profinet::wire::ethernet::Frame;
 use profinet::wire::rt::{self, DataStatus};
 
 use super::connect::{self, Asked};
-use super::drive_data::{DriveData, Sent};
+use super::drive_data::{DriveData, DriveWords, Sent};
+use super::drives::Drives;
 use super::event::{Connect, Cyclic, Detail, Origin, Sink, Trouble};
 use super::names::{Names, seconds};
 use super::timing::{Step, Timing};
@@ -391,6 +392,35 @@ impl CyclicArs {
             .filter(|stream| stream.is_between(source, destination, id));
         let first = of_frame.next()?;
         Some(of_frame.find(|_| first.closed).unwrap_or(first))
+    }
+
+    /// Returns the words of the first drive of a device, as its cyclic frames had them last; `None` without a connection.
+    pub fn words(&self, device: MacAddress, drives: &Drives) -> Option<DriveWords> {
+        let of_device = |stream: &&Stream| {
+            stream.device_mac() == device && !stream.closed && !stream.silent && stream.frames > 0
+        };
+        let mut words: Option<DriveWords> = None;
+        for stream in self.streams.iter().filter(of_device) {
+            let Some(data_of) = stream.drives.first() else {
+                continue;
+            };
+            let drive = drives.known(stream.device);
+            let telegram = data_of.telegram();
+            let words = words.get_or_insert_with(|| DriveWords {
+                telegram: telegram.map(|telegram| telegram.number),
+                profile: drive.words(telegram),
+                mode: drive.mode_in(telegram),
+                control: None,
+                status: None,
+            });
+            let word = data_of.sent().word();
+            if stream.output {
+                words.control = word;
+            } else {
+                words.status = word;
+            }
+        }
+        words
     }
 
     /// Returns the timing of the frames of each direction.

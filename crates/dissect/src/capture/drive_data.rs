@@ -1,7 +1,7 @@
 //! The telegram of a drive in cyclic data: words, speeds, parameter channel.
 
 use profile::pkw::Pkw;
-use profile::state::Zsw1;
+use profile::state::{Mode, Profile, Zsw1};
 use profile::telegram::Telegram;
 use profinet::wire::rt::Iops;
 
@@ -36,6 +36,21 @@ pub struct Sent {
     pkw: Pkw,
 }
 
+/// The words of a drive in its cyclic frames.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct DriveWords {
+    /// Number of the telegram, where it is known.
+    pub telegram: Option<u16>,
+    /// Whose words these are.
+    pub profile: Profile,
+    /// Mode that decides over their bits.
+    pub mode: Mode,
+    /// Control word that its controller sent last.
+    pub control: Option<u16>,
+    /// Status word that it sent last.
+    pub status: Option<u16>,
+}
+
 /// What a frame is to a speed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum SpeedStep {
@@ -51,6 +66,13 @@ struct Speed {
     reported: Option<i64>,
     now: i64,
     frames: u32,
+}
+
+impl Sent {
+    /// Returns the control or status word.
+    pub const fn word(&self) -> Option<u16> {
+        self.word
+    }
 }
 
 impl DriveData {

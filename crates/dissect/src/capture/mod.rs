@@ -54,6 +54,7 @@ use event::{Detail, Sink, Trouble};
 use names::Names;
 use neighbours::Neighbours;
 
+pub use drive_data::DriveWords;
 pub use event::{Event, Party};
 pub use names::seconds;
 pub use records::name as record_name;
@@ -202,6 +203,20 @@ impl Walker {
     /// Returns the devices with cyclic connections, and how regular their frames are.
     pub fn summary(&self) -> Vec<DeviceSummary> {
         summary::devices(self)
+    }
+
+    /// Returns the words of the drive with this address, as its cyclic frames had them last. `None` while it has no cyclic
+    /// connection whose connect was seen.
+    pub fn words(&self, device: MacAddress) -> Option<DriveWords> {
+        self.ars.words(device, &self.names.drives)
+    }
+
+    /// Returns how far the cyclic frames to (`output`) or from a device were from their cycle: in steps that double, each
+    /// with the deviation that it does not reach and how many frames are in it.
+    pub fn deviations(&self, device: MacAddress, output: bool) -> Vec<(Duration, u64)> {
+        let mut tracks = self.ars.tracks().map(|(_, track)| track);
+        let track = tracks.find(|track| track.device == device && track.output == Some(output));
+        track.map_or_else(Vec::new, |track| track.timing.deviations())
     }
 
     fn give_up(&mut self, now: Duration, sink: &mut Sink<'_>) {

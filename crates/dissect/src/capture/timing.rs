@@ -139,6 +139,17 @@ impl Timing {
         Step { gap, lost }
     }
 
+    /// Returns how often deviations were measured, in steps that double: each with the deviation that it does not reach.
+    /// Steps without any are left out.
+    pub fn deviations(&self) -> Vec<(Duration, u64)> {
+        let octaves = self.jitter.counts.chunks(STEPS).enumerate();
+        let steps = octaves.map(|(octave, counts)| {
+            let count = counts.iter().map(|count| u64::from(*count)).sum();
+            (Duration::from_micros(start((octave + 1) * STEPS)), count)
+        });
+        steps.filter(|(_, count)| *count > 0).collect()
+    }
+
     /// Deviation from the cycle that this percentage of the frames does not exceed.
     pub fn jitter(&self, percent: u64) -> Option<Duration> {
         self.jitter.percentile(percent)
@@ -167,6 +178,10 @@ mod tests {
         assert_eq!(timing.jitter(50), Some(Duration::ZERO));
         let most = timing.jitter(99).unwrap();
         assert!(most.abs_diff(ms(1)) < Duration::from_micros(32), "{most:?}");
+        let steps = timing.deviations();
+        assert_eq!(steps.iter().map(|(_, count)| count).sum::<u64>(), 4);
+        assert_eq!(steps[0], (Duration::from_micros(16), 2));
+        assert_eq!(steps[1], (Duration::from_micros(1024), 2));
         timing.begin(ms(4));
         assert_eq!(
             timing.add(ms(900), 5),

@@ -20,6 +20,7 @@ mod doctor;
 mod drive;
 mod drives;
 mod gsdml;
+mod machine;
 mod profile_identity;
 mod record;
 mod scan;
@@ -49,6 +50,7 @@ pub fn document(verb: &str, report: &impl serde::Serialize) -> Result<serde_json
     Ok(document)
 }
 
+pub use dissect::meaning::{WordBit, WordBits};
 pub use dissect::report::{DriveState, Parameter, ParameterContent, ParameterError, Word};
 
 pub use backup::{BackupReport, DiffReport, Difference, MotionTask, NumberedTask, TaskDifference};
@@ -65,6 +67,7 @@ pub use gsdml::{
     GsdmlAccessPoint, GsdmlCheckReport, GsdmlExportReport, GsdmlItem, GsdmlModule, GsdmlProblem,
     GsdmlShowReport, GsdmlSubmodule, GsdmlSystemSubmodule,
 };
+pub use machine::{BitCondition, MachineReport, StateMachine, StateName, TransitionRow, WordStrip};
 pub use profile_identity::{DriveObject, ProfileIdentity, ProfileVersion, Software};
 pub use record::{RecordReport, RecordTrigger, RecordedDrive, RecordedSignal, StepReport};
 pub use scan::{Change, Duplicate, Remark, ScanReport, Scanned, Shared, StationChange};

@@ -1,6 +1,7 @@
 //! The transitions of the general state machine as one table.
 
 use super::State::{self, S1, S2, S3, S4, S5Quick, S5Ramp};
+use super::Stw1;
 
 /// Most transitions done in one step; the table needs three at most.
 pub const MOST_TRANSITIONS: usize = 6;
@@ -108,6 +109,51 @@ pub struct Transition {
     pub also: &'static [Condition],
     /// Of several possible transitions out of a state the one with the highest number happens.
     pub priority: u8,
+}
+
+impl Transition {
+    /// Returns the transition that a state waits for: the next one on the way to operation (S4), out of S5 that at
+    /// standstill. `None` in S4.
+    ///
+    /// ```
+    /// use profidrive_profile::state::{Reason, State, Transition};
+    /// let awaited = |state| Transition::awaited(state).map(|row| row.reason);
+    /// assert_eq!(awaited(State::S2), Some(Reason::T3));
+    /// assert_eq!(awaited(State::S5Quick), Some(Reason::T14));
+    /// assert_eq!(awaited(State::S4), None);
+    /// ```
+    #[must_use]
+    pub fn awaited(state: State) -> Option<&'static Self> {
+        let mut rows = TRANSITIONS.iter().filter(|row| row.from == state);
+        if matches!(state, S5Ramp | S5Quick) {
+            return rows.find(|row| row.also.contains(&STANDSTILL));
+        }
+        let next = [(S1, S2), (S2, S3), (S3, S4)];
+        rows.find(|row| next.contains(&(row.from, row.to)))
+    }
+
+    /// Returns the bits of STW1 that must change for it, as a mask.
+    #[must_use]
+    pub const fn missing(&self, stw1: Stw1) -> u16 {
+        (stw1.0 ^ self.value) & self.mask
+    }
+}
+
+impl Condition {
+    /// Returns a description in a few words.
+    #[must_use]
+    pub const fn text(self) -> &'static str {
+        match self {
+            Self::Standstill => "standstill",
+            Self::NoFault => "no fault",
+            Self::NewFault => "a fault",
+            Self::NewFaultWith(FaultReaction::Coast) => "a fault with coast stop",
+            Self::NewFaultWith(FaultReaction::QuickStop) => "a fault with quick stop",
+            Self::NewFaultWith(FaultReaction::RampStop) => "a fault with ramp stop",
+            Self::StoppedByFault(false) => "not stopped by a fault",
+            Self::StoppedByFault(true) => "stopped by a fault",
+        }
+    }
 }
 
 /// Bit 0, ON.

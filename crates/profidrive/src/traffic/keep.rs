@@ -1,0 +1,192 @@
+//! The frames of the last minute.
+
+use std::collections::VecDeque;
+use std::io;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
+use std::thread;
+use std::time::{Duration, SystemTime, UNIX_EPOCH};
+
+use network::ethernet::Capture;
+use network::pcap::Writer;
+use network::segment::Tap;
+use profinet::Instant;
+
+/// Frames are kept for this time.
+const KEPT: Duration = Duration::from_secs(60);
+/// Octets that are kept at most, with what a frame costs beside its own.
+const OCTETS: usize = 32 << 20;
+/// What a frame costs beside its octets.
+const BESIDE: usize = 48;
+/// Time between two looks at whether anyone still wants the frames.
+const LOOK: Duration = Duration::from_millis(500);
+
+/// A frame that was kept.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Frame {
+    /// Its number, counted from 0 since the network was opened.
+    pub number: u64,
+    /// Calendar time since 1970.
+    pub time: Duration,
+    /// Its octets, from the destination on.
+    pub octets: Arc<[u8]>,
+}
+
+/// The frames of the last minute, at most 32 MiB of them. Clones are the same.
+///
+/// What it keeps is what the computer sees: of a plant every frame, of an interface those that the switch sends here.
+#[derive(Debug, Clone, Default)]
+pub struct Traffic(Arc<Mutex<Kept>>);
+
+#[derive(Debug, Default)]
+struct Kept {
+    frames: VecDeque<Frame>,
+    octets: usize,
+    /// Number of the next frame.
+    next: u64,
+    /// Calendar time of the instant zero, of a plant.
+    origin: Option<Duration>,
+}
+
+impl Kept {
+    fn add(&mut self, time: Duration, octets: &[u8]) {
+        let frame = Frame {
+            number: self.next,
+            time,
+            octets: octets.into(),
+        };
+        self.next += 1;
+        self.octets += octets.len() + BESIDE;
+        self.frames.push_back(frame);
+        while let Some(oldest) = self.frames.front()
+            && (self.octets > OCTETS || time.saturating_sub(oldest.time) > KEPT)
+        {
+            self.octets = self.octets.saturating_sub(oldest.octets.len() + BESIDE);
+            self.frames.pop_front();
+        }
+    }
+}
+
+impl Traffic {
+    /// Returns a place for frames, which [`Opening::kept_in`](crate::Opening::kept_in) fills.
+    #[must_use]
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    fn kept(&self) -> MutexGuard<'_, Kept> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Returns the frames from this number on that are still kept. Where the first one has a larger number, those before it are
+    /// gone.
+    #[must_use]
+    pub fn since(&self, number: u64) -> Vec<Frame> {
+        let kept = self.kept();
+        let first = kept.frames.front().map_or(kept.next, |frame| frame.number);
+        let skipped = usize::try_from(number.saturating_sub(first)).unwrap_or(usize::MAX);
+        kept.frames.iter().skip(skipped).cloned().collect()
+    }
+
+    /// Returns the frames that are kept as a pcapng file, for Wireshark; `name` is that of the interface in it.
+    ///
+    /// # Errors
+    /// When there is no memory for it.
+    pub fn capture(&self, name: &str) -> io::Result<Vec<u8>> {
+        // the frames are written without holding up those that come
+        let frames = self.since(0);
+        let mut file = Vec::new();
+        {
+            let mut writer = Writer::new(&mut file, name, Duration::ZERO)?;
+            for frame in &frames {
+                let at = u64::try_from(frame.time.as_nanos()).unwrap_or_default();
+                writer.write(Instant::from_nanos(at), &frame.octets)?;
+            }
+            writer.flush()?;
+        }
+        Ok(file)
+    }
+
+    /// Returns what hands over the frames of a plant.
+    #[cfg(feature = "simulate")]
+    pub(crate) fn tap(&self) -> Box<dyn Tap> {
+        Box::new(self.clone())
+    }
+
+    /// Receives the frames of an interface in a thread of its own, until this and its clones are gone.
+    pub(crate) fn receive(&self, capture: Capture) -> io::Result<()> {
+        let kept = Arc::downgrade(&self.0);
+        let thread = thread::Builder::new().name("profidrive-traffic".into());
+        thread.spawn(move || receive(capture, &kept)).map(drop)
+    }
+}
+
+/// Receives frames while anyone wants them. An interface that is gone ends it: who works on it learns that from its calls.
+fn receive(mut capture: Capture, kept: &Weak<Mutex<Kept>>) {
+    while kept.strong_count() > 0 {
+        match capture.next(LOOK) {
+            Ok(Some((time, frame))) if !frame.is_empty() => {
+                if let Some(kept) = kept.upgrade() {
+                    kept.lock()
+                        .unwrap_or_else(PoisonError::into_inner)
+                        .add(time, frame);
+                }
+            }
+            Ok(_) => {}
+            Err(_) => return,
+        }
+    }
+}
+
+/// The time of a plant begins with its first frame.
+impl Tap for Traffic {
+    fn frame(&mut self, at: Instant, frame: &[u8]) {
+        let mut kept = self.kept();
+        let since = Duration::from_nanos(at.as_nanos());
+        let origin = *kept.origin.get_or_insert_with(|| {
+            let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+            now.saturating_sub(since)
+        });
+        kept.add(origin + since, frame);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn kept(times: impl IntoIterator<Item = u64>, length: usize) -> Traffic {
+        let traffic = Traffic::new();
+        for time in times {
+            traffic.kept().add(Duration::from_secs(time), &vec![0; length]);
+        }
+        traffic
+    }
+
+    #[test]
+    fn frames_are_kept_for_a_minute() {
+        let traffic = kept(0..100, 60);
+        let frames = traffic.since(0);
+        assert_eq!((frames.len(), frames[0].number), (61, 39));
+        assert_eq!(traffic.since(98).len(), 2);
+        assert_eq!(traffic.since(100), []);
+        assert_eq!(traffic.since(u64::MAX), []);
+    }
+
+    #[test]
+    fn their_memory_is_bounded() {
+        let traffic = kept(std::iter::repeat_n(0, 30_000), 1500);
+        let octets: usize = traffic.since(0).iter().map(|frame| frame.octets.len()).sum();
+        assert!(octets < OCTETS && octets > OCTETS * 9 / 10, "{octets}");
+    }
+
+    #[test]
+    fn a_capture_has_the_frames_with_their_times() {
+        let file = kept([5, 6], 60).capture("eth0").unwrap();
+        let read: Vec<_> = network::pcap::Reader::new(io::Cursor::new(file))
+            .unwrap()
+            .map(Result::unwrap)
+            .collect();
+        assert_eq!(read.len(), 2);
+        assert_eq!((read[1].time, read[1].frame.len()), (Duration::from_secs(6), 60));
+    }
+}

@@ -1,0 +1,173 @@
+//! What the frames mean, while they come.
+
+use std::collections::BTreeMap;
+use std::time::Duration;
+
+use dissect::capture::event::Detail;
+use dissect::capture::{Counts, DeviceSummary, Event, Walker};
+use dissect::tree::Node;
+use profinet::MacAddress;
+use profinet::wire::ethernet::Frame as Ethernet;
+
+use super::keep::{Frame, Traffic};
+use crate::report::DriveWords;
+
+/// Drives whose last frames are kept.
+const DRIVES: usize = 1024;
+
+/// What a frame shows.
+#[derive(Debug, Clone, PartialEq)]
+pub enum News {
+    /// The control or status word of a drive changed.
+    Words {
+        /// The drive.
+        drive: MacAddress,
+        /// Calendar time of the frame since 1970.
+        time: Duration,
+        /// Its words.
+        words: Box<DriveWords>,
+    },
+    /// Something that points to a fault: a refusal, a lost connection, an alarm.
+    Trouble {
+        /// Calendar time of the frame since 1970.
+        time: Duration,
+        /// What happened.
+        event: Box<Event>,
+    },
+}
+
+/// The last cyclic frames of a drive.
+#[derive(Debug, Default)]
+struct Last {
+    /// From its controller.
+    output: Option<Frame>,
+    /// To its controller.
+    input: Option<Frame>,
+}
+
+/// Reads the frames of a [`Traffic`] as they come, and keeps what they show of each drive.
+#[derive(Debug)]
+pub struct Watch {
+    traffic: Traffic,
+    /// Number of the next frame to read.
+    next: u64,
+    /// Frames that were gone before they were read.
+    missed: u64,
+    begin: Option<Duration>,
+    walker: Walker,
+    last: BTreeMap<MacAddress, Last>,
+}
+
+impl Watch {
+    /// Returns a watch that begins with the oldest frame that is kept.
+    #[must_use]
+    pub fn new(traffic: &Traffic) -> Self {
+        Self {
+            traffic: traffic.clone(),
+            next: 0,
+            missed: 0,
+            begin: None,
+            walker: Walker::new(None),
+            last: BTreeMap::new(),
+        }
+    }
+
+    /// Reads the frames that have come since the last call, and calls `notice` with what they show.
+    pub fn catch_up(&mut self, notice: &mut dyn FnMut(News)) {
+        for frame in self.traffic.since(self.next) {
+            self.missed += frame.number.saturating_sub(self.next);
+            self.next = frame.number + 1;
+            self.read(frame, notice);
+        }
+    }
+
+    fn read(&mut self, frame: Frame, notice: &mut dyn FnMut(News)) {
+        let time = frame.time;
+        let begin = *self.begin.get_or_insert(time);
+        for event in self.walker.frame(time.saturating_sub(begin), &frame.octets) {
+            if matches!(event.detail, Detail::State(_) | Detail::Fault(_)) {
+                for drive in [event.source.mac, event.target.mac].into_iter().flatten() {
+                    if let Some(words) = self.words(drive) {
+                        let words = Box::new(words);
+                        notice(News::Words { drive, time, words });
+                    }
+                }
+            }
+            if event.is_trouble() {
+                let event = Box::new(event);
+                notice(News::Trouble { time, event });
+            }
+        }
+        let ends = Ethernet::parse(&frame.octets)
+            .filter(|parsed| parsed.frame_id.is_cyclic())
+            .map(|parsed| (parsed.source, parsed.destination));
+        let Some((source, destination)) = ends else {
+            return;
+        };
+        self.last_of(destination).output = Some(frame.clone());
+        self.last_of(source).input = Some(frame);
+    }
+
+    fn last_of(&mut self, mac: MacAddress) -> &mut Last {
+        if self.last.len() >= DRIVES && !self.last.contains_key(&mac) {
+            self.last.pop_first();
+        }
+        self.last.entry(mac).or_default()
+    }
+
+    /// Returns state and words of a drive as its cyclic frames have them; `None` while it has no cyclic connection that began
+    /// under this watch.
+    #[must_use]
+    pub fn words(&self, drive: MacAddress) -> Option<DriveWords> {
+        let words = self.walker.words(drive)?;
+        Some(DriveWords::of(
+            words.profile,
+            words.mode,
+            words.control,
+            words.status,
+        ))
+    }
+
+    /// Returns the number of the telegram in the cyclic frames of a drive.
+    #[must_use]
+    pub fn telegram(&self, drive: MacAddress) -> Option<u16> {
+        self.walker.words(drive)?.telegram
+    }
+
+    /// Returns the last cyclic frame to (`output`) or from a drive, with what it means.
+    #[must_use]
+    pub fn last(&self, drive: MacAddress, output: bool) -> Option<(Frame, Node)> {
+        let last = self.last.get(&drive)?;
+        let frame = if output { &last.output } else { &last.input };
+        let frame = frame.clone()?;
+        let tree = self.walker.tree(&frame.octets);
+        Some((frame, tree))
+    }
+
+    /// Returns how regular the cyclic frames of a drive are.
+    #[must_use]
+    pub fn summary(&self, drive: MacAddress) -> Option<DeviceSummary> {
+        self.walker
+            .summary()
+            .into_iter()
+            .find(|device| device.mac == drive)
+    }
+
+    /// Returns how far the cyclic frames to (`output`) or from a drive were from their cycle; see [`Walker::deviations`].
+    #[must_use]
+    pub fn deviations(&self, drive: MacAddress, output: bool) -> Vec<(Duration, u64)> {
+        self.walker.deviations(drive, output)
+    }
+
+    /// Returns what was seen, in numbers.
+    #[must_use]
+    pub const fn counts(&self) -> Counts {
+        self.walker.counts()
+    }
+
+    /// Returns how many frames were gone before they were read.
+    #[must_use]
+    pub const fn missed(&self) -> u64 {
+        self.missed
+    }
+}
