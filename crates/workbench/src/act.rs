@@ -7,9 +7,10 @@ use axum::http::StatusCode;
 use profidrive::listed;
 
 use crate::access::Caller;
+use crate::api::LogTopic;
 use crate::audit::{AuditError, Record};
 use crate::control::Stopping;
-use crate::live::Event;
+use crate::live::{Event, Topic};
 use crate::problem::Problem;
 use crate::shared::Shared;
 
@@ -178,7 +179,10 @@ async fn write(shared: &Shared, record: Record) -> Result<(), AuditError> {
     let audit = Arc::clone(&shared.audit);
     // a disk may take its time
     let written = tokio::task::spawn_blocking(move || audit.write(&record)).await;
-    written.unwrap_or(Err(AuditError::NoFolder))
+    written.unwrap_or(Err(AuditError::NoFolder))?;
+    let records = shared.audit.written();
+    shared.hub.publish(&Topic::Log, &LogTopic { records });
+    Ok(())
 }
 
 fn unlogged(error: &AuditError) -> Problem {

@@ -34,13 +34,16 @@ static ASSETS: &[Asset] = assets! {
     "/licences.txt": "text/plain; charset=utf-8",
 };
 
+/// The screens that are not of one drive.
+const SCREENS: &[&str] = &["/", "/network", "/virtual", "/capture", "/log"];
+
 /// Answers everything that is not of the interface. A path without a file is a screen of the page.
 pub(crate) async fn serve(method: Method, uri: Uri, headers: HeaderMap) -> Response {
     if method != Method::GET && method != Method::HEAD {
         return StatusCode::METHOD_NOT_ALLOWED.into_response();
     }
     let path = uri.path();
-    let is_screen = path == "/" || path == "/network" || path == "/virtual" || path.starts_with("/drives/");
+    let is_screen = SCREENS.contains(&path) || path.starts_with("/drives/");
     let wanted = if is_screen { INDEX } else { path };
     let Some(asset) = ASSETS.iter().find(|asset| asset.path == wanted) else {
         return (StatusCode::NOT_FOUND, "there is no such page\n").into_response();

@@ -3,15 +3,17 @@
 //! An intent is on the disk before anything is sent to a drive. Where it cannot be written nothing is changed; a stop is carried out
 //! anyway.
 
+use std::collections::VecDeque;
 use std::fs::{DirBuilder, File, OpenOptions};
-use std::io::{self, Write};
+use std::io::{self, BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::SystemTime;
 
 use chrono::{DateTime, SecondsFormat, Utc};
 use schemars::JsonSchema;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// A file is not written to once it has this many octets.
 const FILE: u64 = 64 << 20;
@@ -51,12 +53,74 @@ struct Line<'r> {
     record: &'r Record,
 }
 
+/// A record as it was read from the log.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub(crate) struct LogRecord {
+    /// Time of day (ISO 8601, UTC).
+    pub time: String,
+    /// Distinguishes the start of the server that wrote it from others.
+    pub boot: String,
+    /// Who: the number of a session, or `token` for a program.
+    pub who: String,
+    /// The drive, as it is called in paths.
+    pub drive: Option<String>,
+    /// What the drive was called.
+    pub name: Option<String>,
+    /// What was done.
+    pub action: String,
+    /// With which values.
+    pub value: Option<String>,
+    /// Each value that was to be changed or was changed, in one line.
+    #[serde(default)]
+    pub changes: Vec<String>,
+    /// What became of it; null for an intent.
+    pub result: Option<String>,
+}
+
+/// Which records are read.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Wanted {
+    /// Those of this drive, as it is called in paths.
+    pub drive: Option<String>,
+    /// Those of this action.
+    pub action: Option<String>,
+    /// Those with this text anywhere, in lower case.
+    pub text: Option<String>,
+}
+
+impl Wanted {
+    fn record(&self, line: &str) -> Option<LogRecord> {
+        let has = |text: &String| line.to_lowercase().contains(text);
+        if !self.text.as_ref().is_none_or(has) {
+            return None;
+        }
+        // what is no record was not written by this program
+        let record: LogRecord = serde_json::from_str(line).ok()?;
+        let is =
+            |wanted: &Option<String>, value: Option<&String>| wanted.is_none() || wanted.as_ref() == value;
+        (is(&self.drive, record.drive.as_ref()) && is(&self.action, Some(&record.action))).then_some(record)
+    }
+}
+
+/// The place of a record: its file, and its line in it.
+type Place = (String, usize);
+
+/// Records of the log, the newest first.
+#[derive(Debug, Default, Serialize, JsonSchema)]
+pub(crate) struct LogPage {
+    records: Vec<LogRecord>,
+    /// Where the next older ones begin; null where there are none.
+    before: Option<String>,
+}
+
 /// The log of a server.
 #[derive(Debug)]
 pub(crate) struct Audit {
     folder: Option<PathBuf>,
     boot: String,
     open: Mutex<Option<(PathBuf, File)>>,
+    /// Records that were written since the start.
+    written: AtomicU64,
 }
 
 /// Why a record could not be written.
@@ -75,7 +139,80 @@ impl Audit {
             folder,
             boot,
             open: Mutex::new(None),
+            written: AtomicU64::new(0),
         }
+    }
+
+    /// Returns how many records were written since the start.
+    pub fn written(&self) -> u64 {
+        self.written.load(Ordering::Relaxed)
+    }
+
+    /// Returns the files of the log, the oldest first.
+    fn files(&self) -> io::Result<Vec<PathBuf>> {
+        match &self.folder {
+            Some(folder) if folder.exists() => files(folder),
+            _ => Ok(Vec::new()),
+        }
+    }
+
+    /// Reads records, the newest first: those before a place that an earlier page gave, at most `most`.
+    pub fn page(&self, wanted: &Wanted, before: Option<&str>, most: usize) -> io::Result<LogPage> {
+        let before: Option<Place> = before
+            .and_then(|text| text.rsplit_once(':'))
+            .and_then(|(file, line)| Some((file.to_owned(), line.parse().ok()?)));
+        let mut page = LogPage::default();
+        for path in self.files()?.iter().rev() {
+            let name = path
+                .file_name()
+                .unwrap_or_default()
+                .to_string_lossy()
+                .into_owned();
+            let end = match &before {
+                Some((file, _)) if name > *file => continue,
+                Some((file, line)) if name == *file => *line,
+                _ => usize::MAX,
+            };
+            let room = most - page.records.len();
+            let mut last: VecDeque<(usize, LogRecord)> = VecDeque::new();
+            for (number, line) in BufReader::new(File::open(path)?).lines().enumerate().take(end) {
+                let Some(record) = wanted.record(&line?) else {
+                    continue;
+                };
+                // one more says that there are older ones
+                if last.len() > room {
+                    last.pop_front();
+                }
+                last.push_back((number, record));
+            }
+            let is_full = last.len() > room;
+            if is_full {
+                last.pop_front();
+            }
+            let oldest = last.front().map_or(end, |(number, _)| *number);
+            page.records
+                .extend(last.into_iter().rev().map(|(_, record)| record));
+            if is_full {
+                page.before = Some(format!("{name}:{oldest}"));
+                break;
+            }
+        }
+        Ok(page)
+    }
+
+    /// Calls `each` with every record, the oldest first, until that has no room for more.
+    pub fn each(&self, wanted: &Wanted, each: &mut dyn FnMut(&str, &LogRecord) -> bool) -> io::Result<()> {
+        for path in self.files()? {
+            for line in BufReader::new(File::open(path)?).lines() {
+                let line = line?;
+                if let Some(record) = wanted.record(&line)
+                    && !each(&line, &record)
+                {
+                    return Ok(());
+                }
+            }
+        }
+        Ok(())
     }
 
     /// Writes a record, so that it is on the disk when this returns.
@@ -109,7 +246,9 @@ impl Audit {
             // a folder that was removed or was full may be there again
             *open = None;
         }
-        result.map_err(failed)
+        result.map_err(failed)?;
+        self.written.fetch_add(1, Ordering::Relaxed);
+        Ok(())
     }
 }
 
@@ -161,7 +300,8 @@ fn next(folder: &Path, day: &str) -> io::Result<(PathBuf, File)> {
     Err(io::ErrorKind::QuotaExceeded.into())
 }
 
-fn remove_old(folder: &Path) -> io::Result<()> {
+/// Returns the files of the log in a folder, the oldest first.
+fn files(folder: &Path) -> io::Result<Vec<PathBuf>> {
     let mut files: Vec<PathBuf> = folder
         .read_dir()?
         .filter_map(|entry| Some(entry.ok()?.path()))
@@ -172,6 +312,11 @@ fn remove_old(folder: &Path) -> io::Result<()> {
         .collect();
     // their names are in the order of time
     files.sort();
+    Ok(files)
+}
+
+fn remove_old(folder: &Path) -> io::Result<()> {
+    let files = files(folder)?;
     let old = files.len().saturating_sub(FILES);
     for path in files.iter().take(old) {
         std::fs::remove_file(path)?;
@@ -271,6 +416,54 @@ mod tests {
         std::fs::remove_file(&second).unwrap();
         audit.write_at(&record("c"), at(1)).unwrap();
         assert!(std::fs::read_to_string(&second).unwrap().contains("\"c\""));
+    }
+
+    fn read(page: &LogPage) -> Vec<&str> {
+        page.records
+            .iter()
+            .filter_map(|record| record.value.as_deref())
+            .collect()
+    }
+
+    #[test]
+    fn pages_have_the_newest_first_over_all_files() {
+        let folder = Folder::new("pages");
+        let audit = Audit::new(Some(folder.0.clone()), "boot".to_owned());
+        for number in 0..25 {
+            audit
+                .write_at(&record(&format!("n{number}")), at(number / 10))
+                .unwrap();
+        }
+        let all = Wanted::default();
+        let first = audit.page(&all, None, 10).unwrap();
+        assert_eq!((read(&first)[0], read(&first)[9]), ("n24", "n15"));
+        let second = audit.page(&all, first.before.as_deref(), 10).unwrap();
+        assert_eq!((read(&second)[0], read(&second)[9]), ("n14", "n5"));
+        let last = audit.page(&all, second.before.as_deref(), 10).unwrap();
+        assert_eq!((read(&last)[0], read(&last)[4]), ("n4", "n0"));
+        assert_eq!(last.before, None);
+        let one = Wanted {
+            text: Some("n13".to_owned()),
+            ..Wanted::default()
+        };
+        assert_eq!(read(&audit.page(&one, None, 10).unwrap()), ["n13"]);
+        let none = Wanted {
+            action: Some("write".to_owned()),
+            ..Wanted::default()
+        };
+        assert_eq!(audit.page(&none, None, 10).unwrap().records, []);
+        // what no program wrote is passed over
+        let file = folder.0.join("audit-1970-01-03-000.jsonl");
+        let mut damaged = OpenOptions::new().append(true).open(file).unwrap();
+        damaged.write_all(b"{\"half\n[1]\n").unwrap();
+        let mut count = 0;
+        audit
+            .each(&all, &mut |_, _| {
+                count += 1;
+                true
+            })
+            .unwrap();
+        assert_eq!((count, audit.written()), (25, 25));
     }
 
     #[test]

@@ -171,6 +171,11 @@ impl Board {
         see(&stations)
     }
 
+    /// Calls `see` with the stations as they are known, whether anyone reads them or not.
+    pub fn peek<T>(&self, see: impl FnOnce(&Stations) -> T) -> T {
+        see(&self.stations())
+    }
+
     fn changed(&self) {
         self.changed.send_modify(|count| *count += 1);
     }

@@ -14,6 +14,7 @@ use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::service::TowerToHyperService;
 use profidrive::client::{Advice, ErrorKind};
 use profidrive::plant::PlantError;
+use profidrive::traffic::Traffic;
 use profidrive::{Explained, Network, OpenError, Stop};
 use tokio::io::{AsyncRead, AsyncWrite};
 use tokio::net::TcpListener;
@@ -23,11 +24,13 @@ use tower_http::limit::RequestBodyLimitLayer;
 use tower_http::timeout::TimeoutLayer;
 
 use crate::access::{Attempts, Once, Peer, Places, Sessions, Tls, TlsError, Tokens, guard, secure};
-use crate::api::{nothing, router};
+use crate::api::{large_router, nothing, router};
 use crate::assets;
 use crate::audit::Audit;
 use crate::board::Board;
+use crate::captures::Captures;
 use crate::control::Control;
+use crate::frames::{Frames, follow};
 use crate::jobs::Jobs;
 use crate::live::{Feeds, Hub, produce};
 use crate::settings::{Settings, Source};
@@ -45,6 +48,8 @@ const BODY: usize = 256 << 10;
 const HEAD_TIME: Duration = Duration::from_secs(10);
 /// Time for a request and its answer.
 const REQUEST_TIME: Duration = Duration::from_secs(20);
+/// Time for a large file.
+const UPLOAD_TIME: Duration = Duration::from_secs(300);
 /// Pause after a connection that could not be taken, as when the process has no file handle left.
 const RETRY: Duration = Duration::from_millis(100);
 /// Time between two looks at the wish to end.
@@ -149,7 +154,8 @@ impl Server {
         let tls = tls.map(|certificate| Tls::new(&certificate, &places.names(), log.as_deref()));
         let tls = tls.transpose()?;
         let opening = source.opening()?;
-        let network = opening.clone().open()?;
+        let traffic = Traffic::new();
+        let network = opening.clone().kept_in(&traffic).open()?;
         let addresses = match &source {
             Source::Addresses(addresses) => addresses.clone(),
             _ => Vec::new(),
@@ -169,6 +175,8 @@ impl Server {
             name,
             backups: log.as_ref().map(|log| log.join("backups")),
             jobs: Jobs::default(),
+            captures: Captures::new(log.as_deref()),
+            happened: Mutex::default(),
             audit: Arc::new(Audit::new(log, boot.clone())),
             boot,
             control: Control::new(),
@@ -176,6 +184,7 @@ impl Server {
             board: Arc::new(Board::new(opening, addresses, now)),
             hub: Hub::new(now),
             feeds: Feeds::default(),
+            frames: Frames::new(traffic),
             sockets: Arc::new(Semaphore::new(SOCKETS)),
             control_sockets: Arc::new(Semaphore::new(SOCKETS)),
             sessions: Mutex::new(Sessions::default()),
@@ -257,6 +266,7 @@ impl Server {
             tokio::spawn(Arc::clone(&shared.board).survey(network.clone()));
             tokio::spawn(Arc::clone(&shared.board).read(network.clone()));
             tokio::spawn(produce(Arc::clone(&shared)));
+            tokio::spawn(follow(Arc::clone(&shared)));
             tokio::select! {
                 () = accept(listener, shared, tls) => {}
                 () = raised(stop) => {}
@@ -277,14 +287,13 @@ async fn raised(stop: &Stop) {
 }
 
 fn app(shared: Arc<Shared>) -> Router {
+    let in_time = |time| TimeoutLayer::with_status_code(StatusCode::REQUEST_TIMEOUT, time);
     router()
         .route("/api/{*path}", any(nothing))
         .fallback(assets::serve)
         .layer(RequestBodyLimitLayer::new(BODY))
-        .layer(TimeoutLayer::with_status_code(
-            StatusCode::REQUEST_TIMEOUT,
-            REQUEST_TIME,
-        ))
+        .layer(in_time(REQUEST_TIME))
+        .merge(large_router().layer(in_time(UPLOAD_TIME)))
         .layer(from_fn_with_state(Arc::clone(&shared), guard))
         .layer(from_fn(secure))
         .with_state(shared)

@@ -3,7 +3,7 @@
 use std::net::{IpAddr, Ipv4Addr, SocketAddr};
 use std::path::PathBuf;
 
-use profidrive::plant::{PlantError, PlantPlan};
+use profidrive::plant::{PlantError, PlantSource};
 use profidrive::{Access, Opening, state_folder};
 
 /// The plant of [`Source::Demo`].
@@ -18,7 +18,7 @@ pub enum Source {
     /// The virtual drives of the built-in plant, in memory.
     Demo,
     /// The virtual drives of a plant, in memory.
-    Plant(Box<PlantPlan>),
+    Plant(Box<PlantSource>),
     /// The drives on a network interface.
     Interface(String),
     /// Drives by their addresses, for their parameters only.
@@ -43,14 +43,22 @@ impl Source {
         }
     }
 
+    /// Returns the plant of virtual drives; `None` of real ones.
+    pub(crate) fn plant(&self) -> Result<Option<PlantSource>, PlantError> {
+        Ok(match self {
+            Self::Demo => Some(DEMO.parse()?),
+            Self::Plant(plant) => Some((**plant).clone()),
+            Self::Interface(_) | Self::Addresses(_) => None,
+        })
+    }
+
     /// Returns how the network of these drives is opened.
     pub(crate) fn opening(&self) -> Result<Opening, PlantError> {
         let opening = Opening::new(Access::Records);
-        Ok(match self {
-            Self::Demo => opening.in_plant(DEMO.parse()?).in_real_time(),
-            Self::Plant(plan) => opening.in_plant((**plan).clone()).in_real_time(),
-            Self::Interface(name) => opening.on(name),
-            Self::Addresses(_) => opening.by_ip(true),
+        Ok(match (self, self.plant()?) {
+            (_, Some(plant)) => opening.in_plant(plant.plan().clone()).in_real_time(),
+            (Self::Interface(name), None) => opening.on(name),
+            _ => opening.by_ip(true),
         })
     }
 }
@@ -116,7 +124,8 @@ mod tests {
 
     #[test]
     fn the_plant_of_the_demo_is_valid() {
-        let plan: PlantPlan = DEMO.parse().unwrap();
+        let plant: PlantSource = DEMO.parse().unwrap();
+        let plan = plant.plan();
         assert_eq!((plan.seed, plan.drives.len(), plan.controllers.len()), (7, 6, 1));
     }
 }

@@ -6,12 +6,15 @@ use std::time::Instant;
 
 use axum::http::StatusCode;
 use profidrive::Caller as Network;
+use profidrive::plant::Happened;
 use tokio::sync::Semaphore;
 
 use crate::access::{Attempts, Once, Places, Role, Sessions, Tokens};
 use crate::audit::Audit;
 use crate::board::Board;
+use crate::captures::Captures;
 use crate::control::Control;
+use crate::frames::Frames;
 use crate::jobs::Jobs;
 use crate::live::{Feeds, Hub};
 use crate::problem::Problem;
@@ -45,10 +48,14 @@ pub(crate) struct Shared {
     pub hub: Hub,
     /// The samples of axes under control.
     pub feeds: Feeds,
+    pub frames: Frames,
     pub audit: Arc<Audit>,
     /// The folder with the settings of drives; `None` where there is none.
     pub backups: Option<PathBuf>,
     pub jobs: Jobs,
+    pub captures: Captures,
+    /// What was let happen to virtual drives, in the order of time.
+    pub happened: Mutex<Vec<Happened>>,
     /// Room for sockets.
     pub sockets: Arc<Semaphore>,
     /// Room for sockets that control: no socket that only shows takes the place of one that stops.
@@ -60,6 +67,10 @@ pub(crate) struct Shared {
 impl Shared {
     pub fn sessions(&self) -> MutexGuard<'_, Sessions> {
         self.sessions.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    pub fn happened(&self) -> MutexGuard<'_, Vec<Happened>> {
+        self.happened.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     pub fn once(&self) -> MutexGuard<'_, Once> {

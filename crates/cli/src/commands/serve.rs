@@ -2,7 +2,7 @@
 
 use client::ErrorKind;
 use network::system::{ForcedExit, Stop};
-use plant::PlantPlan;
+use plant::PlantSource;
 use profidrive::report::ServeReport;
 use workbench::{Certificate, ServeError, Server, Settings, Source};
 
@@ -92,8 +92,8 @@ fn source(args: &Serve, interface: &Interface) -> Result<Source, Failure> {
         return Ok(Source::Demo);
     }
     if let Some(path) = &args.plant {
-        let plan = PlantPlan::read(path).map_err(profidrive::OpenError::from)?;
-        return Ok(Source::Plant(Box::new(plan)));
+        let plant = PlantSource::read(path).map_err(profidrive::OpenError::from)?;
+        return Ok(Source::Plant(Box::new(plant)));
     }
     if !args.ip.is_empty() {
         return Ok(Source::Addresses(args.ip.clone()));

@@ -33,14 +33,10 @@ pub(super) struct Acknowledge {
 }
 
 /// Acknowledges the faults of a drive. It is not enabled, and nothing moves.
-#[utoipa::path(post, path = "/api/v1/drives/{id}/acknowledge", params(("id" = String, Path, description = "MAC address, or `ip-` with the IP address")), request_body(content = ref("#/components/schemas/Acknowledge"), content_type = "application/json"), responses(
+#[utoipa::path(post, path = "/api/v1/drives/{id}/acknowledge", request_body(content = ref("#/components/schemas/Acknowledge"), content_type = "application/json"), responses(
     (status = 200, description = "No fault is present", body = ref("#/components/schemas/MotionReport")),
-    (status = 401, description = "No session", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
-    (status = 403, description = "Another origin, or a session that only looks", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
-    (status = 404, description = "No such drive has answered", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
-    (status = 409, description = "A fault stays, or another controller has the drive", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
-    (status = 503, description = "It cannot be logged", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
-    (status = 504, description = "The drive does not answer", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
+    (status = 409, description = "A fault stays, or another controller has the drive"),
+    (status = 503, description = "It cannot be logged"),
 ))]
 pub(super) async fn acknowledge(
     State(shared): State<Arc<Shared>>,

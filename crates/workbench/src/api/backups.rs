@@ -15,6 +15,7 @@ use serde::{Deserialize, Serialize};
 
 use super::drives::find;
 use crate::backups::{self, KeptBackup};
+use crate::blocking::blocking;
 use crate::jobs::{Job, JobReport};
 use crate::problem::Problem;
 use crate::shared::Shared;
@@ -62,7 +63,6 @@ pub(super) struct Compare {
 /// Lists the files with settings that this server keeps.
 #[utoipa::path(get, path = "/api/v1/backups", responses(
     (status = 200, description = "The files", body = ref("#/components/schemas/BackupsReport")),
-    (status = 401, description = "No session", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
 ))]
 pub(super) async fn kept(State(shared): State<Arc<Shared>>) -> Result<Json<BackupsReport>, Problem> {
     let files = blocking(move || Ok(backups::list(&shared))).await?;
@@ -72,10 +72,8 @@ pub(super) async fn kept(State(shared): State<Arc<Shared>>) -> Result<Json<Backu
 /// Keeps a file, under a name that this server makes.
 #[utoipa::path(post, path = "/api/v1/backups", request_body(content = ref("#/components/schemas/NewBackup"), content_type = "application/json"), responses(
     (status = 200, description = "Its name", body = ref("#/components/schemas/BackupName")),
-    (status = 400, description = "It is no backup, or not a whole one", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
-    (status = 401, description = "No session", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
-    (status = 403, description = "Another origin, or a session that only looks", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
-    (status = 503, description = "There is no folder for it", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
+    (status = 400, description = "It is no backup, or not a whole one"),
+    (status = 503, description = "There is no folder for it"),
 ))]
 pub(super) async fn upload(
     State(shared): State<Arc<Shared>>,
@@ -97,8 +95,7 @@ pub(super) async fn upload(
 /// Returns a file as it is.
 #[utoipa::path(get, path = "/api/v1/backups/{file}", params(("file" = String, Path, description = "The name of the file")), responses(
     (status = 200, description = "The text of the file", body = String, content_type = "text/plain"),
-    (status = 401, description = "No session", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
-    (status = 404, description = "No such file", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
+    (status = 404, description = "No such file"),
 ))]
 pub(super) async fn backup(
     State(shared): State<Arc<Shared>>,
@@ -124,13 +121,9 @@ pub(super) async fn backup(
 }
 
 /// Saves all settings of a drive in a file.
-#[utoipa::path(post, path = "/api/v1/drives/{id}/backups", params(("id" = String, Path, description = "MAC address, or `ip-` with the IP address")), responses(
+#[utoipa::path(post, path = "/api/v1/drives/{id}/backups", responses(
     (status = 200, description = "The job, with the name of the file; `working` where it takes longer", body = ref("#/components/schemas/JobReport")),
-    (status = 401, description = "No session", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
-    (status = 403, description = "Another origin, or a session that only looks", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
-    (status = 404, description = "No such drive has answered", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
-    (status = 503, description = "There is no folder for it", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
-    (status = 504, description = "The drive does not answer", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
+    (status = 503, description = "There is no folder for it"),
 ))]
 pub(super) async fn back_up(
     State(shared): State<Arc<Shared>>,
@@ -160,11 +153,9 @@ pub(super) async fn back_up(
 /// Compares the settings of drives and files.
 #[utoipa::path(post, path = "/api/v1/compare", request_body(content = ref("#/components/schemas/Compare"), content_type = "application/json"), responses(
     (status = 200, description = "The job, with what differs; `working` where it takes longer", body = ref("#/components/schemas/JobReport")),
-    (status = 400, description = "Two kinds of drives, or no backup", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
-    (status = 401, description = "No session", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
-    (status = 403, description = "Another origin, or a session that only looks", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
-    (status = 404, description = "No such drive has answered, or no such file", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
-    (status = 504, description = "A drive does not answer", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
+    (status = 400, description = "Two kinds of drives, or no backup"),
+    (status = 404, description = "No such drive has answered, or no such file"),
+    (status = 504, description = "A drive does not answer"),
 ))]
 pub(super) async fn compare(
     State(shared): State<Arc<Shared>>,
@@ -241,20 +232,10 @@ async fn like(shared: &Shared, id: &str, settings: &Backup) -> Result<Backup, Pr
     read.map_err(|error| Problem::of(&error))
 }
 
-/// Lets a disk take its time.
-async fn blocking<T: Send + 'static>(
-    work: impl FnOnce() -> Result<T, Problem> + Send + 'static,
-) -> Result<T, Problem> {
-    tokio::task::spawn_blocking(work)
-        .await
-        .unwrap_or_else(|_| Err(Problem::defect()))
-}
-
 /// Returns how far a job is.
 #[utoipa::path(get, path = "/api/v1/jobs/{id}", params(("id" = u64, Path, description = "The job")), responses(
     (status = 200, description = "The job; what ended it early is in it", body = ref("#/components/schemas/JobReport")),
-    (status = 401, description = "No session", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
-    (status = 404, description = "No such job", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
+    (status = 404, description = "No such job"),
 ))]
 pub(super) async fn job(
     State(shared): State<Arc<Shared>>,

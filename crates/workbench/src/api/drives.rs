@@ -27,11 +27,8 @@ pub(crate) async fn find(shared: &Shared, id: &str) -> Result<(profidrive::Calle
 }
 
 /// Reads how a drive is, and in one sentence why it does not run.
-#[utoipa::path(get, path = "/api/v1/drives/{id}/status", params(("id" = String, Path, description = "MAC address, or `ip-` with the IP address")), responses(
+#[utoipa::path(get, path = "/api/v1/drives/{id}/status", responses(
     (status = 200, description = "The status", body = ref("#/components/schemas/StatusReport")),
-    (status = 401, description = "No session", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
-    (status = 404, description = "No such drive has answered", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
-    (status = 504, description = "The drive does not answer", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
 ))]
 pub(super) async fn status(
     State(shared): State<Arc<Shared>>,
@@ -45,11 +42,8 @@ pub(super) async fn status(
 }
 
 /// Reads who a drive is: identification, modules, neighbours.
-#[utoipa::path(get, path = "/api/v1/drives/{id}/info", params(("id" = String, Path, description = "MAC address, or `ip-` with the IP address")), responses(
+#[utoipa::path(get, path = "/api/v1/drives/{id}/info", responses(
     (status = 200, description = "The identity", body = ref("#/components/schemas/InfoReport")),
-    (status = 401, description = "No session", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
-    (status = 404, description = "No such drive has answered", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
-    (status = 504, description = "The drive does not answer", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
 ))]
 pub(super) async fn info(
     State(shared): State<Arc<Shared>>,
@@ -61,11 +55,8 @@ pub(super) async fn info(
 }
 
 /// Reads the faults and warnings of a drive, with those that were acknowledged.
-#[utoipa::path(get, path = "/api/v1/drives/{id}/faults", params(("id" = String, Path, description = "MAC address, or `ip-` with the IP address")), responses(
+#[utoipa::path(get, path = "/api/v1/drives/{id}/faults", responses(
     (status = 200, description = "The faults", body = ref("#/components/schemas/FaultsReport")),
-    (status = 401, description = "No session", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
-    (status = 404, description = "No such drive has answered", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
-    (status = 504, description = "The drive does not answer", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
 ))]
 pub(super) async fn faults(
     State(shared): State<Arc<Shared>>,

@@ -6,9 +6,11 @@ use std::time::Duration;
 use axum::extract::rejection::JsonRejection;
 use axum::extract::{Path, State};
 use axum::http::StatusCode;
+use axum::http::header::{CONTENT_DISPOSITION, CONTENT_TYPE};
+use axum::response::{IntoResponse, Response};
 use axum::{Extension, Json};
 use profidrive::Transport;
-use profidrive::plant::{PlantEvent, keys};
+use profidrive::plant::{Happened, PlantEvent, keys};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -16,6 +18,7 @@ use super::virtual_drives::no_simulation;
 use crate::access::Caller;
 use crate::act::{Intent, carry_out};
 use crate::problem::Problem;
+use crate::query::Query;
 use crate::shared::Shared;
 
 /// Something that happens to a virtual drive.
@@ -69,14 +72,15 @@ struct FaultNumber {
     meaning: &'static str,
 }
 
+/// Events that are recorded of a run: as many as a plant file may have of one drive.
+const RECORDED: usize = 10_000;
 /// The longest time for which something may last, s.
 const LONGEST: f64 = 86_400.0;
 
 /// Returns what can happen to a virtual drive.
 #[utoipa::path(get, path = "/api/v1/plant/drives/{id}/events", params(("id" = String, Path, description = "MAC address")), responses(
     (status = 200, description = "What can happen", body = ref("#/components/schemas/Possible")),
-    (status = 401, description = "No session", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
-    (status = 404, description = "No such virtual drive", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
+    (status = 404, description = "No such virtual drive"),
 ))]
 pub(super) async fn events(
     State(shared): State<Arc<Shared>>,
@@ -112,14 +116,45 @@ pub(super) async fn events(
     }))
 }
 
+/// Returns what was let happen to the virtual drives as a plant file, in which the same happens again.
+#[utoipa::path(get, path = "/api/v1/plant/scenario", params(
+    ("since" = Option<f64>, Query, description = "Only what happened from this time of the plant on, in seconds: it is the beginning of the file"),
+), responses(
+    (status = 200, description = "The plant file", body = String, content_type = "application/toml"),
+    (status = 400, description = "A value that is not valid"),
+    (status = 404, description = "The drives are no simulation"),
+))]
+pub(super) async fn scenario(State(shared): State<Arc<Shared>>, query: Query) -> Result<Response, Problem> {
+    let invalid = |detail: &str| Problem::new(StatusCode::BAD_REQUEST, "usage", detail);
+    let since = query.parsed::<f64>("since")?.unwrap_or(0.0);
+    let since = Duration::try_from_secs_f64(since).map_err(|error| invalid(&error.to_string()))?;
+    let plant = shared
+        .source
+        .plant()
+        .map_err(|error| invalid(&error.to_string()))?;
+    let plant = plant.ok_or_else(no_simulation)?;
+    let all = shared.happened().clone().into_iter();
+    let from_then = all.filter_map(|happened| {
+        let at = happened.at.checked_sub(since)?;
+        Some(Happened { at, ..happened })
+    });
+    let from_then: Vec<_> = from_then.collect();
+    let recorded = plant
+        .with_events(&from_then)
+        .map_err(|error| invalid(&error.to_string()))?;
+    let headers = [
+        (CONTENT_TYPE, "application/toml"),
+        (CONTENT_DISPOSITION, "attachment; filename=\"scenario.toml\""),
+    ];
+    Ok((headers, recorded.as_toml().to_owned()).into_response())
+}
+
 /// Lets something happen to a virtual drive.
 #[utoipa::path(post, path = "/api/v1/plant/inject", request_body(content = ref("#/components/schemas/Inject"), content_type = "application/json"), responses(
     (status = 200, description = "It happens", body = ref("#/components/schemas/Injected")),
-    (status = 400, description = "It cannot happen to this drive", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
-    (status = 401, description = "No session", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
-    (status = 403, description = "Another origin, or a session that only looks", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
-    (status = 404, description = "No such virtual drive", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
-    (status = 503, description = "It cannot be logged", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
+    (status = 400, description = "It cannot happen to this drive"),
+    (status = 404, description = "No such virtual drive"),
+    (status = 503, description = "It cannot be logged"),
 ))]
 pub(super) async fn inject(
     State(shared): State<Arc<Shared>>,
@@ -160,21 +195,34 @@ pub(super) async fn inject(
         }),
         changes: Vec::new(),
     };
+    let at = Arc::clone(&shared);
     let work = async move {
         let happened = plant.with_world(|world| {
             let shafts = (0..).map_while(|number| world.shaft(number));
             let mut named = shafts.filter(|shaft| shaft.mac.to_string() == id);
             let name = named.next()?.name.to_owned();
-            Some(world.inject(&name, event, lasts).map(|()| name))
+            let now = Duration::from_millis(world.now().as_nanos() / 1_000_000);
+            Some(world.inject(&name, event, lasts).map(|()| (name, now)))
         });
         match happened {
             None => Err(no_drive()),
             Some(Err(error)) => Err(Problem::new(StatusCode::BAD_REQUEST, "usage", &error.to_string())),
-            Some(Ok(drive)) => Ok(Injected {
-                drive,
-                event: event.to_string(),
-                undo: undo.map(|undo| undo.to_string()),
-            }),
+            Some(Ok((drive, now))) => {
+                let mut all = at.happened();
+                if all.len() < RECORDED {
+                    all.push(Happened {
+                        drive: drive.clone(),
+                        at: now,
+                        event,
+                        lasts,
+                    });
+                }
+                Ok(Injected {
+                    drive,
+                    event: event.to_string(),
+                    undo: undo.map(|undo| undo.to_string()),
+                })
+            }
         }
     };
     carry_out(shared, &caller, intent, work).await.map(Json)

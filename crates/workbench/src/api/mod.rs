@@ -1,9 +1,13 @@
 //! The interface for the page and for programs: `/api/v1`, described by `openapi.json`.
 
 mod acknowledge;
+mod answers;
 mod backups;
+mod captures;
 mod drives;
+mod frames;
 mod inject;
+mod log;
 mod parameters;
 mod plans;
 mod server;
@@ -12,6 +16,7 @@ mod stations;
 mod virtual_drives;
 
 pub(crate) use drives::find;
+pub(crate) use log::LogTopic;
 pub(crate) use stations::StationsReport;
 pub(crate) use virtual_drives::VirtualDrives;
 
@@ -20,7 +25,7 @@ use std::sync::Arc;
 use axum::Router;
 use axum::http::StatusCode;
 use profidrive::report::{
-    DescribeReport, FaultsReport, InfoReport, ListReport, ParametersReport, StatusReport,
+    DescribeReport, FaultsReport, InfoReport, ListReport, ParametersReport, StateMachine, StatusReport,
 };
 use schemars::generate::SchemaSettings;
 use serde_json::Value;
@@ -28,7 +33,10 @@ use utoipa::OpenApi;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
+use crate::audit::LogPage;
+use crate::captures::{EventPage, FramePage, FrameReport};
 use crate::control;
+use crate::frames::{MachineTopic, TelegramTopic};
 use crate::jobs::JobReport;
 use crate::live;
 use crate::problem::{self, Problem};
@@ -67,9 +75,27 @@ fn routes() -> OpenApiRouter<Arc<Shared>> {
         .routes(routes!(acknowledge::acknowledge))
         .routes(routes!(inject::events))
         .routes(routes!(inject::inject))
+        .routes(routes!(inject::scenario))
         .routes(routes!(virtual_drives::drives))
+        .routes(routes!(frames::state_machine))
+        .routes(routes!(frames::machine))
+        .routes(routes!(frames::telegram))
+        .routes(routes!(frames::troubles))
+        .routes(routes!(frames::traffic))
+        .routes(routes!(log::audit))
+        .routes(routes!(log::log_lines))
+        .routes(routes!(log::log_table))
+        .routes(routes!(captures::captures))
+        .routes(routes!(captures::capture, captures::remove_capture))
+        .routes(routes!(captures::capture_events))
+        .routes(routes!(captures::capture_frames))
+        .routes(routes!(captures::capture_frame))
         .routes(routes!(live::live))
         .routes(routes!(control::control))
+}
+
+fn large_routes() -> OpenApiRouter<Arc<Shared>> {
+    OpenApiRouter::new().routes(routes!(captures::upload_capture))
 }
 
 /// Returns the routes of the interface.
@@ -77,10 +103,15 @@ pub(crate) fn router() -> Router<Arc<Shared>> {
     routes().split_for_parts().0
 }
 
+/// Returns those of them whose bodies have a limit of their own.
+pub(crate) fn large_router() -> Router<Arc<Shared>> {
+    large_routes().split_for_parts().0
+}
+
 /// Returns the description of the interface (OpenAPI) as JSON.
 #[must_use]
 pub fn openapi() -> String {
-    let (_, description) = routes().split_for_parts();
+    let (_, description) = routes().merge(large_routes()).split_for_parts();
     let mut description = serde_json::to_value(description).unwrap_or_default();
     let mut settings = SchemaSettings::draft2020_12();
     settings.definitions_path = "/components/schemas".into();
@@ -109,7 +140,18 @@ pub fn openapi() -> String {
     generator.subschema_for::<inject::Inject>();
     generator.subschema_for::<inject::Injected>();
     generator.subschema_for::<live::FaultsTopic>();
+    generator.subschema_for::<StateMachine>();
+    generator.subschema_for::<MachineTopic>();
+    generator.subschema_for::<TelegramTopic>();
+    generator.subschema_for::<frames::TroublesReport>();
+    generator.subschema_for::<LogPage>();
+    generator.subschema_for::<LogTopic>();
+    generator.subschema_for::<captures::CapturesReport>();
+    generator.subschema_for::<EventPage>();
+    generator.subschema_for::<FramePage>();
+    generator.subschema_for::<FrameReport>();
     generator.subschema_for::<problem::Body>();
+    answers::complete(&mut description);
     description["components"]["schemas"] = Value::Object(generator.take_definitions(true));
     let text = serde_json::to_string_pretty(&description).unwrap_or_default();
     text + "\n"

@@ -20,11 +20,8 @@ use crate::words::PageWords;
 const AT_ONCE: usize = 200;
 
 /// Lists the parameters of a drive as the tables of its model have them. A drive without tables lists its numbers.
-#[utoipa::path(get, path = "/api/v1/drives/{id}/parameters", params(("id" = String, Path, description = "MAC address, or `ip-` with the IP address")), responses(
+#[utoipa::path(get, path = "/api/v1/drives/{id}/parameters", responses(
     (status = 200, description = "The parameters", body = ref("#/components/schemas/ListReport")),
-    (status = 401, description = "No session", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
-    (status = 404, description = "No such drive has answered", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
-    (status = 504, description = "The drive does not answer", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
 ))]
 pub(super) async fn parameters(
     State(shared): State<Arc<Shared>>,
@@ -37,13 +34,10 @@ pub(super) async fn parameters(
 }
 
 /// Reads everything that is known of one parameter, and its values.
-#[utoipa::path(get, path = "/api/v1/drives/{id}/parameters/{reference}", params(("id" = String, Path, description = "MAC address, or `ip-` with the IP address"), ("reference" = String, Path, description = "Number or name: `DRV.ACC`, `p2108`, `3-41`")), responses(
+#[utoipa::path(get, path = "/api/v1/drives/{id}/parameters/{reference}", params(("reference" = String, Path, description = "Number or name: `DRV.ACC`, `p2108`, `3-41`")), responses(
     (status = 200, description = "The parameter", body = ref("#/components/schemas/DescribeReport")),
-    (status = 400, description = "No such parameter", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
-    (status = 401, description = "No session", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
-    (status = 404, description = "No such drive has answered", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
-    (status = 501, description = "Nothing describes it", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
-    (status = 504, description = "The drive does not answer", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
+    (status = 400, description = "No such parameter"),
+    (status = 501, description = "Nothing describes it"),
 ))]
 pub(super) async fn describe(
     State(shared): State<Arc<Shared>>,
@@ -57,12 +51,9 @@ pub(super) async fn describe(
 }
 
 /// Reads values. What the drive refuses has its reason in its place.
-#[utoipa::path(get, path = "/api/v1/drives/{id}/values/{references}", params(("id" = String, Path, description = "MAC address, or `ip-` with the IP address"), ("references" = String, Path, description = "Numbers or names with commas between them: `DRV.ACC,DRV.DEC`; at most 200")), responses(
+#[utoipa::path(get, path = "/api/v1/drives/{id}/values/{references}", params(("references" = String, Path, description = "Numbers or names with commas between them: `DRV.ACC,DRV.DEC`; at most 200")), responses(
     (status = 200, description = "The values, in the order of the request", body = ref("#/components/schemas/ParametersReport")),
-    (status = 400, description = "A name that the drive does not have", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
-    (status = 401, description = "No session", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
-    (status = 404, description = "No such drive has answered", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
-    (status = 504, description = "The drive does not answer", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
+    (status = 400, description = "A name that the drive does not have"),
 ))]
 pub(super) async fn values(
     State(shared): State<Arc<Shared>>,

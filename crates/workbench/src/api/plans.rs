@@ -43,14 +43,11 @@ pub(super) struct NewPlan {
 }
 
 /// Plans changes. Nothing is written before the plan is applied.
-#[utoipa::path(post, path = "/api/v1/drives/{id}/plans", params(("id" = String, Path, description = "MAC address, or `ip-` with the IP address")), request_body(content = ref("#/components/schemas/NewPlan"), content_type = "application/json"), responses(
+#[utoipa::path(post, path = "/api/v1/drives/{id}/plans", request_body(content = ref("#/components/schemas/NewPlan"), content_type = "application/json"), responses(
     (status = 200, description = "The plan; `working` where it takes longer, then its job has it", body = ref("#/components/schemas/JobReport")),
-    (status = 400, description = "Neither values nor a file, or too many values", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
-    (status = 401, description = "No session", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
-    (status = 403, description = "Another origin, or a session that only looks", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
-    (status = 404, description = "No such drive has answered, or no such file", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
-    (status = 409, description = "The file is of another kind of drive, or a controller has the drive", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
-    (status = 504, description = "The drive does not answer", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
+    (status = 400, description = "Neither values nor a file, or too many values"),
+    (status = 404, description = "No such drive has answered, or no such file"),
+    (status = 409, description = "The file is of another kind of drive, or a controller has the drive"),
 ))]
 pub(super) async fn plan(
     State(shared): State<Arc<Shared>>,
@@ -172,12 +169,10 @@ async fn plan_restore(
 /// written where the drive has other values now than the plan has as the old ones.
 #[utoipa::path(post, path = "/api/v1/plans/{id}/apply", params(("id" = u64, Path, description = "The plan")), responses(
     (status = 200, description = "What was written; `working` where it takes longer, then its job has it", body = ref("#/components/schemas/JobReport")),
-    (status = 401, description = "No session", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
-    (status = 403, description = "Another origin, or a session that only looks", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
-    (status = 404, description = "No such plan", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
-    (status = 409, description = "It was applied before, or the drive has changed since", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
-    (status = 503, description = "It cannot be logged", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
-    (status = 504, description = "The drive does not answer", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
+    (status = 404, description = "No such plan"),
+    (status = 409, description = "It was applied before, or the drive has changed since"),
+    (status = 503, description = "It cannot be logged"),
+    (status = 504, description = "The drive does not answer"),
 ))]
 pub(super) async fn apply(
     State(shared): State<Arc<Shared>>,
@@ -212,12 +207,10 @@ pub(super) async fn apply(
 /// Writes the values before again, as far as they are known, and reads them back.
 #[utoipa::path(post, path = "/api/v1/plans/{id}/undo", params(("id" = u64, Path, description = "The plan")), responses(
     (status = 200, description = "What was written; `working` where it takes longer, then its job has it", body = ref("#/components/schemas/JobReport")),
-    (status = 401, description = "No session", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
-    (status = 403, description = "Another origin, or a session that only looks", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
-    (status = 404, description = "No such plan", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
-    (status = 409, description = "It was not applied, or is undone already", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
-    (status = 503, description = "It cannot be logged", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
-    (status = 504, description = "The drive does not answer", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
+    (status = 404, description = "No such plan"),
+    (status = 409, description = "It was not applied, or is undone already"),
+    (status = 503, description = "It cannot be logged"),
+    (status = 504, description = "The drive does not answer"),
 ))]
 pub(super) async fn undo(
     State(shared): State<Arc<Shared>>,

@@ -42,7 +42,6 @@ pub(super) struct ServerReport {
 /// Returns what this server is, and what the caller may do.
 #[utoipa::path(get, path = "/api/v1/server", responses(
     (status = 200, description = "The server", body = ref("#/components/schemas/ServerReport")),
-    (status = 401, description = "No session", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
 ))]
 pub(super) async fn server(
     State(shared): State<Arc<Shared>>,
@@ -80,8 +79,7 @@ pub(super) struct StoppedReport {
 /// by a page with control. Drives under another controller or without one are not touched.
 #[utoipa::path(post, path = "/api/v1/stop", responses(
     (status = 200, description = "The axes that are stopped", body = ref("#/components/schemas/StoppedReport")),
-    (status = 401, description = "No session", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
-    (status = 403, description = "Another origin", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
+    (status = 403, description = "Another origin"),
 ))]
 pub(super) async fn stop(
     State(shared): State<Arc<Shared>>,

@@ -48,9 +48,9 @@ impl SessionReport {
 /// Begins a session; its identity is in a cookie that no script can read.
 #[utoipa::path(post, path = "/api/v1/session", request_body(content = ref("#/components/schemas/Login"), content_type = "application/json"), responses(
     (status = 200, description = "The session", body = ref("#/components/schemas/SessionReport")),
-    (status = 401, description = "No token of this start", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
-    (status = 403, description = "Another origin", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
-    (status = 429, description = "Too many tries or sessions", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
+    (status = 401, description = "No token of this start"),
+    (status = 403, description = "Another origin"),
+    (status = 429, description = "Too many tries or sessions"),
 ))]
 pub(super) async fn begin(
     State(shared): State<Arc<Shared>>,
@@ -80,7 +80,6 @@ fn cookie(shared: &Shared, id: &str, seconds: u64) -> String {
 /// Returns the session of the caller.
 #[utoipa::path(get, path = "/api/v1/session", responses(
     (status = 200, description = "The session", body = ref("#/components/schemas/SessionReport")),
-    (status = 401, description = "No session", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
 ))]
 pub(super) async fn session(Extension(caller): Extension<Caller>) -> Json<SessionReport> {
     SessionReport::new(caller.role)
@@ -89,7 +88,7 @@ pub(super) async fn session(Extension(caller): Extension<Caller>) -> Json<Sessio
 /// Ends the session of the caller.
 #[utoipa::path(delete, path = "/api/v1/session", responses(
     (status = 204, description = "Ended"),
-    (status = 401, description = "No session", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
+    (status = 403, description = "Another origin"),
 ))]
 pub(super) async fn end(
     State(shared): State<Arc<Shared>>,

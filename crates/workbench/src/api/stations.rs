@@ -81,7 +81,6 @@ impl KnownStation {
 /// Returns the stations, as they were found and read last. They are read again while this is called.
 #[utoipa::path(get, path = "/api/v1/stations", responses(
     (status = 200, description = "The stations", body = ref("#/components/schemas/StationsReport")),
-    (status = 401, description = "No session", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
 ))]
 pub(super) async fn stations(State(shared): State<Arc<Shared>>) -> Json<StationsReport> {
     Json(StationsReport::now(&shared))
@@ -91,8 +90,6 @@ pub(super) async fn stations(State(shared): State<Arc<Shared>>) -> Json<Stations
 /// a page looks.
 #[utoipa::path(post, path = "/api/v1/stations/scan", responses(
     (status = 200, description = "The stations", body = ref("#/components/schemas/StationsReport")),
-    (status = 401, description = "No session", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
-    (status = 403, description = "Another origin, or a session that only looks", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
 ))]
 pub(super) async fn scan(State(shared): State<Arc<Shared>>) -> Json<StationsReport> {
     shared.board.search_now().await;

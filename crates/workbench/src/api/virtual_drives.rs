@@ -59,8 +59,7 @@ pub(super) struct VirtualDrive {
 /// Returns position and speed of the shafts of all virtual drives.
 #[utoipa::path(get, path = "/api/v1/plant/drives", responses(
     (status = 200, description = "The shafts", body = ref("#/components/schemas/VirtualDrives")),
-    (status = 401, description = "No session", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
-    (status = 404, description = "The drives are no simulation", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
+    (status = 404, description = "The drives are no simulation"),
 ))]
 pub(super) async fn drives(State(shared): State<Arc<Shared>>) -> Result<Json<VirtualDrives>, Problem> {
     VirtualDrives::now(&shared).map(Json).ok_or_else(no_simulation)

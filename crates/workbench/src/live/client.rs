@@ -88,10 +88,9 @@ struct Clock {
 /// Opens the socket with what changes: a page subscribes to topics and gets their newest values, and each event.
 #[utoipa::path(get, path = "/api/v1/live", responses(
     (status = 101, description = "A WebSocket with the protocol `profidrive.live.1`"),
-    (status = 401, description = "No session", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
-    (status = 403, description = "Another origin", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
-    (status = 426, description = "No WebSocket, or another protocol", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
-    (status = 429, description = "Too many sockets", body = ref("#/components/schemas/Problem"), content_type = "application/problem+json"),
+    (status = 403, description = "Another origin"),
+    (status = 426, description = "No WebSocket, or another protocol"),
+    (status = 429, description = "Too many sockets"),
 ))]
 pub(crate) async fn live(
     State(shared): State<Arc<Shared>>,

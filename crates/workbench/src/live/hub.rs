@@ -26,6 +26,12 @@ pub(crate) enum Topic {
     Samples(String),
     /// `drive/ID/acyclic`: words, speeds and these parameters, read again and again.
     Acyclic(String, Vec<String>),
+    /// `drive/ID/machine`: where a drive is in the state machine.
+    Machine(String),
+    /// `drive/ID/telegram`: its cyclic frames.
+    Telegram(String),
+    /// `log`: how many records there are.
+    Log,
 }
 
 /// Parameters of one stream, and the longest name of one.
@@ -38,6 +44,7 @@ impl Topic {
         match name {
             "network" => Some(Self::Network),
             "plant" => Some(Self::Plant),
+            "log" => Some(Self::Log),
             _ => {
                 let (id, what) = name.strip_prefix("drive/")?.rsplit_once('/')?;
                 if id.is_empty() || id.len() > 64 || id.contains('/') {
@@ -52,6 +59,8 @@ impl Topic {
                             && parameters.iter().all(|name| name.len() <= PARAMETER);
                         fit.then_some(Self::Acyclic(id, parameters))
                     }
+                    "machine" => Some(Self::Machine(id)),
+                    "telegram" => Some(Self::Telegram(id)),
                     _ => None,
                 }
             }
@@ -68,9 +77,12 @@ impl Topic {
         match self {
             Self::Network => "network".to_owned(),
             Self::Plant => "plant".to_owned(),
+            Self::Log => "log".to_owned(),
             Self::Faults(id) => format!("drive/{id}/faults"),
             Self::Samples(id) => format!("drive/{id}/samples"),
             Self::Acyclic(id, _) => format!("drive/{id}/acyclic"),
+            Self::Machine(id) => format!("drive/{id}/machine"),
+            Self::Telegram(id) => format!("drive/{id}/telegram"),
         }
     }
 }
@@ -368,6 +380,9 @@ mod tests {
             "drive/ip-10.0.0.1/faults",
             "drive/02:00:00:00:00:01/samples",
             "drive/x/acyclic",
+            "log",
+            "drive/02:00:00:00:00:01/machine",
+            "drive/02:00:00:00:00:01/telegram",
         ] {
             assert_eq!(Topic::named(name, Vec::new()).unwrap().name(), name);
         }

@@ -11,6 +11,6 @@ mod samples;
 mod streams;
 
 pub(crate) use client::{__path_live, live};
-pub(crate) use hub::{Event, Hub};
+pub(crate) use hub::{Event, Hub, Topic};
 pub(crate) use producer::{FaultsTopic, produce};
 pub(crate) use samples::Feeds;

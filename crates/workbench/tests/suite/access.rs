@@ -14,8 +14,9 @@ fn routes() -> Vec<(String, String)> {
     let description: Value = serde_json::from_str(&openapi()).unwrap();
     let paths = description["paths"].as_object().unwrap();
     let routes = paths.iter().flat_map(|(path, methods)| {
-        // of a drive, and the number of a plan or a job
-        let id = match path.contains("/plans/{id}") || path.contains("/jobs/") {
+        // of a drive, and the number of a plan, a job or a capture
+        let numbered = ["/plans/", "/jobs/", "/captures/"];
+        let id = match numbered.iter().any(|of| path.contains(of)) {
             true => "1",
             false => "02:00:00:00:00:01",
         };
@@ -23,7 +24,7 @@ fn routes() -> Vec<(String, String)> {
             .replace("{id}", id)
             .replace("{reference}", "922")
             .replace("{references}", "922");
-        let path = path.replace("{file}", "a.backup");
+        let path = path.replace("{file}", "a.backup").replace("{number}", "1");
         let methods = methods.as_object().unwrap().keys();
         methods.map(move |method| (method.to_uppercase(), path.clone()))
     });

@@ -2,8 +2,10 @@
 #![allow(clippy::unwrap_used, clippy::panic)] // a test reports by panicking
 
 mod access;
+mod captures;
 mod change;
 mod control;
+mod frames;
 mod live;
 mod samples;
 mod server;

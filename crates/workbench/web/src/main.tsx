@@ -3,6 +3,7 @@ import { App } from "./app/App";
 import { enter } from "./store/live";
 import "uplot/dist/uPlot.min.css";
 import "./style/base.css";
+import "./style/pages.css";
 
 const root = document.getElementById("app");
 if (root) {

@@ -1,82 +1,8 @@
 import { join } from "node:path";
-import type { Browser, Page } from "@playwright/test";
-import { end, expect, idOf, idOfStation, pictures, type Running, rows, serve, test, watch } from "./bench";
+import { type Browser, chromium, type Page } from "@playwright/test";
+import { end, expect, idOf, idOfStation, pictures, rows, serve, test, watch } from "./bench";
 import { wire } from "./bench/wire";
-
-/** A server of its own for a test that moves drives. */
-async function alone(test: (server: Running) => Promise<void>): Promise<void> {
-  const server = await serve("--demo", "--listen", "127.0.0.1:0");
-  try {
-    await test(server);
-  } finally {
-    await end(server);
-  }
-}
-
-/** Enters a page while drives are under control, whatever their status is. */
-async function enter(page: Page, url: string): Promise<void> {
-  await page.goto(url);
-  await expect(page.getByRole("row")).toHaveCount(7);
-}
-
-async function open(page: Page, url: string, name: string, free = true): Promise<string> {
-  await (free ? page.goto(url).then(() => rows(page)) : enter(page, url));
-  const id = await idOf(page, name);
-  await page.goto(`${new URL(url).origin}/drives/${encodeURIComponent(id)}/control`);
-  return id;
-}
-
-/** Takes control of the drive on the page and enables it. */
-async function enable(page: Page, mode = false): Promise<void> {
-  if (mode) {
-    await page.getByRole("combobox", { name: "For" }).selectOption("position");
-    await page.getByRole("checkbox", { name: /Set the operating mode/ }).check();
-  }
-  await page.getByRole("button", { name: "Take control" }).click();
-  await expect(page.getByText(/This page has control/)).toBeVisible();
-  await page.getByRole("button", { name: "Enable" }).click();
-  await expect(page.getByText("Torque on, at rest")).toBeVisible();
-}
-
-/** Where a shaft really is and how fast it turns, as the plant says beside the server. */
-async function speed(page: Page, origin: string, id: string): Promise<number> {
-  const answer = await page.request.get(`${origin}/api/v1/plant/drives`);
-  const { drives } = (await answer.json()) as { drives: { id: string; speed: number }[] };
-  return drives.find((drive) => drive.id === id)?.speed ?? Number.NaN;
-}
-
-/** Waits until the shaft rests; returns after how many ms. */
-async function rest(page: Page, origin: string, id: string, since: number): Promise<number> {
-  let stood = Number.NaN;
-  await expect
-    .poll(
-      async () => {
-        const now = await speed(page, origin, id);
-        if (Math.abs(now) < 0.5 && Number.isNaN(stood)) stood = performance.now() - since;
-        return Math.abs(now) < 0.5;
-      },
-      { intervals: [1] },
-    )
-    .toBe(true);
-  return stood;
-}
-
-async function hold(page: Page, name = "+20 rpm"): Promise<void> {
-  const button = page.getByRole("button", { name });
-  await button.hover();
-  await page.mouse.down();
-}
-
-/** Holds the jog button until the axis turns. On a computer with much to do the round trip of beats may forbid that for a while. */
-async function turning(page: Page, origin: string, id: string): Promise<void> {
-  const button = page.getByRole("button", { name: "+20 rpm" });
-  await expect(async () => {
-    await page.mouse.up();
-    await expect(button).toBeEnabled();
-    await hold(page);
-    await expect.poll(async () => speed(page, origin, id), { intervals: [5], timeout: 2000 }).toBeGreaterThan(15);
-  }).toPass({ timeout: 40_000 });
-}
+import { alone, enable, ends, enter, open, rest, speed, turning } from "./moving";
 
 test("a newcomer takes control, enables, jogs, and releases", async ({ page }) => {
   await alone(async (server) => {
@@ -146,16 +72,7 @@ test("whatever ends a hold halts the axis", async ({ page }) => {
     const id = await open(page, server.url, "axis-1");
     await enable(page);
     const button = page.getByRole("button", { name: "+20 rpm" });
-    const fire = (type: string) => button.dispatchEvent(type, { pointerId: 1 });
-    const ends: [string, () => Promise<unknown>][] = [
-      ["pointerup", () => page.mouse.up()],
-      ["pointercancel", () => fire("pointercancel")],
-      ["lostpointercapture", () => fire("lostpointercapture")],
-      ["blur of the window", () => page.evaluate(() => dispatchEvent(new Event("blur")))],
-      ["focus into a field", () => page.getByRole("textbox", { name: "Speed" }).focus()],
-      ["blur of the pad", () => page.getByRole("button", { name: "Disable" }).focus()],
-    ];
-    for (const [name, finish] of ends) {
+    for (const [name, finish] of ends(page)) {
       for (let round = 0; round < 3; round += 1) {
         await turning(page, server.origin, id);
         const since = performance.now();
@@ -333,6 +250,26 @@ test("a page that is frozen, hidden, closed or killed, and a network that is cut
       const session = await page.context().newCDPSession(page);
       session.send("Page.crash").catch(() => {});
     });
+    await watcher.context().close();
+  });
+});
+
+test("a browser that is killed while a button is held stops the axis", async ({ browser }, testInfo) => {
+  await alone(async (server) => {
+    const watcher = await (await browser.newContext()).newPage();
+    await watcher.goto(server.viewUrl);
+    await rows(watcher);
+    const id = await idOf(watcher, "axis-1");
+    const doomed = await chromium.launchServer({ ...testInfo.project.use.launchOptions });
+    const page = await (await (await chromium.connect(doomed.wsEndpoint())).newContext()).newPage();
+    await open(page, server.url, "axis-1", false);
+    await enable(page);
+    await turning(page, server.origin, id);
+    const since = performance.now();
+    doomed.process().kill("SIGKILL");
+    const time = await rest(watcher, server.origin, id, since);
+    console.log(`the browser is killed: at rest after ${time.toFixed(0)} ms`);
+    expect(time).toBeLessThan(600);
     await watcher.context().close();
   });
 });

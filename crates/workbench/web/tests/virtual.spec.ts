@@ -1,4 +1,5 @@
-import { end, expect, idOf, rows, serve, test, watch } from "./bench";
+import { execFileSync } from "node:child_process";
+import { end, expect, idOf, program, rows, serve, test, watch } from "./bench";
 
 test("what happens to a virtual drive shows on its other screens at once", async ({ page }) => {
   const server = await serve("--demo", "--listen", "127.0.0.1:0");
@@ -30,6 +31,44 @@ test("what happens to a virtual drive shows on its other screens at once", async
     await expect(page.getByText("A time is more than 0 s and at most a day.")).toBeVisible();
     await expect(page.getByRole("button", { name: "STO on" })).toBeDisabled();
     expect(wrong.filter((text) => !text.includes("400"))).toEqual([]);
+  } finally {
+    await end(server);
+  }
+});
+
+test("what was let happen becomes a plant file in which it happens again", async ({ page }) => {
+  const server = await serve("--demo", "--listen", "127.0.0.1:0");
+  try {
+    await page.goto(server.url);
+    await rows(page);
+    await page.getByRole("link", { name: "Virtual drives" }).click();
+    await page.getByRole("button", { name: "Select axis-1" }).click();
+    await page.getByRole("button", { name: "Record" }).click();
+    await expect(page.getByRole("link", { name: "Save 0 events" })).toBeVisible();
+    const clicks = [
+      ["STO on", "sto=on"],
+      ["STO off", "sto=off"],
+      ["Pull the cable", "cable=pulled"],
+      ["Plug the cable", "cable=plugged"],
+    ] as const;
+    for (const [name, event] of clicks) {
+      await page.getByRole("button", { name, exact: true }).click();
+      await expect(
+        page
+          .getByRole("status")
+          .filter({ hasText: `axis-1: ${event}` })
+          .first(),
+      ).toBeVisible();
+    }
+    const [download] = await Promise.all([
+      page.waitForEvent("download"),
+      page.getByRole("link", { name: "Save 4 events" }).click(),
+    ]);
+    const printed = execFileSync(program, ["simulate", "--virtual-time", await download.path(), "--for", "20s"], {
+      encoding: "utf8",
+    });
+    const happened = printed.split("\n").filter((line) => line.includes("axis-1") && line.includes("! "));
+    expect(happened.map((line) => line.split("! ")[1]?.trim())).toEqual(clicks.map(([, event]) => event));
   } finally {
     await end(server);
   }

@@ -19,6 +19,18 @@ export type Job = Schemas["JobReport"];
 export type SettingChange = Schemas["SettingChange"];
 export type Backups = Schemas["BackupsReport"];
 export type Difference = Schemas["Difference"];
+export type StateMachine = Schemas["StateMachine"];
+export type MachineTopic = Schemas["MachineTopic"];
+export type TelegramTopic = Schemas["TelegramTopic"];
+export type FrameNode = Schemas["FrameNode"];
+export type LogPage = Schemas["LogPage"];
+export type LogTopic = Schemas["LogTopic"];
+export type Troubles = Schemas["TroublesReport"];
+export type CaptureReport = Schemas["CaptureReport"];
+export type Captures = Schemas["CapturesReport"];
+export type EventPage = Schemas["EventPage"];
+export type FramePage = Schemas["FramePage"];
+export type FrameReport = Schemas["FrameReport"];
 type Problem = Schemas["Problem"];
 
 /** Time for an answer, in ms. */

@@ -4,6 +4,23 @@
  */
 
 export interface paths {
+    "/api/v1/audit": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** Returns records of the log, the newest first. */
+        get: operations["audit"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/backups": {
         parameters: {
             query?: never;
@@ -31,6 +48,96 @@ export interface paths {
         };
         /** Returns a file as it is. */
         get: operations["backup"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/captures": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** Lists the captures that this server has: the last four, while it runs. */
+        get: operations["captures"];
+        put?: never;
+        /**
+         * Takes a capture, pcap or pcapng of Ethernet, and begins to read it. It is on this computer only, in a file without a name, and
+         *     gone when the server ends.
+         */
+        post: operations["upload_capture"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/captures/{id}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** Returns what is known of a capture so far. */
+        get: operations["capture"];
+        put?: never;
+        post?: never;
+        /** Removes a capture. */
+        delete: operations["remove_capture"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/captures/{id}/events": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** Returns what happened in a capture. */
+        get: operations["capture_events"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/captures/{id}/frames": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** Returns the frames of a capture. */
+        get: operations["capture_frames"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/captures/{id}/frames/{number}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** Returns one frame of a capture with every field of it. */
+        get: operations["capture_frame"];
         put?: never;
         post?: never;
         delete?: never;
@@ -144,6 +251,23 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/drives/{id}/machine": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** Returns where a drive is in the state machine, and where it was in the last minute. */
+        get: operations["machine"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/drives/{id}/parameters": {
         parameters: {
             query?: never;
@@ -212,6 +336,23 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/drives/{id}/telegram": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** Returns the last cyclic frames of a drive, with what they mean, and how regular they are. */
+        get: operations["telegram"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/drives/{id}/values/{references}": {
         parameters: {
             query?: never;
@@ -255,6 +396,40 @@ export interface paths {
         };
         /** Opens the socket with what changes: a page subscribes to topics and gets their newest values, and each event. */
         get: operations["live"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/logs/log.csv": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** Returns all records as CSV, the oldest first. A text that a spreadsheet would take as a formula has a `'` before it. */
+        get: operations["log_table"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/logs/log.jsonl": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** Returns all records as JSON Lines, the oldest first. */
+        get: operations["log_lines"];
         put?: never;
         post?: never;
         delete?: never;
@@ -351,6 +526,23 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/plant/scenario": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** Returns what was let happen to the virtual drives as a plant file, in which the same happens again. */
+        get: operations["scenario"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/server": {
         parameters: {
             query?: never;
@@ -382,6 +574,23 @@ export interface paths {
         post: operations["begin"];
         /** Ends the session of the caller. */
         delete: operations["end"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/state-machine": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** Returns the states and transitions of the general state machine, as the profile has them. */
+        get: operations["state_machine"];
+        put?: never;
+        post?: never;
+        delete?: never;
         options?: never;
         head?: never;
         patch?: never;
@@ -444,6 +653,40 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/traffic": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** Returns the frames of the last minute as a pcapng file. */
+        get: operations["traffic"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/troubles": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** Lists what the frames show that went wrong: refusals, lost connections, alarms, frames that cannot be decoded. */
+        get: operations["troubles"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
 }
 export type webhooks = Record<string, never>;
 export interface components {
@@ -470,8 +713,92 @@ export interface components {
             /** @description The newest first. */
             files: components["schemas"]["KeptBackup"][];
         };
+        /** @description A bit of STW1 and the value that it must have. */
+        BitCondition: {
+            /**
+             * Format: uint8
+             * @description Its number.
+             */
+            bit: number;
+            /** @description What that value means. */
+            meaning: string;
+            /** @description Its name; of an inverse bit that of what it holds off. */
+            name: string;
+            /** @description The value. */
+            value: boolean;
+        };
         /** @description By what faults are acknowledged. */
         By: "control_word" | "parameter";
+        /** @description Something that happened in a capture. */
+        CaptureLine: {
+            /** @description The drive whose state it shows, as its MAC address. */
+            drive: string | null;
+            /**
+             * Format: uint64
+             * @description Number of the frame from 1, as Wireshark counts.
+             */
+            frame: number;
+            /** @description Who sent it. */
+            from: string;
+            /** @description Its state. */
+            state: components["schemas"]["DriveState"] | null;
+            /** @description What happened. */
+            text: string;
+            /**
+             * Format: double
+             * @description Time since the first frame, in seconds.
+             */
+            time: number;
+            /** @description For whom it is; empty where for all. */
+            to: string;
+            /** @description The protocol or service. */
+            topic: string;
+            /** @description Whether it points to a fault. */
+            trouble: boolean;
+            weight: components["schemas"]["Weight"];
+        };
+        /** @description What is known of a capture. */
+        CaptureReport: {
+            counts: components["schemas"]["Counts"];
+            /** @description Devices with cyclic connections, and how regular their frames are. */
+            devices: components["schemas"]["DeviceSummary"][];
+            /** @description Whether all of it was read. */
+            ended: boolean;
+            /** @description Why it was not read to its end, with the place in the file. */
+            error: string | null;
+            /**
+             * Format: uint
+             * @description Events that are shown.
+             */
+            events: number;
+            /** Format: uint64 */
+            id: number;
+            /**
+             * Format: double
+             * @description Seconds from the first frame to the last.
+             */
+            lasts: number;
+            /**
+             * Format: uint64
+             * @description Events that had no place.
+             */
+            left_out: number;
+            /**
+             * Format: uint64
+             * @description Octets of its file.
+             */
+            octets: number;
+            /**
+             * Format: uint64
+             * @description Time of day of its first frame in ms since 1970.
+             */
+            unix_ms: number | null;
+        };
+        /** @description The captures that are kept. */
+        CapturesReport: {
+            /** @description The newest first. */
+            captures: components["schemas"]["CaptureReport"][];
+        };
         /** @description What is compared. Of a drive beside a file only what the file has is read. */
         Compare: {
             left: components["schemas"]["Source"];
@@ -483,6 +810,44 @@ export interface components {
             connected: boolean;
             /** @description Its name, where it has one. */
             name: string | null;
+        };
+        /** @description What was seen, in numbers. */
+        Counts: {
+            /**
+             * Format: uint64
+             * @description Alarm frames.
+             */
+            alarms: number;
+            /**
+             * Format: uint64
+             * @description Cyclic frames of known connections.
+             */
+            cyclic: number;
+            /**
+             * Format: uint64
+             * @description Cyclic frames whose connect is not in the capture.
+             */
+            cyclic_unknown: number;
+            /**
+             * Format: uint64
+             * @description DCP frames.
+             */
+            dcp: number;
+            /**
+             * Format: uint64
+             * @description All frames.
+             */
+            frames: number;
+            /**
+             * Format: uint64
+             * @description PDUs that could not be decoded.
+             */
+            malformed: number;
+            /**
+             * Format: uint64
+             * @description RPC packets.
+             */
+            rpc: number;
         };
         /** @description One parameter in full. */
         DescribeReport: {
@@ -503,6 +868,50 @@ export interface components {
             scaling: string | null;
             /** @description Its values now. */
             values: components["schemas"]["Parameter"][];
+        };
+        /** @description Frames that were off their cycle by less than a time, and not less than that of the step before. */
+        Deviations: {
+            /**
+             * Format: double
+             * @description In seconds.
+             */
+            below: number;
+            /** Format: uint64 */
+            frames: number;
+        };
+        /** @description A device with cyclic connections. */
+        DeviceSummary: {
+            /**
+             * Format: uint32
+             * @description Alarms.
+             */
+            alarms: number;
+            /**
+             * Format: uint32
+             * @description Times that its connection was silent for longer than the watchdog, or ended by an error PDU.
+             */
+            connection_losses: number;
+            /** @description Name or address. */
+            device: string;
+            /**
+             * Format: uint32
+             * @description Faults that its status words report.
+             */
+            faults: number;
+            /**
+             * Format: ipv4
+             * @description IP address, where the capture shows it.
+             */
+            ip: string | null;
+            /** @description Ethernet address. */
+            mac: string;
+            /**
+             * Format: uint32
+             * @description Connections after the first one.
+             */
+            restarts: number;
+            /** @description Its cyclic frames, each direction. */
+            streams: components["schemas"]["StreamSummary"][];
         };
         /** @description What differs between two sets of settings. */
         DiffReport: {
@@ -589,6 +998,16 @@ export interface components {
             key: string;
             /** @description What it does. */
             meaning: string;
+        };
+        /** @description Some of the events. */
+        EventPage: {
+            /** @description In the order of their frames. */
+            events: components["schemas"]["CaptureLine"][];
+            /**
+             * Format: uint
+             * @description How many there are with this filter.
+             */
+            total: number;
         };
         /** @description A fault of a drive. */
         Fault: {
@@ -680,6 +1099,82 @@ export interface components {
         FaultsTopic: {
             error: components["schemas"]["Error"] | null;
             report: components["schemas"]["FaultsReport"] | null;
+        };
+        /**
+         * @description A part of a frame.
+         *
+         *     The octets of a node contain those of its children. What no child covers is padding, or has no meaning here.
+         */
+        FrameNode: {
+            /** @description Its parts, in the order of their octets. */
+            children?: components["schemas"]["FrameNode"][];
+            /**
+             * Format: uint
+             * @description Octet behind the last one.
+             */
+            end: number;
+            /** @description Name of the field, of the block, or of the signal. */
+            name: string;
+            /**
+             * Format: uint
+             * @description First octet, from the start of the frame.
+             */
+            start: number;
+            /** @description Its value in words; empty where the children give it. */
+            value: string;
+            /** @description How much it matters: that of the gravest child at least. */
+            weight: components["schemas"]["Weight"];
+        };
+        /** @description Some of the frames. */
+        FramePage: {
+            frames: components["schemas"]["FrameRow"][];
+            /**
+             * Format: uint64
+             * @description How many there are.
+             */
+            total: number;
+        };
+        /** @description One frame. */
+        FrameReport: {
+            /**
+             * Format: uint64
+             * @description Number of the frame from 1, as Wireshark counts.
+             */
+            frame: number;
+            /** @description Its octets in hexadecimal. */
+            octets: string;
+            /** @description What happened in it. */
+            texts: string[];
+            /**
+             * Format: double
+             * @description Time since the first frame, in seconds.
+             */
+            time: number;
+            /** @description Every field of it. */
+            tree: components["schemas"]["FrameNode"];
+        };
+        /** @description A frame in a list. */
+        FrameRow: {
+            destination: string;
+            /**
+             * Format: uint64
+             * @description Number of the frame from 1, as Wireshark counts.
+             */
+            frame: number;
+            /**
+             * Format: uint
+             * @description Its octets.
+             */
+            length: number;
+            /** @description Sender and receiver. */
+            source: string;
+            /** @description What happened in it; empty for cyclic data that says nothing new. */
+            text: string;
+            /**
+             * Format: double
+             * @description Time since the first frame, in seconds.
+             */
+            time: number;
         };
         /** @description Cyclic frames of a motion. */
         Frames: {
@@ -953,6 +1448,44 @@ export interface components {
              */
             value: number | null;
         };
+        /** @description Records of the log, the newest first. */
+        LogPage: {
+            /** @description Where the next older ones begin; null where there are none. */
+            before: string | null;
+            records: components["schemas"]["LogRecord"][];
+        };
+        /** @description A record as it was read from the log. */
+        LogRecord: {
+            /** @description What was done. */
+            action: string;
+            /** @description Distinguishes the start of the server that wrote it from others. */
+            boot: string;
+            /**
+             * @description Each value that was to be changed or was changed, in one line.
+             * @default []
+             */
+            changes: string[];
+            /** @description The drive, as it is called in paths. */
+            drive: string | null;
+            /** @description What the drive was called. */
+            name: string | null;
+            /** @description What became of it; null for an intent. */
+            result: string | null;
+            /** @description Time of day (ISO 8601, UTC). */
+            time: string;
+            /** @description With which values. */
+            value: string | null;
+            /** @description Who: the number of a session, or `token` for a program. */
+            who: string;
+        };
+        /** @description How many records there are. */
+        LogTopic: {
+            /**
+             * Format: uint64
+             * @description Written since the start of this server.
+             */
+            records: number;
+        };
         /** @description What begins a session. */
         Login: {
             /** @description The token of the address that the server printed. */
@@ -973,6 +1506,30 @@ export interface components {
             setting: string | null;
             /** @description The same in words: `the drive keeps turning (8-04 is Off)`. */
             text: string;
+        };
+        /** @description Where a drive is in the state machine. */
+        MachineReport: {
+            /** @description The transition that it waits for: the next one on the way to operation, or the end of a stop. */
+            awaited: components["schemas"]["TransitionRow"] | null;
+            /** @description The bits of STW1 that must change for it. */
+            missing: components["schemas"]["BitCondition"][];
+            /** @description Its state; null where its words have none. */
+            state: components["schemas"]["DriveState"] | null;
+            /** @description Its words: those of a vendor as they travel, then the same as the profile has them. */
+            words: components["schemas"]["WordStrip"][];
+        };
+        /** @description Where a drive is in the state machine, and where it was in the last minute. */
+        MachineTopic: {
+            /** @description The changes of the last minute, the oldest first, with the one before them. */
+            changes: components["schemas"]["StateChange"][];
+            machine: components["schemas"]["MachineReport"];
+            /** @description Where the words are from: `frames`, its cyclic connection, or `parameters`, which are read once a second. */
+            source: string;
+            /**
+             * Format: uint64
+             * @description Time of day in ms since 1970 when this was made.
+             */
+            unix_ms: number;
         };
         /** @description A module that is plugged. */
         Module: {
@@ -1135,6 +1692,22 @@ export interface components {
             port: string;
             /** @description Name of the neighbour. */
             station: string | null;
+        };
+        /** @description Something that went wrong on the network. */
+        NetworkTrouble: {
+            /** @description Who sent the frame. */
+            from: string;
+            /** @description What happened. */
+            text: string;
+            /** @description For whom it is; empty where for all. */
+            to: string;
+            /** @description The protocol or service. */
+            topic: string;
+            /**
+             * Format: uint64
+             * @description Time of day in ms since 1970.
+             */
+            unix_ms: number;
         };
         /** @description A file to keep. */
         NewBackup: {
@@ -1574,6 +2147,34 @@ export interface components {
         } | {
             file: string;
         };
+        /** @description A drive came into a state. */
+        StateChange: {
+            /** @description The state; null where its words have none. */
+            state: components["schemas"]["DriveState"] | null;
+            /** @description The control word that its controller sent, in hexadecimal. */
+            stw1: string | null;
+            /**
+             * Format: uint64
+             * @description Time of day in ms since 1970.
+             */
+            unix_ms: number;
+            /** @description Its status word. */
+            zsw1: string | null;
+        };
+        /** @description The states and transitions, as the profile has them. */
+        StateMachine: {
+            /** @description The states, S1 first. */
+            states: components["schemas"]["StateName"][];
+            /** @description The transitions, those of a state together. */
+            transitions: components["schemas"]["TransitionRow"][];
+        };
+        /** @description A state. */
+        StateName: {
+            /** @description Its name. */
+            name: string;
+            /** @description The state. Both ways of switching off are S5. */
+            state: components["schemas"]["DriveState"];
+        };
         /** @description A station on the network, as it answers to discovery. */
         Station: {
             /**
@@ -1730,6 +2331,50 @@ export interface components {
              */
             stops: number;
         };
+        /** @description The cyclic frames of one direction. Times are in seconds. */
+        StreamSummary: {
+            /**
+             * Format: double
+             * @description Time between two frames as agreed, or as the cycle counter shows.
+             */
+            cycle: number;
+            /** @description `input`, `output`, or `unknown` where no connect is in the capture. */
+            direction: string;
+            /**
+             * Format: uint64
+             * @description Frames.
+             */
+            frames: number;
+            /** @description Name or address of the sender. */
+            from: string;
+            /**
+             * Format: double
+             * @description Deviation from the cycle that half of the frames do not exceed.
+             */
+            jitter_p50: number | null;
+            /**
+             * Format: double
+             * @description Deviation from the cycle that 99 % of the frames do not exceed.
+             */
+            jitter_p99: number | null;
+            /**
+             * Format: double
+             * @description Longest time between two frames of one connection.
+             */
+            longest_gap: number;
+            /**
+             * Format: uint64
+             * @description Frames missing by the cycle counter.
+             */
+            lost: number;
+            /**
+             * Format: uint64
+             * @description Frames received twice, or out of order.
+             */
+            repeated: number;
+            /** @description Name or address of the receiver. */
+            to: string;
+        };
         /** @description A submodule that is plugged. */
         Submodule: {
             /**
@@ -1754,6 +2399,54 @@ export interface components {
             number: number;
             /** @description The task on the right. */
             right: components["schemas"]["MotionTask"];
+        };
+        /** @description The last cyclic frame of one direction. */
+        TelegramHalf: {
+            /** @description How many frames were how far from their cycle. */
+            deviations: components["schemas"]["Deviations"][];
+            /** @description `output`, from the controller, or `input`, from the drive. */
+            direction: string;
+            /** @description Its octets in hexadecimal. */
+            octets: string;
+            /** @description How regular the frames are. */
+            timing: components["schemas"]["StreamSummary"] | null;
+            /** @description What they mean. */
+            tree: components["schemas"]["FrameNode"];
+            /**
+             * Format: uint64
+             * @description Time of day in ms since 1970 when it was on the wire.
+             */
+            unix_ms: number;
+        };
+        /** @description The cyclic frames of a drive. */
+        TelegramTopic: {
+            /** @description The last frame of each direction; empty where there is no cyclic connection. */
+            halves: components["schemas"]["TelegramHalf"][];
+            /**
+             * Format: uint16
+             * @description Number of the telegram; null where it is not known.
+             */
+            telegram: number | null;
+        };
+        /** @description One transition, and when it happens. */
+        TransitionRow: {
+            /** @description What else must be so. */
+            also: string[];
+            /** @description The bits of STW1 that it looks at. */
+            bits: components["schemas"]["BitCondition"][];
+            /** @description The state it leaves. */
+            from: components["schemas"]["DriveState"];
+            /** @description Its number: `T1`. */
+            reason: string;
+            /** @description When it happens, in a few words. */
+            text: string;
+            /** @description The state it enters. */
+            to: components["schemas"]["DriveState"];
+        };
+        /** @description What went wrong on the network. */
+        TroublesReport: {
+            /** @description The oldest first; the last 500 since the start. */
+            troubles: components["schemas"]["NetworkTrouble"][];
         };
         /** @description A value, or a bit, and what it means. */
         ValueText: {
@@ -1811,6 +2504,8 @@ export interface components {
             /** @description What to do. */
             remedy: string | null;
         };
+        /** @description How much something matters that was found in a capture or in octets. */
+        Weight: "normal" | "warning" | "error";
         /** @description A word of bits: a control or status word, or a parameter whose bits have names. */
         Word: {
             /** @description Names of the bits that are set; of an inverse bit (OFF2, OFF3) what it says while it is 0. */
@@ -1825,6 +2520,45 @@ export interface components {
              */
             number: number;
         };
+        /** @description A bit of a word. */
+        WordBit: {
+            /**
+             * Format: uint8
+             * @description Its number.
+             */
+            bit: number;
+            /** @description What that means. */
+            meaning: string;
+            /** @description Its name. */
+            name: string;
+            /** @description Whether it is set. */
+            set: boolean;
+        };
+        /** @description A word with all of its bits. */
+        WordBits: {
+            /** @description The same in binary. */
+            binary: string;
+            /** @description Its bits, the lowest first. */
+            bits: components["schemas"]["WordBit"][];
+            /** @description The same in hexadecimal. */
+            hex: string;
+            /**
+             * Format: uint16
+             * @description The word.
+             */
+            number: number;
+        };
+        /** @description A control or status word with all of its bits. */
+        WordStrip: {
+            /** @description `STW1`, `ZSW1`, or the vendor's name of the word. */
+            name: string;
+            /** @description Whose bits these are. */
+            profile: string;
+            /** @description The word. */
+            word: components["schemas"]["WordBits"];
+            /** @description Who writes it: `controller` or `drive`. */
+            writer: string;
+        };
     };
     responses: never;
     parameters: never;
@@ -1834,6 +2568,55 @@ export interface components {
 }
 export type $defs = Record<string, never>;
 export interface operations {
+    audit: {
+        parameters: {
+            query?: {
+                /** @description Only those of this drive, as it is called in paths */
+                drive?: string;
+                /** @description Only those of this action */
+                action?: string;
+                /** @description Only those with this text anywhere */
+                text?: string;
+                /** @description Those before a place that an earlier page gave */
+                before?: string;
+                /** @description At most so many: 100 where it is not given, at most 1000 */
+                most?: number;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description The records */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["LogPage"];
+                };
+            };
+            /** @description A value that is not valid */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description No session */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
     kept: {
         parameters: {
             query?: never;
@@ -1955,6 +2738,375 @@ export interface operations {
             };
             /** @description No such file */
             404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    captures: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description The captures */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["CapturesReport"];
+                };
+            };
+            /** @description No session */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    upload_capture: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** @description The file */
+        requestBody: {
+            content: {
+                "application/octet-stream": string;
+            };
+        };
+        responses: {
+            /** @description The capture; it is read meanwhile */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["CaptureReport"];
+                };
+            };
+            /** @description The file did not come to its end */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description No session */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Another origin, or a session that only looks */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description More than 256 MiB */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description No room on the disk */
+            507: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    capture: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description The capture */
+                id: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description The capture */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["CaptureReport"];
+                };
+            };
+            /** @description No session */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description No such capture */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    remove_capture: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description The capture */
+                id: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Removed */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description No session */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Another origin, or a session that only looks */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description No such capture */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    capture_events: {
+        parameters: {
+            query?: {
+                /** @description Only what points to a fault */
+                trouble?: boolean;
+                /** @description Only states of drives */
+                states?: boolean;
+                /** @description Only from or to this MAC address */
+                device?: string;
+                /** @description Only from this time on, in seconds */
+                begin?: number;
+                /** @description Only before this time, in seconds */
+                end?: number;
+                /** @description Without the first ones */
+                from?: number;
+                /** @description At most so many: 100 where it is not given, at most 1000 */
+                most?: number;
+            };
+            header?: never;
+            path: {
+                /** @description The capture */
+                id: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description The events */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["EventPage"];
+                };
+            };
+            /** @description A value that is not valid */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description No session */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description No such capture */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    capture_frames: {
+        parameters: {
+            query?: {
+                /** @description From this number on; 1 is the first one */
+                from?: number;
+                /** @description At most so many: 100 where it is not given, at most 1000 */
+                most?: number;
+            };
+            header?: never;
+            path: {
+                /** @description The capture */
+                id: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description The frames */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["FramePage"];
+                };
+            };
+            /** @description A value that is not valid */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description No session */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description No such capture */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It is still being read */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    capture_frame: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description The capture */
+                id: number;
+                /** @description The frame, from 1 */
+                number: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description The frame */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["FrameReport"];
+                };
+            };
+            /** @description No session */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description No such capture, or no such frame */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It is still being read */
+            409: {
                 headers: {
                     [name: string]: unknown;
                 };
@@ -2336,6 +3488,56 @@ export interface operations {
             };
         };
     };
+    machine: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description MAC address, or `ip-` with the IP address */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description The state */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["MachineTopic"];
+                };
+            };
+            /** @description No session */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description No such drive has answered */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The drive does not answer */
+            504: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
     parameters: {
         parameters: {
             query?: never;
@@ -2587,6 +3789,56 @@ export interface operations {
             };
         };
     };
+    telegram: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description MAC address, or `ip-` with the IP address */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description The frames */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["TelegramTopic"];
+                };
+            };
+            /** @description No session */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description No such drive has answered */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The drive does not answer */
+            504: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
     values: {
         parameters: {
             query?: never;
@@ -2734,6 +3986,78 @@ export interface operations {
             };
             /** @description Too many sockets */
             429: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    log_table: {
+        parameters: {
+            query?: {
+                /** @description Only those of this drive, as it is called in paths */
+                drive?: string;
+                /** @description Only those of this action */
+                action?: string;
+                /** @description Only those with this text anywhere */
+                text?: string;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description The records, each in a row */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "text/csv": string;
+                };
+            };
+            /** @description No session */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    log_lines: {
+        parameters: {
+            query?: {
+                /** @description Only those of this drive, as it is called in paths */
+                drive?: string;
+                /** @description Only those of this action */
+                action?: string;
+                /** @description Only those with this text anywhere */
+                text?: string;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description The records, each in a line */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/jsonl": string;
+                };
+            };
+            /** @description No session */
+            401: {
                 headers: {
                     [name: string]: unknown;
                 };
@@ -3045,6 +4369,56 @@ export interface operations {
             };
         };
     };
+    scenario: {
+        parameters: {
+            query?: {
+                /** @description Only what happened from this time of the plant on, in seconds: it is the beginning of the file */
+                since?: number;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description The plant file */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/toml": string;
+                };
+            };
+            /** @description A value that is not valid */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description No session */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The drives are no simulation */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
     server: {
         parameters: {
             query?: never;
@@ -3179,6 +4553,44 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
+            /** @description Another origin */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    state_machine: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description The table */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["StateMachine"];
+                };
+            };
+            /** @description No session */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
         };
     };
     stations: {
@@ -3277,6 +4689,73 @@ export interface operations {
             };
             /** @description Another origin */
             403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    traffic: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description The capture */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/x-pcapng": string;
+                };
+            };
+            /** @description No session */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The drives were given by their addresses: there are no frames */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    troubles: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description What went wrong */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["TroublesReport"];
+                };
+            };
+            /** @description No session */
+            401: {
                 headers: {
                     [name: string]: unknown;
                 };

@@ -16,6 +16,10 @@ const Parameters = lazy(() => import("../screens/screens").then((screens) => scr
 const Scope = lazy(() => import("../screens/screens").then((screens) => screens.Scope));
 const Compare = lazy(() => import("../screens/screens").then((screens) => screens.Compare));
 const Faults = lazy(() => import("../screens/screens").then((screens) => screens.Faults));
+const Machine = lazy(() => import("../screens/screens").then((screens) => screens.Machine));
+const Telegram = lazy(() => import("../screens/screens").then((screens) => screens.Telegram));
+const Capture = lazy(() => import("../screens/screens").then((screens) => screens.Capture));
+const Log = lazy(() => import("../screens/screens").then((screens) => screens.Log));
 const Virtual = lazy(() => import("../screens/screens").then((screens) => screens.Virtual));
 
 /** Keeps what follows the address: `?lang=`. */
@@ -43,6 +47,10 @@ function Navigation() {
       <Link href={address(id, "scope")} icon="scope" text={t("nav.scope")} />
       <Link href={address(id, "faults")} icon="triangle" text={t("nav.faults")} />
       <Link href={address(id, "compare")} icon="compare" text={t("nav.compare")} />
+      <Link href={address(id, "machine")} icon="machine" text={t("nav.machine")} />
+      <Link href={address(id, "telegram")} icon="telegram" text={t("nav.telegram")} />
+      <Link href="/capture" icon="capture" text={t("nav.capture")} />
+      <Link href="/log" icon="log" text={t("nav.log")} />
       {server.value?.simulation && <Link href="/virtual" icon="virtual" text={t("nav.virtual")} />}
       <label class="theme">
         <span>{t("theme.label")}</span>
@@ -86,6 +94,10 @@ function Shell() {
               <Route path="/drives/:id/scope" component={Scope} />
               <Route path="/drives/:id/faults" component={Faults} />
               <Route path="/drives/:id/compare" component={Compare} />
+              <Route path="/drives/:id/machine" component={Machine} />
+              <Route path="/drives/:id/telegram" component={Telegram} />
+              <Route path="/capture" component={Capture} />
+              <Route path="/log" component={Log} />
               <Route path="/virtual" component={Virtual} />
               <Route default component={Network} />
             </Router>

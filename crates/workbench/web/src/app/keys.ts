@@ -45,6 +45,10 @@ export function useKeys(): void {
         s: address(id, "scope"),
         f: address(id, "faults"),
         d: address(id, "compare"),
+        m: address(id, "machine"),
+        t: address(id, "telegram"),
+        e: "/capture",
+        l: "/log",
         v: "/virtual",
       }[event.key];
       if (screen !== undefined && (event.key !== "v" || server.value?.simulation)) {

@@ -14,14 +14,15 @@ export function selected(path: string): Station | undefined {
 }
 
 /** The screens of a drive. */
-export const OF_DRIVE = ["overview", "control", "parameters", "scope", "faults", "compare"] as const;
+export const OF_DRIVE = ["overview", "control", "parameters", "scope", "faults", "compare", "machine", "telegram"] as const;
 
 /** The screens. */
-export type Screen = "network" | "virtual" | (typeof OF_DRIVE)[number];
+export type Screen = "network" | "virtual" | "capture" | "log" | (typeof OF_DRIVE)[number];
 
 /** Returns the screen in an address of the page. */
 export function screenOf(path: string): Screen {
-  if (path.startsWith("/virtual")) return "virtual";
+  const whole = (["virtual", "capture", "log"] as const).find((screen) => path === `/${screen}`);
+  if (whole !== undefined) return whole;
   if (!path.startsWith("/drives/")) return "network";
   return OF_DRIVE.find((screen) => path.endsWith(`/${screen}`)) ?? "overview";
 }

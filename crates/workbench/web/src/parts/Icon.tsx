@@ -11,6 +11,10 @@ const PATHS = {
   parameters: "M2 4h12M2 8h12M2 12h12M5 2.5v3M11 6.5v3M7 10.5v3",
   scope: "M2 13V3M2 13h12M4 10l3-5 3 3 3-5",
   compare: "M2 2h5v12H2zM9 2h5v12H9zM4 6h1M11 6h1M11 10h1",
+  machine: "M2 6h4v4H2zM10 2h4v4h-4zM10 10h4v4h-4zM6 7l4-3M6 9l4 3",
+  telegram: "M2 4h12v8H2zM5 4v8M8 4v8M11 4v8",
+  capture: "M2 3h8M2 6h6M2 9h4M11 8a3 3 0 1 0 0 5A3 3 0 1 0 11 8zM13 13l2 2",
+  log: "M3 2h10v12H3zM5.5 5h5M5.5 8h5M5.5 11h3",
   live: "M3 3l5 5-5 5M8 3l5 5-5 5",
 } as const;
 

@@ -15,3 +15,10 @@ export function age(seconds: number): string {
     ? t("age.seconds", { count: Math.max(0, Math.round(seconds)) })
     : t("age.minutes", { count: Math.floor(seconds / 60) });
 }
+
+/** Returns an age that may be long: `2 min`, `3 h`, `12 days`. */
+export function ageLong(seconds: number): string {
+  if (seconds < 2 * 3600) return age(seconds);
+  if (seconds < 2 * 86_400) return t("age.hours", { count: Math.floor(seconds / 3600) });
+  return t("age.days", { count: Math.floor(seconds / 86_400) });
+}

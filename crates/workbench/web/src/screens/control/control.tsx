@@ -117,6 +117,11 @@ function Take({ station }: { station: Station }) {
       <p class="muted">
         <bdi>{t("control.owner", { name: ownerName(station) ?? t("frame.owner.none") })}</bdi>
       </p>
+      {station.status?.on_loss && (
+        <p class={station.status.on_loss.action === "keeps-turning" ? "warn" : "muted"}>
+          <bdi>{sentence(t("control.loss", { text: station.status.on_loss.text }))}</bdi>
+        </p>
+      )}
       <label class="field">
         <span>{t("control.purpose")}</span>
         <select

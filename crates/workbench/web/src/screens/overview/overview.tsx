@@ -1,5 +1,14 @@
+import { signal } from "@preact/signals";
+import { useEffect } from "preact/hooks";
 import { useLocation } from "preact-iso";
-import type { Quantity, Station, Status } from "../../api";
+import {
+  type Backups,
+  type Quantity,
+  request,
+  type Station,
+  type Status,
+  type Values as ValuesReport,
+} from "../../api";
 import { selected, selectedId } from "../../app/selected";
 import { Acknowledge } from "../../parts/Acknowledge";
 import { digits, foreign, label, sentence } from "../../parts/format";
@@ -9,7 +18,7 @@ import { findings, ownerName, sign } from "../../parts/Reason";
 import { Shaft } from "../../parts/Shaft";
 import { Spark } from "../../parts/Spark";
 import { aged, events, server, silent, stations } from "../../store/store";
-import { age, t } from "../../text";
+import { age, ageLong, t } from "../../text";
 import { conditions } from "./conditions";
 
 /** Values older than this are grey; older than the second are dashes. In s. */
@@ -184,6 +193,66 @@ function Identity({ station }: { station: Station }) {
   );
 }
 
+/** The rights by which others keep a drive from being changed or controlled (PNU 927 and 928), and the last backup. */
+const extras = signal<ReadonlyMap<string, Extras>>(new Map());
+
+interface Extras {
+  rights: { name: string; value: string }[];
+  /** When the last backup was made, in s since 1970; `null` where there is none. */
+  backup: number | null;
+}
+
+async function readExtras({ id, name }: Station): Promise<void> {
+  const values = async () => {
+    const read = await request<ValuesReport>(`drives/${encodeURIComponent(id)}/values/927,928`);
+    return read.parameters.flatMap((one) =>
+      one.error === null
+        ? [{ name: one.name || `PNU ${one.pnu}`, value: one.meaning ?? one.text ?? String(one.value ?? "") }]
+        : [],
+    );
+  };
+  // a drive that has no such parameters says so, and that is no trouble
+  const rights = await values().catch(() => []);
+  const files = await request<Backups>("backups").then(
+    (report) => report.files,
+    () => [],
+  );
+  const times = files.filter((file) => file.drive === name && !file.before).map((file) => file.time);
+  const backup = times.length > 0 ? Math.max(...times) : null;
+  extras.value = new Map(extras.value).set(id, { rights, backup });
+}
+
+function Care({ station }: { station: Station }) {
+  const readable = station.status !== null;
+  useEffect(() => {
+    if (readable) void readExtras(station);
+  }, [station.id, readable]);
+  const known = extras.value.get(station.id);
+  if (known === undefined) return null;
+  const since = known.backup === null ? null : Date.now() / 1000 - known.backup;
+  return (
+    <section>
+      <h2>{t("overview.care")}</h2>
+      <dl class="pairs">
+        <div>
+          <dt>{t("overview.backup")}</dt>
+          <dd>{since === null ? t("overview.backup.none") : t("overview.backup.age", { age: ageLong(since) })}</dd>
+        </div>
+        {known.rights.map(({ name, value }) => (
+          <div key={name}>
+            <dt>
+              <bdi>{foreign(name)}</bdi>
+            </dt>
+            <dd>
+              <bdi>{foreign(value)}</bdi>
+            </dd>
+          </div>
+        ))}
+      </dl>
+    </section>
+  );
+}
+
 function Events({ id }: { id: string }) {
   const own = events.value.filter((event) => event.drive === id).slice(0, 5);
   return (
@@ -225,6 +294,7 @@ export function Overview() {
       <div>
         <Values station={station} />
         <Identity station={station} />
+        <Care station={station} />
         <Events id={station.id} />
       </div>
     </article>

@@ -11,6 +11,35 @@ import { t } from "../../text";
 const selection = signal("");
 const answer = signal<{ text: string; failed: boolean } | null>(null);
 
+/** The time of the plant in s from which events are recorded, and how many there are. */
+const recording = signal<{ since: number; count: number } | null>(null);
+
+/** Begins to record what is let happen: it becomes a plant file. */
+async function record(): Promise<void> {
+  const { time } = await request<{ time: number }>("plant/drives");
+  recording.value = { since: time, count: 0 };
+}
+
+function Recording() {
+  const running = recording.value;
+  return (
+    <section class="happen">
+      <h2>{t("virtual.record.title")}</h2>
+      <p class="buttons">
+        <button type="button" onClick={() => void record()}>
+          {t(running === null ? "virtual.record" : "virtual.record.again")}
+        </button>
+        {running !== null && (
+          <a href={`/api/v1/plant/scenario?since=${running.since}`} download="scenario.toml">
+            {t("virtual.record.save", { count: running.count })}
+          </a>
+        )}
+      </p>
+      <p class="muted small">{t("virtual.record.how")}</p>
+    </section>
+  );
+}
+
 /** What can be done by one button: the event, and how it is called. */
 const BUTTONS = [
   ["sto=on", "virtual.sto.on"],
@@ -23,7 +52,10 @@ const BUTTONS = [
 
 async function inject(drive: string, event: string, seconds: number | null): Promise<void> {
   answer.value = await post<{ drive: string; event: string }>("plant/inject", { drive, event, seconds }).then(
-    (done) => ({ text: t("virtual.done", { drive: foreign(done.drive), event: done.event }), failed: false }),
+    (done) => {
+      if (recording.value !== null) recording.value = { ...recording.value, count: recording.value.count + 1 };
+      return { text: t("virtual.done", { drive: foreign(done.drive), event: done.event }), failed: false };
+    },
     (error: unknown) => ({ text: error instanceof Error ? error.message : String(error), failed: true }),
   );
 }
@@ -187,6 +219,7 @@ export function Virtual() {
         </table>
       </section>
       {one && <Happen shaft={one} />}
+      <Recording />
     </article>
   );
 }

@@ -1,0 +1,123 @@
+//! What the frames of the network show.
+
+use profidrive_workbench::{Settings, Source};
+use serde_json::Value;
+
+use crate::change::known;
+use crate::server::{Running, eventually};
+
+fn bearer(server: &Running) -> String {
+    Running::bearer(&server.view)
+}
+
+#[test]
+fn states_and_telegram_of_a_drive_are_those_of_its_frames() {
+    let server = Running::demo();
+    let id = known(&server, "press-1");
+    let machine = eventually(&server, &format!("/api/v1/drives/{id}/machine"), |topic| {
+        topic["source"] == "frames" && topic["machine"]["state"] == "S4"
+    });
+    assert_eq!(machine["machine"]["awaited"], Value::Null);
+    assert_eq!(
+        machine["changes"].as_array().unwrap().last().unwrap()["state"],
+        "S4"
+    );
+    let telegram = server
+        .ask(
+            "GET",
+            &format!("/api/v1/drives/{id}/telegram"),
+            &bearer(&server),
+            "",
+        )
+        .json();
+    assert_eq!(telegram["telegram"], 1);
+    let halves = telegram["halves"].as_array().unwrap();
+    let directions: Vec<_> = halves
+        .iter()
+        .map(|half| half["direction"].as_str().unwrap())
+        .collect();
+    assert_eq!(directions, ["output", "input"]);
+    for half in halves {
+        let octets = half["octets"].as_str().unwrap().split(' ').count() as u64;
+        assert_eq!(half["tree"]["end"], octets);
+        assert!(half["timing"]["frames"].as_u64().unwrap() > 0, "{half}");
+    }
+    // a drive without a connection is read, and has no frames
+    let free = known(&server, "axis-1");
+    let machine = server
+        .ask(
+            "GET",
+            &format!("/api/v1/drives/{free}/machine"),
+            &bearer(&server),
+            "",
+        )
+        .json();
+    assert_eq!(machine["source"], "parameters");
+    let telegram = server
+        .ask(
+            "GET",
+            &format!("/api/v1/drives/{free}/telegram"),
+            &bearer(&server),
+            "",
+        )
+        .json();
+    assert_eq!(telegram["halves"], Value::Array(Vec::new()));
+    let unknown = server.ask(
+        "GET",
+        "/api/v1/drives/02:00:00:00:00:01/machine",
+        &bearer(&server),
+        "",
+    );
+    assert_eq!(unknown.status, 404);
+}
+
+#[test]
+fn the_frames_of_the_last_minute_are_a_capture() {
+    let server = Running::demo();
+    known(&server, "axis-1");
+    let answer = server.ask("GET", "/api/v1/traffic", &bearer(&server), "");
+    assert_eq!(answer.status, 200);
+    assert_eq!(answer.header("content-type"), Some("application/x-pcapng"));
+    let none = Running::start(Settings::new(Source::Addresses(vec![
+        "127.0.0.1".parse().unwrap(),
+    ])));
+    assert_eq!(none.ask("GET", "/api/v1/traffic", &bearer(&none), "").status, 404);
+}
+
+#[test]
+fn the_log_is_read_in_pages_and_as_files() {
+    let server = Running::demo();
+    let id = known(&server, "axis-1");
+    for number in 1..=5 {
+        let event = format!("load=0.{number}Nm");
+        server.post(
+            "/api/v1/plant/inject",
+            &serde_json::json!({ "drive": id, "event": event, "seconds": null }),
+        );
+    }
+    server.logged(|log| log.len() == 10);
+    let page = |path: &str| server.ask("GET", path, &bearer(&server), "").json();
+    let first = page("/api/v1/audit?most=3");
+    assert_eq!(first["records"].as_array().unwrap().len(), 3);
+    assert_eq!(first["records"][0]["value"], "load=0.5Nm");
+    assert_eq!(first["records"][0]["result"], "done");
+    let before = first["before"].as_str().unwrap();
+    let second = page(&format!("/api/v1/audit?most=3&before={before}"));
+    assert_eq!(second["records"][0]["value"], "load=0.4Nm");
+    let one = page(&format!("/api/v1/audit?text=0.2NM&drive={id}&action=inject"));
+    assert_eq!(one["records"].as_array().unwrap().len(), 2);
+    assert_eq!(
+        page("/api/v1/audit?action=stop")["records"],
+        Value::Array(Vec::new())
+    );
+    let csv = server.ask("GET", "/api/v1/logs/log.csv", &bearer(&server), "");
+    assert_eq!(
+        csv.body.lines().filter(|line| line.contains("load=0.")).count(),
+        10
+    );
+    // a page cannot change a record
+    for method in ["POST", "PUT", "DELETE"] {
+        let answer = server.ask(method, "/api/v1/audit", &Running::bearer(&server.control), "");
+        assert_eq!(answer.status, 405, "{answer:?}");
+    }
+}

@@ -1,0 +1,70 @@
+/** Where the states and transitions of the diagram are, made of the table that the workbench sends. */
+import type { StateMachine } from "../../api";
+
+export type State = StateMachine["states"][number]["state"];
+
+/** All transitions from one state to another. */
+export interface Edge {
+  from: State;
+  to: State;
+  reasons: string[];
+}
+
+/** Size of a state, and of the diagram. */
+export const WIDTH = 104;
+export const HEIGHT = 44;
+export const SIZE = { width: 640, height: 296 };
+
+/** The centre of each state: the way to operation from left to right, the way out above it. */
+const PLACES: Record<State, [number, number]> = {
+  S1: [64, 176],
+  S2: [236, 176],
+  S3: [404, 176],
+  S4: [576, 176],
+  S5: [404, 40],
+};
+
+/** Returns the transitions by their states, each reason once. */
+export function edges({ transitions }: StateMachine): Edge[] {
+  const all: Edge[] = [];
+  for (const { from, to, reason } of transitions) {
+    const known = all.find((edge) => edge.from === from && edge.to === to);
+    if (from === to) continue;
+    if (known === undefined) all.push({ from, to, reasons: [reason] });
+    else if (!known.reasons.includes(reason)) known.reasons.push(reason);
+  }
+  return all;
+}
+
+export function place(state: State): [number, number] {
+  return PLACES[state];
+}
+
+/** Returns where a line from the centre of a state leaves it. */
+function leaves([x, y]: [number, number], [toX, toY]: [number, number]): [number, number] {
+  const [dx, dy] = [toX - x, toY - y];
+  const share = Math.min(
+    dx === 0 ? Number.POSITIVE_INFINITY : WIDTH / 2 / Math.abs(dx),
+    dy === 0 ? Number.POSITIVE_INFINITY : HEIGHT / 2 / Math.abs(dy),
+  );
+  return [x + dx * share, y + dy * share];
+}
+
+/** Returns the path of a transition and where its name stands. Both directions between two states are beside each other. */
+export function curve({ from, to }: Edge): { path: string; x: number; y: number } {
+  const [a, b] = [place(from), place(to)];
+  const [dx, dy] = [b[0] - a[0], b[1] - a[1]];
+  const length = Math.hypot(dx, dy);
+  const level = dy === 0;
+  // past a state that is between them
+  const off = level && length > 200 ? Math.min(90, length * 0.18) : 14;
+  const [nx, ny] = [(dy / length) * off, (-dx / length) * off];
+  const control: [number, number] = [(a[0] + b[0]) / 2 + 2 * nx, (a[1] + b[1]) / 2 + 2 * ny];
+  const [start, end] = [leaves(a, control), leaves(b, control)];
+  const path = `M${start[0]} ${start[1]}Q${control[0]} ${control[1]} ${end[0]} ${end[1]}`;
+  return {
+    path,
+    x: (start[0] + 2 * control[0] + end[0]) / 4 + (nx / off) * 11,
+    y: (start[1] + 2 * control[1] + end[1]) / 4 + (ny / off) * 11 + 4,
+  };
+}

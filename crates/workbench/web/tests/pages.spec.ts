@@ -1,0 +1,208 @@
+import { execFileSync } from "node:child_process";
+import { mkdtempSync, readdirSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { fileURLToPath } from "node:url";
+import type { Page } from "@playwright/test";
+import { end, expect, idOf, program, rows, serve, test, watch } from "./bench";
+
+const captures = fileURLToPath(new URL("../../../../captures", import.meta.url));
+
+async function go(page: Page, drive: string, screen: string): Promise<void> {
+  await page.goto(`/drives/${encodeURIComponent(await idOf(page, drive))}/${screen}`);
+}
+
+test("the time line has each state of a drive that is enabled and disabled", async ({ page }) => {
+  const server = await serve("--demo", "--listen", "127.0.0.1:0");
+  const wrong = watch(page);
+  try {
+    await page.goto(server.url);
+    await rows(page);
+    await page.getByRole("link", { name: "axis-1" }).click();
+    await page.getByRole("link", { name: "State machine" }).click();
+    await expect(page.locator(".machine-state")).toContainText("S1");
+    await expect(page.getByText("from its parameters, read once a second")).toBeVisible();
+    await page.getByRole("link", { name: "Control" }).click();
+    await page.getByRole("button", { name: "Take control" }).click();
+    await expect(page.getByText(/This page has control/)).toBeVisible();
+    await page.getByRole("button", { name: "Enable" }).click();
+    await expect(page.getByText("Torque on, at rest")).toBeVisible();
+    await page.getByRole("link", { name: "State machine" }).click();
+    await expect(page.locator(".machine-state")).toContainText("S4");
+    await expect(page.locator(".diagram .active")).toHaveAttribute("data-state", "S4");
+    await expect(page.getByText("from its cyclic frames")).toBeVisible();
+    await expect(page.locator("table[data-word=ZSW1] td.set").first()).toBeVisible();
+    await page.getByRole("link", { name: "Control" }).click();
+    await page.getByRole("button", { name: "Disable" }).click();
+    await expect(page.getByText("Power stage off")).toBeVisible();
+    await page.getByRole("link", { name: "State machine" }).click();
+    const seen = page.locator(".changes-of-state li");
+    const order = async () =>
+      (await seen.evaluateAll((all) => all.map((one) => one.getAttribute("data-state")))).join(" ");
+    await expect.poll(order).toMatch(/S1 S2 (S3 )?S4 S5 S2/);
+    // what the drive waits for now, with its bit
+    await expect(
+      page.locator(".conditions.awaited .accent").filter({ hasText: "STW1 bit 0 ON must be 1" }),
+    ).toBeVisible();
+    await expect(page.locator(".edge.awaited")).toHaveAttribute("data-edge", "S2 S3");
+    expect(wrong).toEqual([]);
+  } finally {
+    await end(server);
+  }
+});
+
+test("the diagram and its table have the same transitions, and STO is the condition of fan-1", async ({
+  entered: page,
+}) => {
+  await go(page, "fan-1", "machine");
+  const condition = page.locator(".conditions.awaited .accent").filter({ hasText: /STO|safe torque off/i });
+  await expect(condition.first()).toBeVisible();
+  await page.locator("summary").click();
+  const of = (rows: string) =>
+    page.locator(rows).evaluateAll((all) => [...new Set(all.map((one) => one.getAttribute("data-edge")))].sort());
+  const edges = await of(".diagram .edge");
+  expect(edges.length).toBeGreaterThan(10);
+  const table = (await of(".twin tbody tr")).filter((edge) => edge !== "S5 S5");
+  expect(table).toEqual(edges);
+  // the words of a vendor have strips of their own
+  await go(page, "pump-1", "machine");
+  await expect(page.locator("table[data-word]").first()).toBeVisible();
+});
+
+test("the byte map has the values of the program for the same octets", async ({ entered: page }) => {
+  await go(page, "press-1", "telegram");
+  const input = page.locator("[data-direction=input]");
+  await expect(input.getByRole("row", { name: /NIST_A/ })).toBeVisible();
+  const read = () =>
+    input.evaluate((section) => ({
+      command: section.querySelector("code")?.textContent ?? "",
+      speed: section.querySelector("[data-field=NIST_A] td:last-child")?.textContent ?? "",
+      offset: section.querySelector("[data-field=NIST_A] td")?.textContent ?? "",
+      octets: section.getAttribute("data-octets")?.split(" ") ?? [],
+      hex: section.querySelector("[data-field=NIST_A] td:nth-of-type(2)")?.textContent ?? "",
+    }));
+  const first = await read();
+  const [, ...words] = first.command.split(" ");
+  const printed = execFileSync(program, words, { encoding: "utf8" });
+  expect(first.speed).toMatch(/rpm/);
+  expect(printed).toContain(first.speed);
+  const at = Number(first.offset);
+  expect(first.octets.slice(at, at + 2).join(" ")).toBe(first.hex);
+  // the drive turns to and fro: the value is another one some time later
+  await expect.poll(async () => (await read()).speed).not.toBe(first.speed);
+  await expect(input.getByText("Missed")).toBeVisible();
+  // a drive without a connection says what it would need
+  await go(page, "axis-2", "telegram");
+  await expect(page.getByText("No cyclic frame of this drive was seen.")).toBeVisible();
+});
+
+test("the log has what was done, follows it, and exports it", async ({ page }) => {
+  const server = await serve("--demo", "--listen", "127.0.0.1:0");
+  const wrong = watch(page);
+  try {
+    await page.goto(server.url);
+    await rows(page);
+    await page.getByRole("link", { name: "Log" }).click();
+    await page.getByRole("combobox", { name: "Action" }).selectOption("inject");
+    const drive = await idOf(page, "axis-1");
+    const inject = (event: string) =>
+      page.evaluate(
+        async (body) => {
+          const headers = { "Content-Type": "application/json" };
+          await fetch("/api/v1/plant/inject", { method: "POST", headers, body });
+        },
+        JSON.stringify({ drive, event, seconds: null }),
+      );
+    await page.getByRole("combobox", { name: "Drive", exact: true }).last().selectOption(drive);
+    await inject("load=0.25Nm");
+    const row = page.locator("tr[data-action=inject]").filter({ hasText: "load=0.25Nm" });
+    await expect(row.first()).toContainText("done");
+    await expect(row.nth(1)).toContainText("wanted");
+    await page.getByRole("searchbox", { name: "Search" }).fill("no such text");
+    await expect(page.getByText("No record fits.")).toBeVisible();
+    await page.getByRole("searchbox", { name: "Search" }).fill("0.25");
+    await expect(row.first()).toBeVisible();
+    const file = async (name: string) => {
+      const [download] = await Promise.all([
+        page.waitForEvent("download"),
+        page.getByRole("link", { name, exact: true }).click(),
+      ]);
+      return readFileSync(await download.path());
+    };
+    const csv = (await file("Export CSV")).toString();
+    expect(csv.split("\r\n")[0]).toBe("time,who,drive,name,action,value,changes,result");
+    expect(csv).toContain("load=0.25Nm");
+    const lines = (await file("Export JSON Lines")).toString().trim().split("\n");
+    expect(JSON.parse(lines.at(-1) ?? "")).toMatchObject({ action: "inject", result: "done" });
+    // the frames of the last minute, as Wireshark reads them
+    const frames = await file("Save the frames of the last minute");
+    const folder = mkdtempSync(join(tmpdir(), "profidrive-traffic-"));
+    writeFileSync(join(folder, "a.pcapng"), frames);
+    expect(frameCount(join(folder, "a.pcapng"))).toBeGreaterThan(20);
+    rmSync(folder, { recursive: true });
+    expect(wrong).toEqual([]);
+  } finally {
+    await end(server);
+  }
+});
+
+function frameCount(file: string): number {
+  const printed = execFileSync("tshark", ["-n", "-r", file, "-T", "fields", "-e", "frame.number"], {
+    encoding: "utf8",
+    stdio: ["ignore", "pipe", "ignore"],
+  });
+  return printed.trim().split("\n").length;
+}
+
+async function upload(page: Page, file: string | { name: string; mimeType: string; buffer: Buffer }): Promise<void> {
+  await page.getByLabel("Select a capture").first().setInputFiles(file);
+}
+
+test("captures have the frames that tshark counts", async ({ entered: page }) => {
+  await page.getByRole("link", { name: "Capture" }).click();
+  const files = readdirSync(captures).filter((name) => name.endsWith(".pcapng"));
+  expect(files.length).toBeGreaterThan(3);
+  for (const name of files) {
+    await upload(page, join(captures, name));
+    const count = frameCount(join(captures, name));
+    await expect(page.locator("[data-frames]"), name).toHaveAttribute("data-frames", String(count));
+  }
+});
+
+test("a damaged capture says where, a foreign file says what it is, and the server goes on", async ({
+  entered: page,
+}) => {
+  await page.getByRole("link", { name: "Capture" }).click();
+  const whole = readFileSync(join(captures, "pnet-profinetpy-full.pcapng"));
+  const cut = whole.subarray(0, whole.length - 7);
+  await upload(page, { name: "../../etc/x.pcap", mimeType: "application/octet-stream", buffer: cut });
+  await expect(page.getByText(/ends in the middle of a block that begins at octet \d+/)).toBeVisible();
+  await expect(page.getByRole("table", { name: "What happened in the capture" })).toBeVisible();
+  await upload(page, { name: "a.pcap", mimeType: "text/html", buffer: Buffer.from("<img src=x onerror=alert(1)>") });
+  await expect(page.getByText(/not a capture file/)).toBeVisible();
+  await expect(page.getByRole("button", { name: /^STOP/ })).toBeVisible();
+});
+
+test("the fault of the demo is in only trouble, and a parameter marks its octets", async ({ entered: page }) => {
+  const folder = mkdtempSync(join(tmpdir(), "profidrive-demo-"));
+  const file = join(folder, "demo.pcapng");
+  execFileSync(program, ["demo", "--fast", "--pcap", file], { stdio: "ignore" });
+  await page.getByRole("link", { name: "Capture" }).click();
+  await upload(page, file);
+  await page
+    .getByRole("cell", { name: /^parameter:/ })
+    .first()
+    .waitFor();
+  const job = page.getByRole("row").filter({ has: page.getByRole("cell", { name: /^parameter:/ }) });
+  await job.first().getByRole("button").click();
+  const field = page.locator(".tree button[data-field=PNU]").first();
+  await field.click();
+  const marked = page.locator(".hex .octet.marked");
+  await expect(marked).toHaveCount(2);
+  const shown = (await marked.allTextContents()).join("");
+  await expect(field).toContainText(String(Number.parseInt(shown, 16)));
+  await page.getByRole("checkbox", { name: "Only trouble" }).check();
+  await expect(page.getByRole("row").filter({ hasText: /fault/i }).first()).toBeVisible();
+  await expect(page.getByText("States of the drives")).toBeVisible();
+  rmSync(folder, { recursive: true });
+});
