@@ -61,6 +61,8 @@ impl Topic {
                             && parameters.iter().all(|name| name.len() <= PARAMETER);
                         fit.then_some(Self::Acyclic(id, parameters))
                     }
+                    "machine" => Some(Self::Machine(id)),
+                    "telegram" => Some(Self::Telegram(id)),
                     _ => None,
                 }
             }
@@ -381,6 +383,7 @@ mod tests {
             "drive/ip-10.0.0.1/faults",
             "drive/02:00:00:00:00:01/samples",
             "drive/x/acyclic",
+            "log",
             "drive/02:00:00:00:00:01/machine",
             "drive/02:00:00:00:00:01/telegram",
         ] {

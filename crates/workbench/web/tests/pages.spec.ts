@@ -186,7 +186,7 @@ test("a damaged capture says where, a foreign file says what it is, and the serv
 test("the fault of the demo is in only trouble, and a parameter marks its octets", async ({ entered: page }) => {
   const folder = mkdtempSync(join(tmpdir(), "profidrive-demo-"));
   const file = join(folder, "demo.pcapng");
-  execFileSync(program, ["demo", "--pcap", file], { stdio: "ignore" });
+  execFileSync(program, ["demo", "--fast", "--pcap", file], { stdio: "ignore" });
   await page.getByRole("link", { name: "Capture" }).click();
   await upload(page, file);
   await page
