@@ -379,7 +379,6 @@ mod tests {
         for name in [
             "network",
             "plant",
-            "log",
             "drive/ip-10.0.0.1/faults",
             "drive/02:00:00:00:00:01/samples",
             "drive/x/acyclic",

@@ -14,7 +14,16 @@ export function selected(path: string): Station | undefined {
 }
 
 /** The screens of a drive. */
-export const OF_DRIVE = ["overview", "control", "parameters", "scope", "faults", "compare", "machine", "telegram"] as const;
+export const OF_DRIVE = [
+  "overview",
+  "control",
+  "parameters",
+  "scope",
+  "faults",
+  "compare",
+  "machine",
+  "telegram",
+] as const;
 
 /** The screens. */
 export type Screen = "network" | "virtual" | "capture" | "log" | (typeof OF_DRIVE)[number];
