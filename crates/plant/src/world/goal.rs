@@ -126,11 +126,8 @@ impl World {
             return Err(NotMet(Box::new(lost)));
         }
         let kept = || {
-            let events = self.trace()?.events();
-            events
-                .filter(|event| pursuit.is_reported_by(event))
-                .last()
-                .cloned()
+            let mut events = self.trace()?.events();
+            events.rfind(|event| pursuit.is_reported_by(event)).cloned()
         };
         // it became true since it was looked at last, or as long before as it had to last
         let before = (*looked - Instant::ZERO).saturating_sub(goal.lasts());
