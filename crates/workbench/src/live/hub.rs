@@ -61,6 +61,8 @@ impl Topic {
                             && parameters.iter().all(|name| name.len() <= PARAMETER);
                         fit.then_some(Self::Acyclic(id, parameters))
                     }
+                    "machine" => Some(Self::Machine(id)),
+                    "telegram" => Some(Self::Telegram(id)),
                     _ => None,
                 }
             }
