@@ -36,8 +36,9 @@ export async function serve(...args: string[]): Promise<Running> {
 
 /** The same with other variables of its environment. */
 export async function serveIn(variables: Record<string, string>, ...args: string[]): Promise<Running> {
-  // the log of what tests do is no log of this user
-  const env = { ...process.env, XDG_STATE_HOME: join(pictures, "state"), ...variables };
+  // the log of what tests do is no log of this user, and no other test writes to it at the same time
+  const state = join(pictures, `state-${process.env.TEST_WORKER_INDEX ?? 0}`);
+  const env = { ...process.env, XDG_STATE_HOME: state, ...variables };
   const child = spawn(program, ["serve", "--json", ...args], { stdio: ["ignore", "pipe", "inherit"], env });
   const lines = createInterface({ input: child.stdout });
   for await (const line of lines) {
