@@ -116,7 +116,7 @@ class PlantDrive:
         self.name = name
 
     def inject(self, action: str, *, for_: Duration | None = None) -> None:
-        """Lets something happen to the drive at the start of every later run of this plant: an event at 0 s of its text."""
+        """Injects an event at the start of every later run of this plant: it is at 0 s in its text."""
         self._plant._plant = self._plant._plant.with_event(self.name, action, optional_span(for_))
 
 
@@ -176,7 +176,7 @@ class ServedDrive:
         return tuple(event for event in self._served.events if event.drive == self.name)
 
     def inject(self, action: str, *, for_: Duration | None = None) -> None:
-        """Lets something happen to the drive now: `"sto=on"`, `"cable=pulled"`, `"load=0.8Nm"`; with `for_` for this time."""
+        """Injects an event now: `"sto=on"`, `"cable=pulled"`, `"load=0.8Nm"`; with `for_` for this time."""
         self._served._running.inject(self.name, action, optional_span(for_))
 
 
@@ -323,7 +323,7 @@ class VirtualDrive:
         return _messages(self._look()["warnings"])
 
     def inject(self, action: str, *, for_: Duration | None = None) -> None:
-        """Lets something happen to the drive now: `"sto=on"`, `"cable=pulled"`, `"load=0.8Nm"`; with `for_` for this time."""
+        """Injects an event now: `"sto=on"`, `"cable=pulled"`, `"load=0.8Nm"`; with `for_` for this time."""
         self._world.inject(self.name, action, optional_span(for_))
 
     def read(self, parameter: str) -> ParameterReading:

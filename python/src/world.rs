@@ -27,7 +27,7 @@ const TICK: Duration = Duration::from_micros(250);
 /// Virtual time that passes at least between two looks at the signals of Python.
 const STRIDE: Duration = Duration::from_millis(100);
 
-/// A plant that runs, with those who look at it.
+/// A plant that runs, with its observers.
 pub struct Held {
     pub running: Running,
     /// The trace that was handed out last, as long as it is in use.
