@@ -99,7 +99,7 @@ impl Explained for ServeError {
     fn advice(&self) -> Advice {
         match self {
             Self::NotLocal(address) => format!(
-                "encrypt it, or listen on 127.0.0.1; from another computer, `ssh -L {port}:127.0.0.1:{port} HOST` leads there",
+                "listen on 127.0.0.1; from another computer, `ssh -L {port}:127.0.0.1:{port} HOST` leads there",
                 port = address.port()
             )
             .into(),

@@ -110,7 +110,7 @@ fn failed(error: ServeError) -> Failure {
         ServeError::Listen { .. } => {
             Failure::explained(&error).hint("--listen 127.0.0.1:0 takes a free port")
         }
-        ServeError::NotLocal(_) => Failure::explained(&error).hint("--tls self-signed encrypts it"),
+        ServeError::NotLocal(_) => Failure::explained(&error).and_hint("--tls self-signed encrypts it"),
         error => Failure::explained(&error),
     }
 }
