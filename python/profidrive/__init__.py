@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from profidrive.trace import Trace
     from profidrive.words import Stw1, Zsw1
 
-# what a program does not want to see is not printed
+# records are silent unless the program configures logging
 logging.getLogger(__name__).addHandler(logging.NullHandler())
 
 _LAZY = {

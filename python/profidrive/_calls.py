@@ -5,7 +5,8 @@ from __future__ import annotations
 import atexit
 import os
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, Generic, NamedTuple, TypeVar
+from dataclasses import dataclass
+from typing import Any, Generic, TypeVar
 
 from profidrive import _profidrive
 from profidrive._values import value_text
@@ -43,7 +44,8 @@ def _leave_all() -> None:
     _profidrive.leave_all(_AT_EXIT)
 
 
-class Call(NamedTuple, Generic[T]):
+@dataclass(frozen=True, slots=True)
+class Call(Generic[T]):
     """A call for a drive, with what makes its result of the document."""
 
     verb: _profidrive.Verb

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
+from contextlib import suppress
 from datetime import timedelta
+from decimal import Decimal
+from numbers import Integral, Real
 from pathlib import PurePath
 from typing import Any
 
@@ -18,24 +21,49 @@ def span(time: Duration) -> float | str:
     """A time as the binding takes it."""
     if isinstance(time, timedelta):
         return time.total_seconds()
-    return time if isinstance(time, str) else float(time)
+    if isinstance(time, str):
+        return time
+    try:
+        return float(time)
+    except (TypeError, ValueError) as error:
+        raise UsageError(f"{time!r}: a time is a number of seconds, a text with a unit or a timedelta") from error
 
 
 def optional_span(time: Duration | None) -> float | str | None:
     return None if time is None else span(time)
 
 
-def value_text(value: Value) -> str:
-    """A value as people write it."""
+def value_text(value: Value, unit: str = "") -> str:
+    """A value as people write it; a number in this unit."""
     if isinstance(value, str):
         return value
-    if isinstance(value, bool):
-        return str(int(value))
     if isinstance(value, HasUnits):
         # pint has its short form of a unit by the format `~`: `rpm / s`
-        return f"{value.magnitude!r}{value.units:~}".replace(" ", "")
-    # not the text of a subclass, such as a number of numpy
-    return repr(float(value)) if isinstance(value, float) else repr(int(value))
+        return f"{value_text(value.magnitude)}{value.units:~}".replace(" ", "")
+    return _digits(value) + unit
+
+
+def _digits(value: object) -> str:
+    """A number, without an exponent."""
+    number = value
+    if not isinstance(number, (Real, Decimal)) and hasattr(number, "item"):
+        # a flag of numpy
+        with suppress(TypeError, ValueError):
+            number = number.item()
+    if isinstance(number, Integral):
+        return str(int(number))
+    if isinstance(number, Real):
+        number = Decimal(repr(float(number)))
+    if isinstance(number, Decimal) and number.is_finite():
+        return format(number, "f")
+    raise UsageError(f"{value!r}: a value is a finite number, a text or a quantity with a unit")
+
+
+def seed_of(seed: int) -> int:
+    """A seed, of which a plant file has 63 bits."""
+    if isinstance(seed, Integral) and 0 <= seed < 1 << 63:
+        return int(seed)
+    raise UsageError(f"{seed!r}: a seed is a whole number from 0 to 2**63 - 1")
 
 
 def document(values: Mapping[str, object]) -> str:
@@ -55,6 +83,8 @@ def _plain(value: Any) -> object:
         return value_text(value)
     if isinstance(value, PurePath):
         return str(value)
+    if isinstance(value, Decimal):
+        return float(value)
     if hasattr(value, "item"):  # a number of numpy
         return value.item()
     raise TypeError(f"{type(value).__name__} is neither a number, a text, a list nor a mapping")
@@ -74,8 +104,8 @@ def goal_text(drive: str, conditions: Mapping[str, object]) -> str:
 
 
 def _time(key: str, value: object) -> object:
-    if key in _TIMES and isinstance(value, (int, float)) and not isinstance(value, bool):
-        return f"{value!r}s"
+    if key in _TIMES and isinstance(value, (Real, Decimal)) and not isinstance(value, bool):
+        return f"{_digits(value)}s"
     return value
 
 

@@ -117,7 +117,7 @@ class Network:
         return Drives(self._network, tuple(drives))
 
     async def scan(self, *, wait: Duration = 2.0) -> ScanReport:
-        """Finds all stations that answer in this time and reads who they are. Nothing is changed."""
+        """Finds all stations that answer in this time and reads their identity. Nothing is changed."""
         return ScanReport._of(json.loads(await waiting.call(self._network.scan, span(wait))))
 
     async def set_name(self, station: str, name: str, *, permanent: bool = True, dry_run: bool = False) -> NameReport:
@@ -220,7 +220,7 @@ class Drive:
         return await self._do(_calls.parameters(text, values))
 
     async def identity(self) -> InfoReport:
-        """Reads who the drive is: model, serial number, firmware, modules, controller."""
+        """Reads the identity of the drive: model, serial number, firmware, modules, controller."""
         return await self._do(_calls.identity())
 
     async def status(self) -> StatusReport:
@@ -317,7 +317,7 @@ class Drive:
         released.
 
         Args:
-            max_speed: any motion that is faster is refused; rpm where it has no unit.
+            max_speed: any motion that is faster is refused; above 0, rpm where it has no unit.
             mode: what the drive has to be in; when None the present mode.
             telegram: the telegram to use; when None what the drive reports and the mode needs.
             cycle: update time of the connection; when None a calm one that the drive allows.
@@ -492,6 +492,7 @@ class Axis:
     ) -> MotionReport:
         """Goes to a position, such as `10rev`, and holds there. Without `wait` it returns once the drive has accepted the move.
 
+        Numbers have the units of `position` and `speed`: revolutions and rpm. A text without a unit is a position in increments.
         Ramps are those of the drive where none are given. Without a timeout it may take some multiple of its computed time.
         """
         return await self._go(position, False, speed, acceleration, deceleration, wait, timeout)
@@ -520,7 +521,8 @@ class Axis:
         timeout: Duration | None,
     ) -> MotionReport:
         ramps = [None if ramp is None else value_text(ramp) for ramp in (acceleration, deceleration)]
-        order = (value_text(target), is_distance, value_text(speed), ramps[0], ramps[1])
+        # a number is in the unit of `position`
+        order = (value_text(target, "rev"), is_distance, value_text(speed), ramps[0], ramps[1])
         return await self._move(self._axis.move_to, *order, wait, optional_span(timeout))
 
     async def _move(self, motion: Callable[P, str], *arguments: P.args, **named: P.kwargs) -> MotionReport:

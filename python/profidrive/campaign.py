@@ -19,8 +19,8 @@ from typing import Any, Literal, NamedTuple, overload
 
 from profidrive import _profidrive
 from profidrive._render import page, table
-from profidrive._values import document, optional_span, span, value_text
-from profidrive.errors import ProfidriveError, UsageError
+from profidrive._values import document, optional_span, seed_of, span, value_text
+from profidrive.errors import LocalError, ProfidriveError, UsageError
 from profidrive.events import ExpectationResult
 from profidrive.plant import Plant
 from profidrive.trace import Trace
@@ -32,6 +32,11 @@ _LASTS = 2.0
 """Seconds that a chunk is to last."""
 _MOST = 10_000
 _IN_FLIGHT = 32
+
+_ENDED = (
+    'call sweep below `if __name__ == "__main__":`, because each process imports the program; where it does, look for what ended '
+    "the process, such as too little memory"
+)
 
 Measure = Callable[[Trace], Mapping[str, float]]
 
@@ -85,7 +90,7 @@ class Row:
     """Names of the expectations that did not come true."""
     measures: Mapping[str, float]
     digest: str
-    """The same for the same run."""
+    """The same for the same run; another number than that of its `Trace`, as it covers the frames."""
     wall: float
     """Seconds of a computer that it took."""
 
@@ -104,6 +109,7 @@ class Failure:
     results: tuple[ExpectationResult, ...]
     """The expectations that did not come true."""
     digest: str
+    """That of its `Row`."""
     _job: _Job = field(repr=False)
 
     def plant(self) -> Plant:
@@ -236,7 +242,7 @@ class SweepResult:
 
 @dataclass(frozen=True)
 class _Job:
-    """Runs of one plant: all that a worker has to know."""
+    """Runs of one plant: everything a worker needs."""
 
     text: str
     until: float | str | None
@@ -368,22 +374,27 @@ def sweep(
         plant: a plant, or its file.
         seeds: a range, or a list.
         vary: values by their paths: a list, all of whose values are combined with those of the other lists, or a distribution.
-        until: how long each run lasts; the `duration` of the plant where it is None.
+        until: how long each run lasts; the `duration` of the plant where it is None. An expectation that is not decided by then
+            did not come true (`not_ended`).
         measure: a function of a module that makes numbers of a trace.
         executor: any executor of `concurrent.futures`; a pool of processes of this computer where it is None.
         chunk: runs of one task; `"auto"` makes tasks of some 2 s.
         in_flight: tasks that wait in the executor.
         retries: how often a task that failed is repeated. Then it is divided, to find the seed.
-        out: a folder for what is done: the same sweep goes on there where it ended.
+        out: a folder for what is done: the same sweep goes on there where it ended. `manifest.json` is there when it is complete.
         stop_after: ends after so many failures.
         progress: is called after each task.
+
+    Raises:
+        LocalError: when a process of its own pool ended.
+        UsageError: for a value or a seed that does not fit.
     """
     source = plant if isinstance(plant, Plant) else Plant.from_file(plant)
     jobs = _jobs(source, until, vary or {}, measure)
     if not jobs:
         raise UsageError("a list of values that vary is empty")
     folder = _Folder(out)
-    wanted = dict.fromkeys(seeds)
+    wanted = dict.fromkeys(map(seed_of, seeds))
     done = [_Done() for _ in jobs]
     for job, one in zip(jobs, done, strict=True):
         for part in folder.parts(job):
@@ -424,10 +435,15 @@ def sweep(
         pool = executor or ProcessPoolExecutor(mp_context=get_context("spawn"))
         try:
             _carry_out(pool, jobs, chunks, in_flight, retries, note, enough)
+        except BrokenExecutor as error:
+            if executor is not None:
+                raise
+            raise LocalError(f"a process of the sweep ended: {error}", hint=_ENDED) from error
         finally:
             if executor is None:
                 pool.shutdown(cancel_futures=True)
-    folder.finish(_profidrive.build_info(), total(), failures())
+    if total() == len(jobs) * len(wanted):
+        folder.finish(_profidrive.build_info(), total(), failures())
     return _result(jobs, done, list(wanted))
 
 

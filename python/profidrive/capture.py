@@ -14,7 +14,7 @@ from profidrive.types import Duration, Path
 
 
 class Pdu:
-    """What a frame says: its event in words and numbers, and its fields."""
+    """A decoded frame: its event in words and numbers, and its fields."""
 
     __slots__ = ("_capture", "_octets", "event")
 

@@ -20,7 +20,7 @@ class ErrorKind(str, Enum):
     REFUSED = "refused"
     """The drive or the device refused."""
     UNREACHABLE = "unreachable"
-    """The drive, the network or the right to use it is not there."""
+    """The drive, the network or the permission to use it is not there."""
     LOST = "lost"
     """A connection that was there is gone, while an axis was under control."""
     SAFETY = "safety"

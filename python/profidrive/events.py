@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import Enum
 from typing import Any, TypeAlias
 
@@ -604,7 +604,7 @@ class ExpectationResult:
     """Seconds from the start to the moment when it was decided."""
     nearest: Nearest | None
     """The nearest value of a quantity that was not met."""
-    last_events: tuple[Event, ...]
+    last_events: tuple[Event, ...] = field(repr=False)
     """The last events of the drive before that moment, five at most; without samples."""
     seed: int
     """Seed of the run."""
@@ -624,6 +624,10 @@ class ExpectationResult:
             last_events=tuple(event_of(item) for item in data["last_events"]),
             seed=data["seed"],
         )
+
+    def __str__(self) -> str:
+        what = f"{self.drive}: {self.name}: {self.outcome.value.replace('_', ' ')}"
+        return f"{what}: expected {self.expected}; actual: {self.actual} at {self.time} s"
 
 
 __all__ = [

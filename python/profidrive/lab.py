@@ -1,7 +1,7 @@
 """A laboratory on one computer: a network of its own with a cable between two interfaces, without root.
 
-`python -m profidrive.lab -- pytest` runs a command in there. Virtual drives are put on `dev0`; a client uses `ctl0`, which has the
-address 192.168.77.11/24. When the command ends, the network is gone.
+`python -m profidrive.lab -- pytest` runs a command in there. Virtual drives are put on `dev0`, with addresses 192.168.77.x/24;
+a client uses `ctl0`, which has the address 192.168.77.11/24. When the command ends, the network is gone.
 """
 
 from __future__ import annotations

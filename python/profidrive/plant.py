@@ -10,7 +10,7 @@ from typing import Any
 
 from profidrive import _profidrive
 from profidrive._sync import Network, network_of
-from profidrive._values import chosen, document, goal_text, optional_span, span, value_text
+from profidrive._values import chosen, document, goal_text, optional_span, seed_of, span, value_text
 from profidrive.errors import MisuseError
 from profidrive.events import (
     DriveMessage,
@@ -29,7 +29,6 @@ class Plant:
 
     def __init__(self, plant: _profidrive.Plant) -> None:
         self._plant = plant
-        self._first: list[tuple[str, str, Duration | None]] = []
 
     @classmethod
     def from_file(cls, path: Path) -> Plant:
@@ -68,10 +67,8 @@ class Plant:
 
     def with_changes(self, changes: Mapping[str, object], *, seed: int | None = None) -> Plant:
         """Returns the plant with other values, such as `{"drive.press-1.load.friction": 0.4}`. Comments of the file stay."""
-        values = dict(changes) if seed is None else {**changes, "seed": seed}
-        changed = Plant(self._plant.with_changes(document(values)))
-        changed._first = list(self._first)
-        return changed
+        values = dict(changes) if seed is None else {**changes, "seed": seed_of(seed)}
+        return Plant(self._plant.with_changes(document(values)))
 
     def to_toml(self) -> str:
         """Returns the text of a plant file of this plant."""
@@ -79,10 +76,8 @@ class Plant:
 
     def start(self, *, seed: int | None = None, capture: Path | None = None) -> World:
         """Returns the plant at its start. `capture` is a new file for all frames (`.pcapng`)."""
-        world = World(self._plant.start(seed, None if capture is None else os.fspath(capture)))
-        for drive, action, lasts in self._first:
-            world[drive].inject(action, for_=lasts)
-        return world
+        chance = None if seed is None else seed_of(seed)
+        return World(self._plant.start(chance, None if capture is None else os.fspath(capture)))
 
     def run(self, until: Duration | None = None, *, seed: int | None = None) -> Trace:
         """Runs the plant from its start, until its `duration` where no time is given, and returns what happened."""
@@ -121,9 +116,8 @@ class PlantDrive:
         self.name = name
 
     def inject(self, action: str, *, for_: Duration | None = None) -> None:
-        """Lets something happen to the drive at the start of every later run of this plant."""
-        self._plant._plant.check_action(self.name, action)
-        self._plant._first.append((self.name, action, for_))
+        """Injects an event at the start of every later run of this plant: it is at 0 s in its text."""
+        self._plant._plant = self._plant._plant.with_event(self.name, action, optional_span(for_))
 
 
 class Served:
@@ -139,8 +133,6 @@ class Served:
         if self._served is not None:
             raise MisuseError("a plant is served in one block")
         self._served = self._plant._plant.serve(self._interface, self._state)
-        for drive, action, lasts in self._plant._first:
-            self[drive].inject(action, for_=lasts)
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
@@ -184,7 +176,7 @@ class ServedDrive:
         return tuple(event for event in self._served.events if event.drive == self.name)
 
     def inject(self, action: str, *, for_: Duration | None = None) -> None:
-        """Lets something happen to the drive now: `"sto=on"`, `"cable=pulled"`, `"load=0.8Nm"`; with `for_` for this time."""
+        """Injects an event now: `"sto=on"`, `"cable=pulled"`, `"load=0.8Nm"`; with `for_` for this time."""
         self._served._running.inject(self.name, action, optional_span(for_))
 
 
@@ -331,7 +323,7 @@ class VirtualDrive:
         return _messages(self._look()["warnings"])
 
     def inject(self, action: str, *, for_: Duration | None = None) -> None:
-        """Lets something happen to the drive now: `"sto=on"`, `"cable=pulled"`, `"load=0.8Nm"`; with `for_` for this time."""
+        """Injects an event now: `"sto=on"`, `"cable=pulled"`, `"load=0.8Nm"`; with `for_` for this time."""
         self._world.inject(self.name, action, optional_span(for_))
 
     def read(self, parameter: str) -> ParameterReading:

@@ -17,9 +17,9 @@ if TYPE_CHECKING:
 class Table:
     """Samples of drives, a row for each time at which something of a drive changed.
 
-    The columns are `t` (time from the start), `wall` (time of day, null in virtual time), `drive`, `gap` (true where values are
-    missing), then one for each signal; `units` has their units. `pyarrow.table(t)`, `polars.DataFrame(t)` and duckdb take a table
-    as it is, without a copy. `t["speed"]` is a read-only numpy array of the same memory.
+    The columns are `t` (time from the start), `wall` (time of day, UTC; null in virtual time), `drive`, `gap` (true where values
+    are missing), then one for each signal; `units` has their units. `pyarrow.table(t)`, `polars.DataFrame(t)` and duckdb take a
+    table as it is, without a copy. `t["speed"]` is a read-only numpy array of the same memory.
     """
 
     __slots__ = ("_look", "_write")
@@ -57,14 +57,15 @@ class Table:
         return column in self.columns
 
     def __getitem__(self, column: str) -> numpy.ndarray:
-        """A column as a numpy array: a view of numbers and times, a copy of names and flags."""
+        """A column as a numpy array: a view of numbers and times, a copy of names, flags and times of day.
+
+        Times of day are UTC, `NaT` where they are not known.
+        """
         try:
             import numpy
         except ImportError as error:
             raise UnsupportedError("columns as arrays need numpy", hint='pip install "profidrive[numpy]"') from error
         table = self._table
-        if column == "wall":
-            return numpy.full(len(table), "NaT", "M8[ns]")
         if column == "gap":
             return numpy.array(table.bits(column), bool)
         numbers = numpy.asarray(table.column(column))

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol, TypeAlias, runtime_check
 
 if TYPE_CHECKING:
     from datetime import timedelta
+    from decimal import Decimal
 
 
 @runtime_checkable
@@ -15,14 +16,15 @@ class HasUnits(Protocol):
     """A quantity of another package, such as one of pint."""
 
     @property
-    def magnitude(self) -> float | int: ...
+    def magnitude(self) -> float | int | Decimal: ...
 
     @property
     def units(self) -> object: ...
 
 
-Value: TypeAlias = "float | int | str | bool | HasUnits"
-"""A value to write: a text with its unit (`"60rpm"`), a number in the unit of the parameter, or a quantity."""
+Value: TypeAlias = "float | int | str | bool | Decimal | HasUnits"
+"""A value to write: a text with its unit (`"60rpm"`), a number in the unit of the parameter, or a quantity. Numbers of numpy are
+numbers."""
 
 Duration: TypeAlias = "float | int | str | timedelta"
 """A time: seconds, a text with its unit (`"400ms"`), or a `timedelta`."""

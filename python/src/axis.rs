@@ -45,6 +45,17 @@ impl Wanted {
         }
     }
 
+    /// Reads the limit of an axis. With one of 0 nothing could move; who means no limit is to say which one.
+    pub fn limit(text: &str) -> Result<Speed, Failure> {
+        let limit = Self::speed(text)?;
+        let (Speed::Rpm(value) | Speed::Hertz(value)) = limit;
+        if value == 0.0 {
+            let why = format!("max_speed: {text}: the highest speed must be above 0");
+            return Err(Failure::usage(why));
+        }
+        Ok(limit)
+    }
+
     async fn hold(&self, caller: &mut Caller, drive: &mut Drive) -> Result<Hold, MotionError> {
         let hold = match self.mode {
             Some(Mode::Velocity) => Hold::for_speed(),
@@ -124,7 +135,7 @@ impl Axis {
         self.place.joined.usable()?;
         let at_work = free(&self.at_work)
             .ok_or_else(|| closed("another thread moves this axis; only `stop` may be called meanwhile"))?;
-        // one who only looks does not take long
+        // a reader holds the lock briefly
         Ok((at_work, locked(&self.held)))
     }
 

@@ -621,7 +621,7 @@ impl Network {
     ) -> PyResult<Axis> {
         self.permit(true)?;
         let wanted = Wanted {
-            limit: Wanted::speed(max_speed)?,
+            limit: Wanted::limit(max_speed)?,
             mode: mode.map(Wanted::mode).transpose()?,
             telegram,
             cycle: cycle.map(|cycle| cycle.read()).transpose()?,

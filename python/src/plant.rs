@@ -3,15 +3,16 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::time::Duration;
 
-use ::plant::{PlantError, PlantEvent, PlantPlan, PlantSource, WorldError};
+use ::plant::{Happened, PlantError, PlantEventError, PlantPlan, PlantSource};
 use pyo3::prelude::*;
 use serde_json::json;
 
-use crate::errors::{Failure, explained, of_world};
+use crate::errors::{Failure, explained};
 use crate::log;
 use crate::served::Served;
-use crate::time::seconds;
+use crate::time::{Span, seconds};
 use crate::world::World;
 
 /// A plant that does not run.
@@ -98,16 +99,21 @@ impl Plant {
             .collect()
     }
 
-    /// Fails for an action that cannot happen to this drive.
-    fn check_action(&self, drive: &str, action: &str) -> PyResult<()> {
-        let action: PlantEvent = action.parse().map_err(|error| explained(&error))?;
-        let drives = self.source.plan().drives.iter();
-        let Some(plan) = drives.into_iter().find(|plan| plan.name == drive) else {
-            let drive = drive.to_owned();
-            return Err(of_world(&WorldError::NoDrive { drive }).into());
+    /// The plant with something that happens to a drive at its start.
+    #[pyo3(signature = (drive, action, lasts=None))]
+    fn with_event(&self, drive: &str, action: &str, lasts: Option<Span>) -> PyResult<Self> {
+        let happened = Happened {
+            drive: drive.to_owned(),
+            at: Duration::ZERO,
+            event: action
+                .parse()
+                .map_err(|error: PlantEventError| explained(&error))?,
+            lasts: lasts.map(|lasts| lasts.read()).transpose()?,
         };
-        action.fits(plan.model).map_err(|error| explained(&error))?;
-        Ok(())
+        let source = self.source.with_events([&happened]);
+        // the line is one of a text that the caller has not seen
+        let source = source.map_err(|error| Failure::usage(error.message))?;
+        Ok(Self { source })
     }
 
     /// Runs its drives on an interface in real time; they are ready when it returns.

@@ -5,8 +5,10 @@ use std::sync::Arc;
 
 use arrow_array::cast::AsArray;
 use arrow_array::ffi_stream::FFI_ArrowArrayStream;
-use arrow_array::types::{DurationNanosecondType, Float64Type, Int64Type, UInt16Type};
-use arrow_array::{Array, ArrayRef, RecordBatch, RecordBatchIterator};
+use arrow_array::types::{
+    DurationNanosecondType, Float64Type, Int64Type, TimestampNanosecondType, UInt16Type,
+};
+use arrow_array::{Array, ArrayRef, Int64Array, RecordBatch, RecordBatchIterator};
 use arrow_schema::{DataType, Field};
 use client::ErrorKind;
 use profidrive::recording::{Form, RecordingFile, Row, Sink as _, Table as Columns};
@@ -14,6 +16,9 @@ use pyo3::prelude::*;
 use pyo3::types::{PyCapsule, PyDict};
 
 use crate::errors::{Failure, explained};
+
+/// What numpy has for a time that is not known.
+const NOT_A_TIME: i64 = i64::MIN;
 
 /// Rows in memory.
 #[pyclass(frozen, module = "profidrive._profidrive")]
@@ -136,6 +141,18 @@ impl Column {
                 "<m8[ns]",
                 array.as_primitive::<DurationNanosecondType>().values().as_ptr() as usize,
             ),
+            DataType::Timestamp(..) => {
+                // a time that is not known is the one that numpy has for it
+                let times = array.as_primitive::<TimestampNanosecondType>();
+                let times = times.iter().map(|time| time.unwrap_or(NOT_A_TIME));
+                let times = Int64Array::from_iter_values(times);
+                let address = times.values().as_ptr() as usize;
+                return Ok(Self {
+                    array: Arc::new(times),
+                    form: "<M8[ns]",
+                    address,
+                });
+            }
             other => return Err(Failure::internal(&format!("a column of {other} has no view"))),
         };
         Ok(Self { array, form, address })

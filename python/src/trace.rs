@@ -30,7 +30,7 @@ pub struct Trace {
 pub fn fill(cell: &Cell, running: &Running) {
     let trace = running.with_world(|world| world.trace().cloned());
     if let Some(trace) = trace {
-        // one who was faster has the same
+        // another thread has stored the same trace
         let _ = cell.set(trace);
     }
 }
@@ -156,17 +156,24 @@ impl Trace {
     /// given. Returns each result as JSON with its text.
     fn expect(&self, py: Python<'_>, expectations: Vec<String>) -> PyResult<Vec<(String, String)>> {
         let trace = self.get(py)?;
+        let mut given = Given::default();
         let results = py.detach(|| {
-            let read;
             let expected = if expectations.is_empty() {
                 &self.plan.expectations
             } else {
-                read = self::expectations(&self.plan, &expectations)?;
-                &read
+                given = Given::read(&self.plan, &expectations)?;
+                &given.found
             };
             trace.expect(expected).map_err(|error| explained(&error))
         })?;
-        Ok(self::results(&results)?)
+        let text = |result: &ExpectationResult| match given.is_mapping(result) {
+            true => without_line(result),
+            false => result.to_string(),
+        };
+        let pairs = results
+            .iter()
+            .map(|result| Ok::<_, Failure>((document(result)?, text(result))));
+        Ok(pairs.collect::<Result<_, _>>()?)
     }
 }
 
@@ -185,25 +192,49 @@ fn marks(trace: &::plant::Trace, drive: Option<&str>) -> Vec<Mark> {
         .collect()
 }
 
-/// Reads expectations of one call, which are numbered and named together.
-fn expectations(plan: &PlantPlan, given: &[String]) -> Result<Vec<Expectation>, Failure> {
-    let mut tables = Vec::new();
-    let mut texts = Vec::new();
-    for text in given {
-        match inline(text) {
-            Some(table) => tables.push(table?),
-            None => texts.push(text.clone()),
+/// Expectations of one call, which are numbered and named together.
+#[derive(Default)]
+struct Given {
+    found: Vec<Expectation>,
+    /// Those from here on are mappings: no text of theirs has lines that the caller knows.
+    mappings: usize,
+}
+
+impl Given {
+    fn read(plan: &PlantPlan, given: &[String]) -> Result<Self, Failure> {
+        let mut tables = Vec::new();
+        let mut found = Vec::new();
+        for text in given {
+            match inline(text) {
+                Some(table) => tables.push(table?),
+                None => {
+                    let read = plan.expectations_of(text);
+                    found
+                        .extend(read.map_err(|error| explained(&error).with(json!({ "line": error.line })))?);
+                }
+            }
         }
+        let mappings = found.len();
+        if !tables.is_empty() {
+            let text = format!("expect = [\n{}\n]", tables.join(",\n"));
+            let read = plan.expectations_of(&text);
+            found.extend(read.map_err(|error| Failure::usage(error.message))?);
+        }
+        Ok(Self { found, mappings })
     }
-    if !tables.is_empty() {
-        texts.push(format!("expect = [\n{}\n]", tables.join(",\n")));
+
+    fn is_mapping(&self, result: &ExpectationResult) -> bool {
+        let (_, mappings) = self.found.split_at_checked(self.mappings).unwrap_or_default();
+        let mut mappings = mappings.iter();
+        mappings.any(|one| (one.name(), one.line()) == (&result.name, result.line))
     }
-    let mut found = Vec::new();
-    for text in texts {
-        let read = plan.expectations_of(&text);
-        found.extend(read.map_err(|error| explained(&error).with(json!({ "line": error.line })))?);
-    }
-    Ok(found)
+}
+
+/// The text of a result whose line no one has seen.
+fn without_line(result: &ExpectationResult) -> String {
+    let text = result.to_string();
+    let line = format!("line {}: ", result.line);
+    text.strip_prefix(&line).unwrap_or(&text).to_owned()
 }
 
 /// Returns an inline table: one that is written as such, or a JSON object; `None` for another text.
@@ -233,7 +264,7 @@ pub fn event(event: &Event) -> Result<String, Failure> {
 
 /// Returns an error of the library with the JSON of the results that it stands for.
 pub fn lost(error: &dyn Explained, result: &ExpectationResult) -> Failure {
-    explained(error)
+    Failure::new(error.kind(), without_line(result))
         .of_class("ExpectationFailed")
         .with(json!({ "drive": result.drive, "results": [result] }))
 }

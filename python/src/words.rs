@@ -10,10 +10,20 @@ pub struct Calls;
 impl Wording for Calls {
     fn command(&self, action: &Action) -> Option<String> {
         Some(match action {
+            Action::Scan => "network.scan()".to_owned(),
+            Action::Blink { device } => of_station("blink", device.as_ref(), ""),
+            Action::SetName { device } => of_station("set_name", device.as_ref(), ", .."),
+            Action::SetAddress { device } => of_station("set_ip", device.as_ref(), ", .."),
+            Action::Info => "drive.identity()".to_owned(),
+            Action::Describe { parameter } => format!("drive.describe({parameter:?})"),
+            Action::Find { part, values: false } => format!("drive.parameters({part:?})"),
+            Action::Find { part, values: true } => format!("drive.parameters({part:?}, values=True)"),
+            Action::Backup => "drive.backup()".to_owned(),
             Action::Status => "drive.status()".to_owned(),
             Action::Faults => "drive.faults()".to_owned(),
             Action::Acknowledge => "axis.ack()".to_owned(),
             Action::Read { parameters } => match &parameters[..] {
+                [] => "drive.read(..)".to_owned(),
                 [one] => format!("drive.read({one:?})"),
                 several => format!("drive.read({several:?})"),
             },
@@ -34,6 +44,13 @@ impl Wording for Calls {
     }
 }
 
+fn of_station(call: &str, device: Option<&String>, more: &str) -> String {
+    match device {
+        Some(device) => format!("network.{call}({device:?}{more})"),
+        None => format!("network.{call}(..)"),
+    }
+}
+
 const fn argument(choice: Choice) -> Option<&'static str> {
     Some(match choice {
         Choice::Cycle => "cycle=..",
@@ -44,6 +61,7 @@ const fn argument(choice: Choice) -> Option<&'static str> {
         Choice::RunOn => "accept_no_timeout=True",
         Choice::Interface => "open(\"eth0\")",
         Choice::Save => "save=True",
+        Choice::WayBack => "way_back=..",
         _ => return None,
     })
 }

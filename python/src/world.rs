@@ -27,7 +27,7 @@ const TICK: Duration = Duration::from_micros(250);
 /// Virtual time that passes at least between two looks at the signals of Python.
 const STRIDE: Duration = Duration::from_millis(100);
 
-/// A plant that runs, with those who look at it.
+/// A plant that runs, with its observers.
 pub struct Held {
     pub running: Running,
     /// The trace that was handed out last, as long as it is in use.
@@ -84,17 +84,43 @@ impl Held {
     /// Runs until a goal is met. What has joined the plant is carried along.
     fn run_until_met(&self, goal: &Goal, timeout: Duration) -> PyResult<Result<Event, NotMet>> {
         let running = &self.running;
-        let joined = locked(&self.joined).clone();
-        let Some(joined) = joined.filter(|joined| joined.is_open()) else {
-            let run = |world: &mut ::plant::World| world.run_until_met(goal, timeout, &mut log::of_plant);
-            return Ok(running.with_world(run));
-        };
+        let joined = locked(&self.joined).clone().filter(|joined| joined.is_open());
         let mut pursuit = running.with_world(|world| world.pursue(goal, timeout));
+        let reports = pursuit.clone();
+        let mut newest = None;
+        let mut record = |event: Event| {
+            if reports.is_reported_by(&event) {
+                newest = Some(event.clone());
+            }
+            log::of_plant(event);
+        };
+        let mut looked = Clock::now();
         while let Some(time) = running.with_world(|world| world.pursues(&mut pursuit)) {
-            joined.pass(time.max(TICK))?;
+            let passed = match &joined {
+                // what has joined is carried along; it looks at the signals itself
+                Some(joined) => joined.pass(time.max(TICK)),
+                None => {
+                    running.with_world(|world| world.run_until(world.now() + time, &mut record));
+                    looks(&mut looked)
+                }
+            };
+            if let Err(raised) = passed {
+                // the goal is given up, whether it was met or not
+                drop(running.with_world(|world| world.end_pursuit(&pursuit, None)));
+                return Err(raised);
+            }
         }
-        Ok(running.with_world(|world| world.end_pursuit(&pursuit, None)))
+        Ok(running.with_world(|world| world.end_pursuit(&pursuit, newest)))
     }
+}
+
+/// Fails with what a signal of Python raised, where it is time to look for one.
+fn looks(looked: &mut Clock) -> PyResult<()> {
+    if looked.elapsed() < LOOK {
+        return Ok(());
+    }
+    *looked = Clock::now();
+    Python::attach(|py| py.check_signals())
 }
 
 /// A plant that runs when a program waits.

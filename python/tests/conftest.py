@@ -13,6 +13,9 @@ PRESS = Path(__file__).parents[2] / "examples" / "plants" / "press.toml"
 
 pytest_plugins = ["pytester"]
 
+# what a shell runs in the background ignores it, and so would the programs of the tests
+signal.signal(signal.SIGINT, signal.default_int_handler)
+
 
 @pytest.fixture
 def press() -> Plant:

@@ -6,6 +6,7 @@ import gc
 import threading
 import warnings
 
+import numpy
 import pytest
 
 from profidrive import Drive, Plant, State, Stw1, World, Zsw1
@@ -103,6 +104,9 @@ def test_positions_need_the_mode_and_put_it_back(world: World, akd: Drive) -> No
     assert (wrong.value.rule, wrong.value.drive) == ("mode", "akd-1")
     with pytest.raises(UsageError, match="mode"):
         akd.control(max_speed="600rpm", set_mode=True)
+    for nothing in (0, "0rpm", -0.0):
+        with pytest.raises(UsageError, match="above 0"):
+            akd.control(max_speed=nothing).__enter__()
     with akd.control(max_speed="600rpm", mode="position", set_mode=True) as axis:
         with pytest.raises(SafetyError, match="homed") as unhomed:
             axis.move_to("3rev", speed="300rpm")
@@ -114,6 +118,14 @@ def test_positions_need_the_mode_and_put_it_back(world: World, akd: Drive) -> No
         assert moved.position.value == pytest.approx(3, abs=0.01)
         axis.move_by("-1rev", speed=300)
         assert axis.position == pytest.approx(2, abs=0.01)
+        # a number is in the unit that `position` and `speed` have
+        axis.move_by(1.5, speed=300)
+        there = axis.position
+        assert there is not None
+        assert there == pytest.approx(3.5, abs=0.01)
+        axis.move_by(numpy.float32(-1.5), speed=numpy.int16(300))
+        axis.move_to(there, speed=300)
+        assert axis.position == pytest.approx(there, abs=0.01)
         axis.jog("60rpm", for_=1)
         axis.move_by("20rev", speed="300rpm", wait=False)
         world.run(for_="500ms")
@@ -127,6 +139,16 @@ def test_positions_need_the_mode_and_put_it_back(world: World, akd: Drive) -> No
         assert wrong.value.rule == "mode"
     assert_at_rest(world)
     assert akd.read("p930").value == 1
+
+
+def test_a_speed_is_a_round_trip(akd: Drive) -> None:
+    with akd.control(max_speed="600rpm") as axis:
+        axis.run(300)
+        speed = axis.speed
+        assert speed is not None
+        assert speed == pytest.approx(300, abs=10)
+        axis.run(speed)
+        assert axis.speed == pytest.approx(300, abs=10)
 
 
 def test_rule_1_nothing_moves_without_a_block_and_no_limit_is_assumed(world: World, akd: Drive) -> None:

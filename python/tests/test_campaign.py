@@ -6,6 +6,8 @@ import json
 import os
 import re
 import signal
+import subprocess
+import sys
 from collections.abc import Iterable, Iterator, Sequence
 from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
@@ -85,7 +87,7 @@ def test_rows_do_not_depend_on_the_executor_or_the_size_of_chunks(plant: Plant, 
     assert len(columns["highest"]) == 24
 
 
-def test_a_failure_is_run_again_here(pool: Executor) -> None:
+def test_a_failure_is_run_again_here(pool: Executor, tmp_path: Path) -> None:
     plant = Plant.from_toml(LOSSY)
     result = sweep(plant, seeds=range(40), executor=pool)
     assert 0 < len(result.failures) < 40, result
@@ -95,8 +97,9 @@ def test_a_failure_is_run_again_here(pool: Executor) -> None:
     assert failure.results[0].name == "no fault"
     assert trace.only(FaultRaised)
     assert failure.plant().seed == failure.seed
-    few = sweep(plant, seeds=range(1000), executor=pool, chunk=10, stop_after=1)
+    few = sweep(plant, seeds=range(1000), executor=pool, chunk=10, stop_after=1, out=tmp_path)
     assert 0 < len(few) < 1000
+    assert not (tmp_path / "manifest.json").exists(), "it is not complete"
     assert len(few.failures) >= 1
 
 
@@ -203,6 +206,25 @@ def test_a_worker_with_another_version_is_refused(plant: Plant) -> None:
         _run(other, [1])
 
 
+def test_what_happens_at_the_start_of_a_plant_happens_in_a_sweep(pool: Executor) -> None:
+    plant = Plant.from_toml(LOSSY)
+    plant["akd-1"].inject("fault=439")
+    for how in ({"chunk": 1}, {}):
+        result = sweep(plant, seeds=[1, 2], until="100ms", executor=pool, **how)  # type: ignore[arg-type]
+        assert [failure.seed for failure in result.failures] == [1, 2]
+    assert result.failures[0].trace().digest == plant.run("100ms", seed=1).digest
+
+
+def test_a_program_that_its_processes_cannot_import_is_named(tmp_path: Path) -> None:
+    program = tmp_path / "unguarded.py"
+    program.write_text(f"import profidrive\nprofidrive.sweep({str(PRESS)!r}, seeds=range(40), until='1s', chunk=20)\n")
+    ended = subprocess.run([sys.executable, str(program)], capture_output=True, text=True, check=False)
+    assert ended.returncode == 1
+    last = ended.stderr[ended.stderr.rindex("profidrive.errors.") :]
+    assert last.startswith("profidrive.errors.LocalError: a process of the sweep ended")
+    assert 'if __name__ == "__main__":' in last
+
+
 def test_ctrl_c_ends_a_sweep() -> None:
     program = f"""
 import profidrive
@@ -244,5 +266,8 @@ def test_a_result_is_a_table_with_typed_columns(pool: Executor, tmp_path: Path) 
     assert parquet.read_table(tmp_path / "whole.parquet").equals(found)
     assert "runs, " in result._repr_html_()
     assert len(sweep(Plant.from_toml(LOSSY), seeds=[], vary=vary, executor=pool)) == 0
+    for seed in (-1, 1 << 63, 1 << 64):
+        with pytest.raises(UsageError, match="seed"):
+            sweep(Plant.from_toml(LOSSY), seeds=[seed], executor=pool)
     with pytest.raises(UsageError, match="empty"):
         sweep(Plant.from_toml(LOSSY), seeds=[1], vary={"seed": []})

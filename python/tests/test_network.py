@@ -48,6 +48,16 @@ def test_code_under_test_runs_unchanged(two: Plant) -> None:
     assert [event.by for event in written] == [WrittenBy.RECORD] * 2
 
 
+def test_a_hint_is_a_call(two: Plant) -> None:
+    network = two.start().network
+    with pytest.raises(UnreachableError) as absent:
+        network["akd-9"].read("DRV.ACC")
+    assert absent.value.hint == "network.scan() lists the devices that respond"
+    with pytest.raises(UsageError) as wrong:
+        network["akd-1"].write({"DRV.ACC": "5A"})
+    assert wrong.value.hint == 'drive.describe("DRV.ACC") shows unit and limits'
+
+
 def test_a_dry_run_writes_nothing(two: Plant) -> None:
     drive = two.start().network["akd-1"]
     report = drive.write({"DRV.ACC": 5000}, dry_run=True)

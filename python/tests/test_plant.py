@@ -5,13 +5,17 @@ from __future__ import annotations
 import gc
 import threading
 from datetime import timedelta
+from decimal import Decimal
+from fractions import Fraction
 from pathlib import Path
+from typing import Any
 
 import numpy
 import pint
 import pytest
 
 from profidrive import Plant, State
+from profidrive._values import value_text
 from profidrive.errors import (
     ExpectationFailed,
     LocalError,
@@ -118,7 +122,10 @@ def test_a_parameter_is_read_and_written_as_people_write_it() -> None:
     drive = world["akd-1"]
     assert drive.read("DRV.ACC").value == 3000
     speed = pint.UnitRegistry().Quantity(5000, "rpm/s")
-    for value in ("5000rpm/s", 5000, 5000.0, speed, numpy.float64(5000)):
+    exact = pint.UnitRegistry(non_int_type=Decimal).Quantity(Decimal(5000), "rpm/s")
+    numbers = (5000, 5000.0, numpy.float64(5000), numpy.float32(5000), numpy.int16(5000), Decimal(5000), Fraction(5000))
+    values: list[Any] = ["5000rpm/s", speed, numpy.float32(1) * speed, Decimal(1) * exact, *numbers]
+    for value in values:
         [written] = drive.write({"DRV.ACC": value})
         assert written.value == pytest.approx(5000, abs=2)
         assert (written.name, written.parameter, written.pnu, written.unit) == ("DRV.ACC", "p2108", 2108, "rpm/s")
@@ -127,6 +134,30 @@ def test_a_parameter_is_read_and_written_as_people_write_it() -> None:
     assert (event.drive, event.by, event.reading.name) == ("akd-1", WrittenBy.OTHER, "DRV.ACC")
     text: ReadingValue = world["vlt-1"].write({"p37": "HELLO"})[0].value
     assert text == "HELLO"
+
+
+def test_a_value_is_not_cut(press: Plant) -> None:
+    texts: dict[Any, str] = {
+        numpy.float32(0.5): "0.5",
+        Decimal("0.25"): "0.25",
+        1e-7: "0.0000001",
+        numpy.float16(1.5) * pint.UnitRegistry()("rpm"): "1.5rpm",
+        numpy.int8(-3): "-3",
+        numpy.True_: "1",
+    }
+    for value, text in texts.items():
+        assert value_text(value) == text
+    assert value_text(2, "rev") == "2rev"
+    mistakes: list[Any] = [None, 1j, [1], numpy.array([1, 2]), float("nan"), Decimal("inf"), object()]
+    for wrong in mistakes:
+        with pytest.raises(UsageError, match="value"):
+            value_text(wrong)
+    world = press.start()
+    for span in (numpy.float32(0.25), Decimal("0.25"), numpy.int8(1)):
+        world.run(for_=span)  # type: ignore[arg-type]
+    world.run_until("press-1", moving=True, for_=numpy.float32(0.25), timeout=numpy.float32(1))
+    with pytest.raises(UsageError, match="seconds"):
+        world.run(for_=object())  # type: ignore[arg-type]
 
 
 def test_refusals_of_a_parameter_have_what_a_program_needs() -> None:
@@ -150,6 +181,8 @@ def test_something_that_happens_at_the_start_of_every_run() -> None:
     for _ in range(2):
         events = plant.run("100ms").only(Injected)
         assert [(event.time, event.action, event.duration) for event in events] == [(0.0, "warning=107", 0.05)]
+        assert Plant.from_toml(plant.to_toml()).run("100ms").digest == plant.run("100ms").digest
+    assert plant.run("100ms").digest != Plant.of("akd").run("100ms").digest
     with pytest.raises(UsageError, match="no fault 999"):
         plant["akd-1"].inject("fault=999")
     with pytest.raises(UsageError, match="nearest key: cable"):
@@ -167,6 +200,11 @@ def test_a_plant_is_changed_by_paths_and_keeps_its_comments(press: Plant) -> Non
         press.with_changes({"seed": object()})
     with pytest.raises(UsageError):
         press.with_changes({"seed": None})
+    for seed in (-1, 1 << 63, 1 << 64, 1.5, "7"):
+        with pytest.raises(UsageError, match="seed"):
+            press.start(seed=seed)  # type: ignore[arg-type]
+        with pytest.raises(UsageError, match="seed"):
+            press.with_changes({}, seed=seed)  # type: ignore[arg-type]
 
 
 def test_expectations_of_the_plant_file_are_checked_while_it_runs(press: Plant) -> None:
@@ -192,6 +230,21 @@ def test_ctrl_c_ends_a_run() -> None:
         "    print('ended', world.now < 20_000_000, flush=True)\n"
     )
     assert output_when_interrupted(program) == "ended True\n"
+
+
+def test_ctrl_c_ends_a_wait_for_conditions() -> None:
+    program = (
+        "import profidrive\n"
+        "world = profidrive.Plant.of(*['akd'] * 40).start()\n"
+        "try:\n"
+        "    print('runs', flush=True)\n"
+        "    world.run_until('akd-1', fault='any', timeout=20_000_000)\n"
+        "except KeyboardInterrupt:\n"
+        "    print('ended', world.now < 20_000_000, flush=True)\n"
+        "    world['akd-1'].inject('fault=439')\n"
+        "    print(world.run_until('akd-1', fault=439, timeout='1s').fault.number)\n"
+    )
+    assert output_when_interrupted(program) == "ended True\n439\n"
 
 
 def test_threads_run_worlds_of_their_own_and_share_one(press: Plant) -> None:

@@ -153,11 +153,15 @@ def test_a_lost_expectation_says_what_there_was(press: Plant) -> None:
     with pytest.raises(ExpectationFailed) as lost:
         trace.expect({"at": "4s", "drive": "press-1", "speed": "130rpm", "tolerance": "1%"})
     message = str(lost.value)
-    assert message.startswith("1 of 1 expectations lost\n")
+    assert message.startswith("1 of 1 expectations lost\npress-1: expectation 1: not met\n"), "no one has seen its line"
     for part in ('speed = "130rpm"', "actual:   speed 120", "last events of press-1", "seed 7"):
         assert part in message
     [result] = lost.value.results
     assert result.nearest is not None
+    assert str(result).startswith("press-1: expectation 1: not met: expected at = ")
+    assert "last_events" not in repr(result)
+    with pytest.raises(ExpectationFailed, match="\nline 2: press-1: expectation 1: not met\n"):
+        trace.expect('\nexpect = [{ at = "4s", drive = "press-1", state = "S1" }]')
     assert result.nearest.value == pytest.approx(120, abs=2)
     assert pickle.loads(pickle.dumps(lost.value)).results == lost.value.results
 

@@ -303,6 +303,8 @@ def test_a_plant_is_served_in_a_block_for_a_controller(wire: Wire, tmp_path: Pat
             "error",
             "-c",
             """
+from datetime import datetime, timezone
+import numpy
 import profidrive
 from profidrive.errors import *
 from profidrive.events import FaultRaised, Injected
@@ -315,6 +317,8 @@ with plant.serve("dev0") as served, profidrive.open("ctl0", timeout="5s") as net
         with drive.control(max_speed="600rpm", cycle="128ms") as axis:
             assert axis.run("300rpm", for_="500ms").reached
     assert len(recording) > 5 and not recording.grows
+    now, wall = numpy.datetime64(datetime.now(timezone.utc).replace(tzinfo=None), "ns"), recording["wall"]
+    assert abs(now - wall[-1]) < numpy.timedelta64(60, "s") and (numpy.diff(wall) >= numpy.timedelta64(0)).all()
     served["akd-1"].inject("fault=439")
     while drive.status().faults == ():
         pass

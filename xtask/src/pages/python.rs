@@ -43,6 +43,21 @@ pub const FILES: [(&str, &[&str]); 3] = [
 /// Numbers that are states of the general state machine: class and fields.
 const STATES: (&str, [&str; 2]) = ("StateChanged", ["old", "new"]);
 
+/// Fields that a representation leaves out, by class: what is long and seldom looked at.
+const UNSHOWN: [(&str, &str); 1] = [("ExpectationResult", "last_events")];
+
+const NOT_IN_REPR: &str = " = field(repr=False)";
+
+/// Methods of a class beside its fields.
+const METHODS: [(&str, &str); 1] = [(
+    "ExpectationResult",
+    r#"
+    def __str__(self) -> str:
+        what = f"{self.drive}: {self.name}: {self.outcome.value.replace('_', ' ')}"
+        return f"{what}: expected {self.expected}; actual: {self.actual} at {self.time} s"
+"#,
+)];
+
 /// What names the kind of a document among many.
 const TAGS: [&str; 2] = ["event", "problem"];
 
@@ -82,6 +97,9 @@ pub fn file(definitions: &Value, roots: &[&str]) -> Outcome<String> {
     let functions: Vec<String> = functions.cloned().collect();
     let names: BTreeSet<String> = writer.written.into_keys().chain(functions).collect();
     let mut text = writer.text;
+    if text.contains(NOT_IN_REPR) {
+        text = text.replacen("import dataclass\n", "import dataclass, field\n", 1);
+    }
     text.push_str("\n__all__ = [\n");
     for name in names {
         writeln!(text, "    {name:?},")?;
@@ -307,8 +325,16 @@ impl Writer<'_> {
             "\n@dataclass(frozen=True, slots=True)\nclass {name}:\n    \"\"\"{doc}\"\"\"\n"
         )?;
         for (field, doc, kind) in &rows {
+            let value = match UNSHOWN.contains(&(name, field)) {
+                true => NOT_IN_REPR,
+                false => "",
+            };
             let field = attribute(field);
-            writeln!(self.text, "    {field}: {}\n    \"\"\"{doc}\"\"\"", kind.name)?;
+            writeln!(
+                self.text,
+                "    {field}: {}{value}\n    \"\"\"{doc}\"\"\"",
+                kind.name
+            )?;
         }
         writeln!(
             self.text,
@@ -319,7 +345,11 @@ impl Writer<'_> {
             let field = attribute(field);
             writeln!(self.text, "            {field}={made},")?;
         }
-        writeln!(self.text, "        )\n")?;
+        writeln!(self.text, "        )")?;
+        for (_, method) in METHODS.iter().filter(|(class, _)| *class == name) {
+            self.text.push_str(method);
+        }
+        writeln!(self.text)?;
         Ok(())
     }
 

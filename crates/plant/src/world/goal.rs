@@ -30,7 +30,10 @@ pub struct Pursuit {
 }
 
 impl Pursuit {
-    fn is_reported_by(&self, event: &Event) -> bool {
+    /// Returns whether an event of the drive may be the one that reports the goal: a caller that has the events keeps the newest
+    /// for [`World::end_pursuit`].
+    #[must_use]
+    pub fn is_reported_by(&self, event: &Event) -> bool {
         event.drive == self.name && self.goal.is_reported_by(&event.kind)
     }
 }
