@@ -32,7 +32,8 @@ use std::time::Duration;
 use client::{Drive, DriveAddress, Error, ErrorKind, Session, describe};
 use network::system::{Error as SystemError, InterfaceInfo};
 use profinet::IpSuite;
-use profinet::wire::dcp::{check_name, legal_name};
+use profinet::controller::Misuse;
+use profinet::wire::dcp::{check_ip, check_name, legal_name};
 
 use crate::report::{BlinkReport, IpReport, NameReport, ResetReport};
 
@@ -251,6 +252,7 @@ pub async fn set_ip(
     wanted: &NewAddress,
 ) -> Result<IpReport, AddressingError> {
     let address = wanted.ip.address;
+    check_ip(&wanted.ip).map_err(|rule| Error::from(Misuse::from(rule)))?;
     let interfaces = interfaces(session)?;
     if let Some(own) = interfaces.into_iter().find(|info| info.owns(address)) {
         let interface = own.name;
@@ -354,7 +356,7 @@ async fn check(
     }
     at_work(session).await?;
     // the connection of the request is not to be cut by what follows
-    Ok(session.close().await?)
+    Ok(session.close_to(drive).await?)
 }
 
 /// Returns the station that has this name or address, if it is not the drive itself.

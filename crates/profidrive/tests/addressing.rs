@@ -87,6 +87,15 @@ fn a_dry_run_checks_all_and_changes_nothing() {
         ..ip(9)
     };
     set_ip(&mut network, &drive, &wanted).wait().unwrap();
+    let broken = NewAddress {
+        ip: IpSuite {
+            mask: Ipv4Addr::new(255, 0, 255, 0),
+            ..wanted.ip
+        },
+        ..wanted
+    };
+    let error = set_ip(&mut network, &drive, &broken).wait().unwrap_err();
+    assert!(error.to_string().contains("255.0.255.0"), "{error}");
     assert_eq!(
         find(&mut network, "akd-1").station.ip.address,
         Ipv4Addr::new(10, 0, 0, 1)

@@ -175,6 +175,7 @@ impl Server {
             name,
             backups: log.as_ref().map(|log| log.join("backups")),
             jobs: Jobs::default(),
+            naming: tokio::sync::Mutex::default(),
             captures: Captures::new(log.as_deref()),
             happened: Mutex::default(),
             audit: Arc::new(Audit::new(log, boot.clone())),

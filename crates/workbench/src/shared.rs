@@ -53,6 +53,8 @@ pub(crate) struct Shared {
     /// The folder with the settings of drives; `None` where there is none.
     pub backups: Option<PathBuf>,
     pub jobs: Jobs,
+    /// Held while a station gets its name or address: that no other one has it is true until it is set.
+    pub naming: tokio::sync::Mutex<()>,
     pub captures: Captures,
     /// What was let happen to virtual drives, in the order of time.
     pub happened: Mutex<Vec<Happened>>,

@@ -309,6 +309,17 @@ impl Session {
         self.close_within(RELEASE_LIMIT).await
     }
 
+    /// Closes the connections for record access to one drive: others of this session, and of its other callers, stay open.
+    ///
+    /// # Errors
+    /// When the medium fails.
+    pub async fn close_to(&mut self, drive: &Drive) -> Result<(), Error> {
+        for ar in self.accesses(drive) {
+            self.release_within(ar, RELEASE_LIMIT).await?;
+        }
+        Ok(())
+    }
+
     /// Closes every connection for record access, waiting for each as long as given.
     pub(super) async fn close_within(&mut self, limit: Duration) -> Result<(), Error> {
         let open: Vec<ArId> = {

@@ -313,7 +313,7 @@ impl Session {
     /// # Errors
     /// What the station answers.
     pub async fn reset_at_work(&mut self, drive: &Drive, mode: u8) -> Result<(), Error> {
-        self.close().await?;
+        self.close_to(drive).await?;
         self.set(drive, "resetting", |client, now, mac| {
             client.controller().dcp_reset(now, mac, mode)
         })

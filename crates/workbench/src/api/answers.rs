@@ -11,7 +11,9 @@ pub(super) fn complete(description: &mut Value) {
     let paths = description["paths"].as_object_mut();
     for (path, methods) in paths.into_iter().flatten() {
         for (method, operation) in methods.as_object_mut().into_iter().flatten() {
-            let of_drive = path.starts_with("/api/v1/drives/{id}/");
+            let of_drive = ["/api/v1/drives/{id}/", "/api/v1/stations/{id}/"]
+                .iter()
+                .any(|of| path.starts_with(of));
             if of_drive {
                 name_drive(operation);
             }

@@ -17,13 +17,18 @@ use crate::words::PageWords;
 pub(crate) async fn find(shared: &Shared, id: &str) -> Result<(profidrive::Caller, Drive), Problem> {
     let id = id.to_lowercase();
     if !shared.board.look(|stations| stations.known.contains_key(&id)) {
-        let detail = "no such drive has answered; /api/v1/stations lists those that did";
-        return Err(Problem::new(StatusCode::NOT_FOUND, "drive", detail));
+        return Err(unknown());
     }
     let mut network = shared.network.clone();
     let drive = shared.board.find(&mut network, &id).await;
     let drive = drive.map_err(|error| Problem::of(&error))?;
     Ok((network, drive))
+}
+
+/// Returns the problem of a drive that is not known.
+pub(super) fn unknown() -> Problem {
+    let detail = "no such drive has answered; /api/v1/stations lists those that did";
+    Problem::new(StatusCode::NOT_FOUND, "drive", detail)
 }
 
 /// Reads how a drive is, and in one sentence why it does not run.

@@ -1,6 +1,7 @@
 //! The interface for the page and for programs: `/api/v1`, described by `openapi.json`.
 
 mod acknowledge;
+mod addressing;
 mod answers;
 mod backups;
 mod captures;
@@ -25,7 +26,8 @@ use std::sync::Arc;
 use axum::Router;
 use axum::http::StatusCode;
 use profidrive::report::{
-    DescribeReport, FaultsReport, InfoReport, ListReport, ParametersReport, StateMachine, StatusReport,
+    BlinkReport, DescribeReport, FaultsReport, InfoReport, ListReport, ParametersReport, StateMachine,
+    StatusReport,
 };
 use schemars::generate::SchemaSettings;
 use serde_json::Value;
@@ -58,6 +60,9 @@ fn routes() -> OpenApiRouter<Arc<Shared>> {
         .routes(routes!(session::begin, session::session, session::end))
         .routes(routes!(stations::stations))
         .routes(routes!(stations::scan))
+        .routes(routes!(addressing::blink))
+        .routes(routes!(addressing::name))
+        .routes(routes!(addressing::ip))
         .routes(routes!(drives::status))
         .routes(routes!(drives::info))
         .routes(routes!(drives::faults))
@@ -121,6 +126,11 @@ pub fn openapi() -> String {
     generator.subschema_for::<session::Login>();
     generator.subschema_for::<session::SessionReport>();
     generator.subschema_for::<StationsReport>();
+    generator.subschema_for::<BlinkReport>();
+    generator.subschema_for::<addressing::StationName>();
+    generator.subschema_for::<addressing::Named>();
+    generator.subschema_for::<addressing::StationAddress>();
+    generator.subschema_for::<addressing::Addressed>();
     generator.subschema_for::<StatusReport>();
     generator.subschema_for::<InfoReport>();
     generator.subschema_for::<FaultsReport>();

@@ -10,3 +10,4 @@ mod live;
 mod samples;
 mod server;
 mod settings;
+mod stations;

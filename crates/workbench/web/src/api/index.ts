@@ -2,6 +2,8 @@ import type { components } from "./schema";
 
 type Schemas = components["schemas"];
 export type Station = Schemas["KnownStation"];
+export type Named = Schemas["Named"];
+export type Addressed = Schemas["Addressed"];
 export type Stations = Schemas["StationsReport"];
 export type Status = Schemas["StatusReport"];
 export type Server = Schemas["ServerReport"];

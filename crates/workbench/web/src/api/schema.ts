@@ -633,6 +633,57 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/stations/{id}/blink": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /** Lets a station blink for six seconds, and answers after that. */
+        post: operations["blink"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/stations/{id}/ip": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /** Gives a station its IP address, when no other station has it, its axis is at rest and no controller is connected. */
+        post: operations["ip"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/stations/{id}/name": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /** Gives a station its name, when no other station has it and no controller is connected. */
+        post: operations["name"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/stop": {
         parameters: {
             query?: never;
@@ -704,6 +755,13 @@ export interface components {
             /** @description The call that does it; null where it is a choice of the call that was made. */
             command: string | null;
         };
+        /** @description Which address a station has, or would have. */
+        Addressed: {
+            /** @description Why the address is refused; only of a dry run. */
+            refusal: components["schemas"]["Error"] | null;
+            /** @description The new address; null where a dry run is refused. */
+            report: components["schemas"]["IpReport"] | null;
+        };
         /** @description The name of a file. */
         BackupName: {
             file: string;
@@ -726,6 +784,11 @@ export interface components {
             name: string;
             /** @description The value. */
             value: boolean;
+        };
+        /** @description A station that blinked. */
+        BlinkReport: {
+            /** @description Ethernet address of the station. */
+            mac: string;
         };
         /** @description By what faults are acknowledged. */
         By: "control_word" | "parameter";
@@ -1290,6 +1353,23 @@ export interface components {
             /** @description What ends it; null for what has no end of its own. */
             undo: string | null;
         };
+        /** @description A new IP address of a station. */
+        IpReport: {
+            /** @description Whether nothing was changed. */
+            dry_run: boolean;
+            /** @description Its gateway. */
+            gateway: string | null;
+            /** @description Its IP address. */
+            ip: string;
+            /** @description Ethernet address of the station. */
+            mac: string;
+            /** @description Its subnet mask. */
+            mask: string;
+            /** @description Its name. */
+            name: string | null;
+            /** @description Whether the address is kept over power-off. */
+            permanent: boolean;
+        };
         /** @description A job: how far it is, and what came of it. */
         JobReport: {
             /** @description What differs. */
@@ -1681,6 +1761,28 @@ export interface components {
             speed: components["schemas"]["Quantity"];
             /** @description Where it goes. */
             target: components["schemas"]["Quantity"] | null;
+        };
+        /** @description A new name of a station. */
+        NameReport: {
+            /** @description Whether nothing was changed. */
+            dry_run: boolean;
+            /** @description Ethernet address of the station. */
+            mac: string;
+            /** @description Its name now; null where it was taken away. */
+            name: string | null;
+            /** @description Its name before. */
+            old: string | null;
+            /** @description Whether the name is kept over power-off. */
+            permanent: boolean;
+        };
+        /** @description What a station is called, or would be. */
+        Named: {
+            /** @description A valid name that resembles one that is not valid. */
+            converted: string | null;
+            /** @description Why the name is refused; only of a dry run. */
+            refusal: components["schemas"]["Error"] | null;
+            /** @description Old and new name; null where a dry run is refused. */
+            report: components["schemas"]["NameReport"] | null;
         };
         /** @description A station at the other end of a cable. */
         Neighbour: {
@@ -2215,6 +2317,33 @@ export interface components {
              * @description VendorID.
              */
             vendor_id: number;
+        };
+        /** @description An IP address for a station. */
+        StationAddress: {
+            /**
+             * Format: ipv4
+             * @description The gateway; null for none.
+             */
+            gateway: string | null;
+            /**
+             * Format: ipv4
+             * @description The address.
+             */
+            ip: string;
+            /**
+             * Format: ipv4
+             * @description Its subnet mask.
+             */
+            mask: string;
+            /** @description Whether it is kept over power-off. A temporary address deletes the permanent one. */
+            permanent: boolean;
+        };
+        /** @description A name for a station. */
+        StationName: {
+            /** @description The name; empty to take it away. */
+            name: string;
+            /** @description Whether it is kept over power-off. A temporary name deletes the permanent one. */
+            permanent: boolean;
         };
         /** @description The stations of the network. Times are in seconds. */
         StationsReport: {
@@ -4651,6 +4780,287 @@ export interface operations {
             };
             /** @description Another origin, or a session that only looks */
             403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    blink: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description MAC address, or `ip-` with the IP address */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description It has blinked */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["BlinkReport"];
+                };
+            };
+            /** @description No session */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Another origin, or a session that only looks */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description No such drive has answered */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description This server reaches drives by their addresses only */
+            501: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It cannot be logged */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The drive does not answer */
+            504: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    ip: {
+        parameters: {
+            query?: {
+                /** @description Everything is checked, nothing is changed; what speaks against it is in the answer */
+                dry_run?: boolean;
+            };
+            header?: never;
+            path: {
+                /** @description MAC address, or `ip-` with the IP address */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: {
+            content: {
+                "application/json": components["schemas"]["StationAddress"];
+            };
+        };
+        responses: {
+            /** @description The address, or what a dry run has found */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Addressed"];
+                };
+            };
+            /** @description The address is not valid */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description No session */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Another origin, or a session that only looks */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description No such drive has answered */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A controller is connected, or the axis is not at rest */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Another station has the address, or this server reaches drives by their addresses only */
+            501: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It cannot be logged */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The drive does not answer */
+            504: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    name: {
+        parameters: {
+            query?: {
+                /** @description Everything is checked, nothing is changed; what speaks against it is in the answer */
+                dry_run?: boolean;
+            };
+            header?: never;
+            path: {
+                /** @description MAC address, or `ip-` with the IP address */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: {
+            content: {
+                "application/json": components["schemas"]["StationName"];
+            };
+        };
+        responses: {
+            /** @description The name, or what a dry run has found */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Named"];
+                };
+            };
+            /** @description The name is not valid */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description No session */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Another origin, or a session that only looks */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description No such drive has answered */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A controller is connected */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Another station has the name, or this server reaches drives by their addresses only */
+            501: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It cannot be logged */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The drive does not answer */
+            504: {
                 headers: {
                     [name: string]: unknown;
                 };

@@ -67,7 +67,20 @@ export const topics = signal<ReadonlyMap<string, Held>>(new Map());
 /** What happened last, of what each page shows. */
 export interface Happening {
   n: number;
-  kind: "stop" | "reset" | "take" | "release" | "acknowledge" | "inject" | "write" | "restore" | "undo" | "log";
+  kind:
+    | "stop"
+    | "reset"
+    | "take"
+    | "release"
+    | "acknowledge"
+    | "inject"
+    | "write"
+    | "restore"
+    | "undo"
+    | "blink"
+    | "name"
+    | "ip"
+    | "log";
   drive: string | null;
   /** Who did it, as in the log. */
   who: string;

@@ -31,6 +31,9 @@ const ACTIONS = [
   "write",
   "restore",
   "undo",
+  "blink",
+  "name",
+  "ip",
 ];
 
 const filter = signal({ text: "", drive: "", action: "" });

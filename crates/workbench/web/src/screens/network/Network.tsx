@@ -1,10 +1,12 @@
 import type { Station } from "../../api";
-import { cell, foreign, label, product, sorted } from "../../parts/format";
+import { cell, foreign, label, product, sentence, sorted } from "../../parts/format";
 import { findings, owner, ownerName, Reason, reason, State } from "../../parts/Reason";
 import { Shaft } from "../../parts/Shaft";
 import { searchNow } from "../../store/live";
 import { aged, failure, searched, searching, server, silent, stations } from "../../store/store";
 import { age, t } from "../../text";
+import { AddressDialog, Blink } from "./AddressDialog";
+import { said, shown } from "./address";
 
 const dash = "\u2013";
 
@@ -13,7 +15,7 @@ function name(station: Station): string {
   return nameless ? t("network.noname") : label(station);
 }
 
-function Row({ station, simulation }: { station: Station; simulation: boolean }) {
+function Row({ station, simulation, changes }: { station: Station; simulation: boolean; changes: boolean }) {
   const identity = station.info?.identity;
   const known = station.mac !== "00:00:00:00:00:00";
   const found = findings(station);
@@ -48,6 +50,22 @@ function Row({ station, simulation }: { station: Station; simulation: boolean })
       <td>
         <bdi>{ownerName(station) ?? dash}</bdi>
       </td>
+      {changes && (
+        <td>
+          <div class="actions">
+            <Blink station={station} />
+            <button
+              type="button"
+              aria-haspopup="dialog"
+              onClick={() => {
+                shown.value = station.id;
+              }}
+            >
+              {t("address.open")} <span class="unseen">{label(station)}</span>
+            </button>
+          </div>
+        </td>
+      )}
     </tr>
   );
 }
@@ -85,12 +103,14 @@ export function Network() {
   const all = sorted(stations.value ?? []);
   const waiting = stations.value === null || searched.value === null;
   const since = aged(searched.value);
+  const changes = searches && server.value?.role === "control";
+  const named = changes ? all.find((station) => station.id === shown.value) : undefined;
   return (
     <section class="network">
       <div class="title">
         <h1>{t("network.title")}</h1>
         <span class="muted">{since === null ? t("network.searching") : t("network.age", { age: age(since) })}</span>
-        {searches && server.value?.role === "control" && (
+        {changes && (
           <button type="button" disabled={searching.value} onClick={() => void searchNow()}>
             {t(searching.value ? "network.searching" : "network.scan")}
           </button>
@@ -105,6 +125,12 @@ export function Network() {
           <bdi>{t("network.failed", { reason: foreign(failure.value) })}</bdi>
         </p>
       )}
+      {said.value !== null && said.value.id !== named?.id && (
+        <p class={`hint ${said.value.failed ? "fault" : ""}`} role="status">
+          <bdi>{sentence(said.value.text)}</bdi>
+        </p>
+      )}
+      {named !== undefined && <AddressDialog key={named.id} station={named} />}
       {/* biome-ignore lint/a11y/noNoninteractiveTabindex: a region that scrolls is reached by keys */}
       <section class="scroll" tabIndex={0} aria-label={t("network.caption")}>
         <table>
@@ -121,15 +147,16 @@ export function Network() {
               <th scope="col">{t("network.serial")}</th>
               <th scope="col">{t("network.state")}</th>
               <th scope="col">{t("network.owner")}</th>
+              {changes && <th scope="col">{t("network.actions")}</th>}
             </tr>
           </thead>
           <tbody>
             {all.map((station) => (
-              <Row key={station.id} station={station} simulation={simulation} />
+              <Row key={station.id} station={station} simulation={simulation} changes={changes} />
             ))}
             {all.length === 0 && (
               <tr>
-                <td class="empty" colSpan={10}>
+                <td class="empty" colSpan={11}>
                   {waiting
                     ? t("network.searching")
                     : searches
