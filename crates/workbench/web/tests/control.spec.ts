@@ -2,7 +2,7 @@ import { join } from "node:path";
 import { type Browser, chromium, type Page } from "@playwright/test";
 import { end, expect, idOf, idOfStation, pictures, rows, serve, test, watch } from "./bench";
 import { wire } from "./bench/wire";
-import { alone, enable, ends, enter, open, rest, speed, turning } from "./moving";
+import { alone, enable, ends, enter, open, options, rest, speed, turning } from "./moving";
 
 test("a newcomer takes control, enables, jogs, and releases", async ({ page }) => {
   await alone(async (server) => {
@@ -124,6 +124,7 @@ test("a drive that may run on needs consent, and one with a fault says why it is
     await take.click();
     await expect(said).toContainText("8-04 is Off");
     await expect(said).toContainText('the box "The drive may run on" accepts');
+    await options(page);
     await page.getByRole("checkbox", { name: /The drive may run on/ }).check();
     await enable(page);
     await turning(page, server.origin, id);

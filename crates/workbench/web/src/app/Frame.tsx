@@ -1,25 +1,15 @@
 import { signal } from "@preact/signals";
+import { useEffect, useRef } from "preact/hooks";
 import { useLocation } from "preact-iso";
 import type { Station } from "../api";
 import { digits, foreign, label, product, sorted } from "../parts/format";
 import { owner, ownerName, State } from "../parts/Reason";
-import {
-  axes,
-  stopped as isStopped,
-  lastStop,
-  leases,
-  refusal,
-  reset,
-  stopBySocket,
-  stopState,
-} from "../store/control";
+import * as control from "../store/control";
+import { axes, stopped as isStopped, lastStop, leases, refusal, reset, stopState } from "../store/control";
 import { stop, stopText } from "../store/live";
 import { aged, type Happening, happened, server, silent, stations } from "../store/store";
 import { age, t } from "../text";
-import { address, OF_DRIVE, screenOf, selected, selectedId } from "./selected";
-
-/** What became of the last STOP. */
-const stopped = signal("");
+import { address, OF_DRIVE, recent, screenOf, stationOf } from "./selected";
 
 /** STOP is sent when the pointer goes down, and not once more by the click of this press, ms. */
 const PRESS = 1000;
@@ -37,11 +27,7 @@ function event({ kind, drive, who, text }: Happening): string {
 }
 
 export async function pressStop(): Promise<void> {
-  stopped.value = "";
-  // by the control socket, which no other request can hold up; else by a request of its own
-  if (!stopBySocket()) {
-    stopped.value = await stop();
-  }
+  await control.pressStop(stop);
 }
 
 /** Returns what became of the last STOP of this page, in words. */
@@ -54,8 +40,10 @@ function became(): string {
       return t("stop.unconfirmed");
     case "confirmed":
       return last === null ? "" : stopText(last.epoch, last.drives);
+    case "answered":
+      return control.stopText.value;
     default:
-      return stopped.value;
+      return "";
   }
 }
 
@@ -72,7 +60,7 @@ const STALE = 3;
 
 function Selector() {
   const { path, route } = useLocation();
-  const id = selectedId(path) ?? "";
+  const id = recent(path) ?? "";
   const all = sorted(stations.value ?? []);
   const known = id === "" || all.some((station) => station.id === id);
   return (
@@ -184,7 +172,17 @@ function Stop({ station }: { station: Station | undefined }) {
 
 /** What stands above each screen: the selected drive, the mode and STOP. */
 export function Frame() {
-  const station = selected(useLocation().path);
+  const station = stationOf(recent(useLocation().path));
+  const top = useRef<HTMLElement>(null);
+  useEffect(() => {
+    // what sticks below the frame, and where the focus scrolls to, follow its height
+    const seen = new ResizeObserver(([entry]) => {
+      const height = entry?.borderBoxSize[0]?.blockSize ?? 0;
+      document.documentElement.style.setProperty("--frame-height", `${Math.ceil(height)}px`);
+    });
+    if (top.current) seen.observe(top.current);
+    return () => seen.disconnect();
+  }, []);
   const simulation = server.value?.simulation ?? false;
   const mode =
     leases.value.size > 0
@@ -196,7 +194,7 @@ export function Frame() {
           : "write";
   return (
     <>
-      <header class="top">
+      <header class="top" ref={top}>
         <div class="frame">
           <Selector />
           {station ? <Facts station={station} /> : <p class="line muted">{t("frame.select")}</p>}

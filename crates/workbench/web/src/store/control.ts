@@ -65,7 +65,9 @@ export const confirmed = signal<ReadonlySet<string>>(new Set());
 /** Speed of the axis of this page over the last seconds. */
 export const track = signal<readonly { time: number; speed: number }[]>([]);
 /** What became of the last STOP of this page. */
-export const stopState = signal<"" | "sent" | "confirmed" | "unconfirmed">("");
+export const stopState = signal<"" | "sent" | "confirmed" | "unconfirmed" | "answered">("");
+/** The answer to a STOP that was sent by a request, in words. */
+export const stopText = signal("");
 
 type Incoming =
   | { type: "hello"; epoch: number; stopped: boolean; refusal: string | null }
@@ -199,15 +201,30 @@ export function reset(): void {
   send({ type: "reset", n: number, epoch: epoch.value });
 }
 
-/** Sends STOP by the socket. Returns false where it is not open. */
-export function stopBySocket(): boolean {
+let presses = 0;
+
+/**
+ * Sends STOP by the socket, which no other request can hold up; where it is not open, by a request.
+ * Whichever way it goes, the page reports at once that it was sent, and after 500 ms that nothing confirms it.
+ */
+export async function pressStop(byRequest: () => Promise<string>): Promise<void> {
   letGo();
-  if (!send({ type: "stop" })) return false;
-  stopState.value = "sent";
+  presses += 1;
+  const press = presses;
+  batch(() => {
+    stopText.value = "";
+    stopState.value = "sent";
+  });
   setTimeout(() => {
-    if (stopState.value === "sent") stopState.value = "unconfirmed";
+    if (stopState.value === "sent" && press === presses) stopState.value = "unconfirmed";
   }, 500);
-  return true;
+  if (send({ type: "stop" })) return;
+  const text = await byRequest();
+  if (press !== presses) return;
+  batch(() => {
+    stopText.value = text;
+    stopState.value = "answered";
+  });
 }
 
 function forget(): void {

@@ -122,34 +122,39 @@ function Take({ station }: { station: Station }) {
           <bdi>{sentence(t("control.loss", { text: station.status.on_loss.text }))}</bdi>
         </p>
       )}
-      <label class="field">
-        <span>{t("control.purpose")}</span>
-        <select
-          value={purpose.value}
-          onChange={(event) => {
-            purpose.value = event.currentTarget.value as "speed" | "position";
-            tab.value = "jog";
+      <details class="options">
+        <summary>
+          {t("control.options", { purpose: t(`control.purpose.${purpose.value}`), limit: limit.value.trim() || dash })}
+        </summary>
+        <label class="field">
+          <span>{t("control.purpose")}</span>
+          <select
+            value={purpose.value}
+            onChange={(event) => {
+              purpose.value = event.currentTarget.value as "speed" | "position";
+              tab.value = "jog";
+            }}
+          >
+            <option value="speed">{t("control.purpose.speed")}</option>
+            <option value="position">{t("control.purpose.position")}</option>
+          </select>
+        </label>
+        <Field title={t("control.limit")} value={limit} unit="rpm" />
+        <Check
+          title={t("control.mode")}
+          checked={mode.value}
+          onChange={(on) => {
+            mode.value = on;
           }}
-        >
-          <option value="speed">{t("control.purpose.speed")}</option>
-          <option value="position">{t("control.purpose.position")}</option>
-        </select>
-      </label>
-      <Field title={t("control.limit")} value={limit} unit="rpm" />
-      <Check
-        title={t("control.mode")}
-        checked={mode.value}
-        onChange={(on) => {
-          mode.value = on;
-        }}
-      />
-      <Check
-        title={t("control.runs")}
-        checked={runs.value}
-        onChange={(on) => {
-          runs.value = on;
-        }}
-      />
+        />
+        <Check
+          title={t("control.runs")}
+          checked={runs.value}
+          onChange={(on) => {
+            runs.value = on;
+          }}
+        />
+      </details>
       {real &&
         (["see", "clear", "stop"] as const).map((line, place) => (
           <Check
