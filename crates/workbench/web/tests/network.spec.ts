@@ -28,7 +28,7 @@ test("rows stay where they are while a drive runs and waits by turns", async ({ 
 test("a simulation shows how to make a motor turn", async ({ entered: page }) => {
   const card = page.getByRole("region", { name: "Make a motor turn" });
   await expect(card.getByRole("listitem")).toHaveCount(3);
-  await card.getByRole("link", { name: "Open Control of axis-1" }).click();
+  await card.getByRole("link", { name: "Start" }).click();
   await expect(page.getByRole("heading", { level: 1, name: "Control axis-1" })).toBeVisible();
   await expect(page.getByRole("button", { name: "Take control" })).toBeInViewport();
 });

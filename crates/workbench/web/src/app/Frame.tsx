@@ -3,7 +3,7 @@ import { useEffect, useRef } from "preact/hooks";
 import { useLocation } from "preact-iso";
 import type { Station } from "../api";
 import { digits, foreign, label, product, sorted } from "../parts/format";
-import { owner, ownerName, State } from "../parts/Reason";
+import { owner, ownerName, person, State } from "../parts/Reason";
 import * as control from "../store/control";
 import { axes, stopped as isStopped, lastStop, leases, refusal, reset, stopState } from "../store/control";
 import { stop, stopText } from "../store/live";
@@ -21,8 +21,9 @@ const shown = signal(-1);
 /** Returns what happened last, in words. */
 function event({ kind, drive, who, text }: Happening): string {
   const station = stations.value?.find((one) => one.id === drive);
-  const by = who === "token" ? t("frame.event.program") : t("frame.event.session", { who });
-  const named = station ? `${label(station)}: ` : "";
+  const by = person(who);
+  // a message of the library begins with the drive
+  const named = station && !text.startsWith(`${label(station)}: `) ? `${label(station)}: ` : "";
   return foreign(`${t(`frame.event.${kind}`)} ${named}${text}${who === "" ? "" : ` (${by})`}`, 300);
 }
 
@@ -51,8 +52,13 @@ function became(): string {
 function pressed(): string {
   const last = lastStop.value;
   if (last === null) return t("frame.stopped.before");
-  const by = last.by === "token" ? "frame.stopped.program" : "frame.stopped";
-  return t(by, { epoch: last.epoch, by: last.by });
+  return t("frame.stopped", { epoch: last.epoch, by: person(last.by) });
+}
+
+/** Returns the numbers of the faults that a drive reports. */
+function faults(status: NonNullable<Station["status"]>): string {
+  if (status.faults.length === 0) return t("frame.fault.none");
+  return status.faults.map((fault) => `F${fault.number}`).join(", ");
 }
 
 /** Values older than this are grey, in s. */
@@ -100,9 +106,9 @@ function Facts({ station }: { station: Station }) {
         <bdi>{product(station)}</bdi>
         <span class="number spare">{station.ip ?? dash}</span>
         <span class="spare">
-          {status?.telegram ? t("frame.telegram", { number: status.telegram }) : t("frame.telegram.none")}
+          {live && status?.telegram ? t("frame.telegram", { number: status.telegram }) : t("frame.telegram.none")}
         </span>
-        <bdi>{owner(station)}</bdi>
+        <bdi>{live ? owner(station) : dash}</bdi>
       </p>
       <p class={old ? "line stale" : "line"}>
         {live ? <State station={station} /> : dash}
@@ -115,9 +121,7 @@ function Facts({ station }: { station: Station }) {
         <span class="number wide">
           {live && speed ? digits(speed) : dash} <span class="unit">{speed?.unit ?? "rpm"}</span>
         </span>
-        <span class={status?.faults.length ? "fault" : ""}>
-          {status?.faults.length ? status.faults.map((fault) => `F${fault.number}`).join(", ") : t("frame.fault.none")}
-        </span>
+        <span class={live && status?.faults.length ? "fault" : ""}>{live && status ? faults(status) : dash}</span>
       </p>
     </>
   );
@@ -170,6 +174,25 @@ function Stop({ station }: { station: Station | undefined }) {
   );
 }
 
+/** Who pressed STOP, and the button that permits motion again. */
+function Reset() {
+  const button = useRef<HTMLButtonElement>(null);
+  useEffect(() => {
+    // STOP disables the button that had the focus. Only with an axis: then the space bar is STOP here, too
+    const focus = document.activeElement;
+    const none = focus === null || focus === document.body || focus.matches(":disabled");
+    if (leases.value.size > 0 && none) button.current?.focus({ preventScroll: true });
+  }, []);
+  return (
+    <p class="band reset">
+      <bdi>{pressed()}</bdi>
+      <button ref={button} type="button" disabled={refusal.value !== null} onClick={() => reset()}>
+        {t("frame.reset")}
+      </button>
+    </p>
+  );
+}
+
 /** What stands above each screen: the selected drive, the mode and STOP. */
 export function Frame() {
   const station = stationOf(recent(useLocation().path));
@@ -183,15 +206,19 @@ export function Frame() {
     if (top.current) seen.observe(top.current);
     return () => seen.disconnect();
   }, []);
+  // a STOP has its own line until it is reset
+  const news = happened.value?.n !== shown.value && !(happened.value?.kind === "stop" && isStopped.value);
   const simulation = server.value?.simulation ?? false;
   const mode =
-    leases.value.size > 0
-      ? "control"
-      : server.value?.read_only
-        ? "readonly"
-        : server.value?.role === "view"
-          ? "view"
-          : "write";
+    silent.value !== null
+      ? "offline"
+      : leases.value.size > 0
+        ? "control"
+        : server.value?.read_only
+          ? "readonly"
+          : server.value?.role === "view"
+            ? "view"
+            : "write";
   return (
     <>
       <header class="top" ref={top}>
@@ -215,15 +242,8 @@ export function Frame() {
         <p class="band stopped" role="alert" hidden={became() === ""}>
           {became()}
         </p>
-        {isStopped.value && (
-          <p class="band reset">
-            <bdi>{pressed()}</bdi>
-            <button type="button" disabled={refusal.value !== null} onClick={() => reset()}>
-              {t("frame.reset")}
-            </button>
-          </p>
-        )}
-        {happened.value !== null && happened.value.n !== shown.value && (
+        {isStopped.value && <Reset />}
+        {news && happened.value !== null && (
           <p class="band happened">
             <bdi role="status">{event(happened.value)}</bdi>
             <button

@@ -48,6 +48,8 @@ export const refusal = signal<string | null>(null);
 export const axes = signal<readonly Axis[]>([]);
 /** The leases of this page, by drive. */
 export const leases = signal<ReadonlyMap<string, number>>(new Map());
+/** What the session of this page is called in the log. */
+export const session = signal<string | null>(null);
 export const epoch = signal(0);
 export const stopped = signal(false);
 /** The last STOP: who pressed it, and what it stopped. */
@@ -70,7 +72,7 @@ export const stopState = signal<"" | "sent" | "confirmed" | "unconfirmed" | "ans
 export const stopText = signal("");
 
 type Incoming =
-  | { type: "hello"; epoch: number; stopped: boolean; refusal: string | null }
+  | { type: "hello"; who: string; epoch: number; stopped: boolean; refusal: string | null }
   | { type: "beat"; n: number; t: number; fresh: boolean }
   | { type: "accepted"; n: number }
   | { type: "refused"; n: number; sentence: string; hint: string | null }
@@ -102,6 +104,11 @@ function send(message: object): boolean {
 export function own(drive: string): Axis | undefined {
   const lease = leases.value.get(drive);
   return axes.value.find((axis) => axis.drive === drive && axis.lease === lease);
+}
+
+/** Returns the axis that any page of this server has of a drive. */
+export function heldAxis(drive: string): Axis | undefined {
+  return axes.value.find((axis) => axis.drive === drive && axis.phase !== "taking");
 }
 
 function say(drive: string, text: string, failed: boolean): void {
@@ -245,6 +252,7 @@ function forget(): void {
 function receive(message: Incoming): void {
   switch (message.type) {
     case "hello":
+      session.value = message.who;
       epoch.value = message.epoch;
       stopped.value = message.stopped;
       refusal.value = message.refusal;

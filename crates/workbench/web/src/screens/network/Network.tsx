@@ -46,7 +46,7 @@ function Row({ station, simulation }: { station: Station; simulation: boolean })
       <td>
         <bdi>{identity ? foreign(identity.serial_number) : dash}</bdi>
       </td>
-      <td class="words">{silent.value === null ? <State station={station} /> : dash}</td>
+      <td>{silent.value === null ? <State station={station} short /> : dash}</td>
       <td>
         <bdi>{ownerName(station) ?? dash}</bdi>
       </td>
@@ -100,9 +100,7 @@ function FirstMotion({ all }: { all: readonly Station[] }) {
         <li>{t("motor.enable")}</li>
         <li>{t("motor.jog")}</li>
       </ol>
-      <a href={address(free.id, "control") + location.search}>
-        <bdi>{t("motor.open", { name })}</bdi>
-      </a>
+      <a href={address(free.id, "control") + location.search}>{t("motor.open")}</a>
     </section>
   );
 }

@@ -6,7 +6,7 @@ import { selected, selectedId } from "../../app/selected";
 import { foreign, label, sentence } from "../../parts/format";
 import { Nothing } from "../../parts/Nothing";
 import { Plan } from "../../parts/Plan";
-import { ownerName } from "../../parts/Reason";
+import { otherOwner } from "../../parts/Reason";
 import { now, server, silent } from "../../store/store";
 import { t } from "../../text";
 import * as edit from "./edit";
@@ -369,7 +369,7 @@ export function Parameters() {
   const all = edit.lines.value;
   const rows = found(all ?? []);
   const line = all?.find((one) => one.key === chosen.value);
-  const name = ownerName(station);
+  const name = otherOwner(station);
   return (
     <article class="parameters">
       <div class="title">
