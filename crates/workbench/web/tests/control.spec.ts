@@ -2,7 +2,7 @@ import { join } from "node:path";
 import { type Browser, chromium, type Page } from "@playwright/test";
 import { end, expect, idOf, idOfStation, pictures, rows, serve, test, watch } from "./bench";
 import { wire } from "./bench/wire";
-import { alone, enable, ends, enter, open, rest, speed, turning } from "./moving";
+import { alone, enable, ends, enter, open, options, rest, speed, turning } from "./moving";
 
 test("a newcomer takes control, enables, jogs, and releases", async ({ page }) => {
   await alone(async (server) => {
@@ -43,9 +43,8 @@ test("STOP of any page stops the axis, and nothing moves before it is reset", as
     await other.getByRole("button", { name: "STOP axis-1" }).click();
     const time = await rest(page, server.origin, id, since);
     console.log(`STOP of another page: at rest after ${time.toFixed(0)} ms, with the click`);
-    for (const one of [page, other]) {
-      await expect(one.getByText(/STOP 1 was pressed by session 2/)).toBeVisible();
-    }
+    await expect(page.getByText(/STOP 1 was pressed by session 2/)).toBeVisible();
+    await expect(other.getByText(/STOP 1 was pressed by session 2/)).toBeVisible();
     await expect(other.getByRole("alert").filter({ hasText: "It stops: axis-1" })).toBeVisible();
     await page.waitForTimeout(300);
     expect(Math.abs(await speed(page, server.origin, id))).toBeLessThan(0.5);
@@ -94,24 +93,25 @@ test("whatever ends a hold halts the axis", async ({ page }) => {
 test("a drive of another controller and a second page are refused in words", async ({ page, browser }) => {
   await alone(async (server) => {
     await open(page, server.url, "press-1");
-    await page.getByRole("button", { name: "Take control" }).click();
-    await expect(page.getByRole("status").filter({ hasText: "plc-1" })).toBeVisible();
+    await expect(page.getByText("plc-1 controls this drive. Release the drive there first.")).toBeVisible();
+    await expect(page.getByRole("button", { name: "Take control" })).toBeDisabled();
     const id = await idOf(page, "axis-1");
     await page.goto(`${server.origin}/drives/${encodeURIComponent(id)}/control`);
     await enable(page);
     const other = await (await (browser as Browser).newContext()).newPage();
     await open(other, server.url, "axis-1", false);
-    await expect(other.getByText("Session 1 has control of this drive.")).toBeVisible();
+    await expect(other.getByText("Session 1 has control of this drive.").first()).toBeVisible();
+    await expect(other.getByText("Torque on, at rest")).toBeVisible();
     await expect(other.getByRole("button", { name: "Take control" })).toBeDisabled();
     await other.getByRole("button", { name: "Request the drive" }).click();
-    await expect(page.getByText("Session 2 wants this drive.")).toBeVisible();
+    await expect(page.getByText("Session 2 requests control of this drive.")).toBeVisible();
     await page.getByRole("button", { name: "Hand over" }).click();
     await expect(other.getByRole("button", { name: "Take control" })).toBeEnabled();
     await enable(other);
     await other.context().close();
     const third = await (await (browser as Browser).newContext()).newPage();
     await open(third, server.viewUrl, "axis-1", false);
-    await expect(third.getByText("This session only looks and stops: it takes no control.")).toBeVisible();
+    await expect(third.getByText("This session is view-only: it can stop axes, and takes no control.")).toBeVisible();
     await third.context().close();
   });
 });
@@ -124,6 +124,7 @@ test("a drive that may run on needs consent, and one with a fault says why it is
     await take.click();
     await expect(said).toContainText("8-04 is Off");
     await expect(said).toContainText('the box "The drive may run on" accepts');
+    await options(page);
     await page.getByRole("checkbox", { name: /The drive may run on/ }).check();
     await enable(page);
     await turning(page, server.origin, id);
@@ -133,6 +134,7 @@ test("a drive that may run on needs consent, and one with a fault says why it is
     await expect(page.getByText("Not under control")).toBeVisible();
     const other = await idOf(page, "fan-1");
     await page.goto(`${server.origin}/drives/${encodeURIComponent(other)}/control`);
+    await options(page);
     await page.getByRole("checkbox", { name: /The drive may run on/ }).check();
     await take.click();
     await expect(page.getByText(/This page has control/)).toBeVisible();
@@ -288,7 +290,11 @@ for (const signal of ["SIGKILL", "SIGSTOP"] as const) {
       await page.goto(`${server.origin}/drives/${encodeURIComponent(id)}/control`);
       const take = page.getByRole("button", { name: "Take control" });
       await expect(take).toBeDisabled();
-      for (const line of ["I see the axis", "Its way is clear of people and things", "I reach the emergency stop"]) {
+      for (const line of [
+        "I see the axis",
+        "The travel range is clear of people and things",
+        "I can reach the emergency stop",
+      ]) {
         await page.getByRole("checkbox", { name: line }).check();
       }
       await take.click();

@@ -210,6 +210,101 @@ test("a lost workbench is said, old values are dashes, and it comes back by itse
   }
 });
 
+for (const way of ["socket", "request"] as const) {
+  test(`STOP to a server that hangs is reported at once, sent by ${way}`, async ({ page }) => {
+    if (way === "request") await page.routeWebSocket("**/api/v1/control", (socket) => socket.close());
+    const server = await serve("--demo", "--listen", "127.0.0.1:0");
+    try {
+      await page.goto(server.url);
+      await rows(page);
+      server.process.kill("SIGSTOP");
+      await expect(page.getByText(/Connection to the workbench lost/)).toBeVisible();
+      await page.getByRole("button", { name: "STOP cannot reach" }).click();
+      const notice = page.locator(".band.stopped");
+      await expect(notice).toHaveText(/^STOP was sent/, { timeout: 400 });
+      // a request ends only after 5 s
+      const emergency = "STOP was sent and is not confirmed. Use the emergency stop of the machine.";
+      await expect(notice).toHaveText(emergency, { timeout: 1500 });
+      server.process.kill("SIGCONT");
+      await expect(notice).toContainText("was received");
+    } finally {
+      await end(server);
+    }
+  });
+}
+
+test("the selected drive stays selected on screens of all drives", async ({ entered: page }) => {
+  await page.getByRole("link", { name: "press-1" }).click();
+  await expect(page.getByRole("heading", { name: "press-1" })).toBeVisible();
+  for (const screen of ["Log", "Capture", "Virtual drives", "Network"]) {
+    await page.getByRole("link", { name: screen, exact: true }).click();
+    await expect(page.getByRole("heading", { level: 1, name: screen })).toBeVisible();
+    await expect(page.locator(".selector option:checked")).toHaveText("press-1");
+  }
+  await page.keyboard.press("g");
+  await page.keyboard.press("f");
+  await expect(page.getByRole("heading", { level: 1, name: "press-1" })).toBeVisible();
+  // and the focus is where the new screen begins
+  await expect(page.locator("#content")).toBeFocused();
+});
+
+test("shortcuts react with the focus on a box and on a slider, not in a field", async ({ entered: page }) => {
+  await page.getByRole("link", { name: "press-1" }).click();
+  await page.getByRole("link", { name: "Scope", exact: true }).click();
+  await page.getByRole("checkbox").first().focus();
+  await page.keyboard.press("c");
+  await page.getByRole("slider").first().focus();
+  await page.keyboard.press("g");
+  await page.keyboard.press("p");
+  const search = page.getByRole("searchbox");
+  await expect(search).toBeVisible();
+  await search.focus();
+  await page.keyboard.press("g");
+  await page.keyboard.press("n");
+  await expect(search).toHaveValue("gn");
+});
+
+test("on a touch screen STOP is at the lower right, and what is pressed is large", async ({ browser, demo }) => {
+  const context = await browser.newContext({
+    baseURL: demo.origin,
+    hasTouch: true,
+    isMobile: true,
+    viewport: { width: 768, height: 1024 },
+  });
+  const page = await context.newPage();
+  await page.goto(demo.url);
+  await rows(page);
+  for (const [name, path] of await screens(page)) {
+    await page.goto(path);
+    await expect(page.locator("main h1")).toBeVisible();
+    const stop = page.getByRole("button", { name: /^STOP/ });
+    const seen = await stop.evaluate((button) => {
+      const { x, y, width, height, right, bottom } = button.getBoundingClientRect();
+      const nav = document.querySelector("nav")?.getBoundingClientRect();
+      return {
+        hit: document.elementFromPoint(x + width / 2, y + height / 2) === button,
+        corner: innerWidth - right < 16 && bottom <= (nav?.top ?? 0) && innerHeight - bottom < 100,
+        bottom: Math.round(nav?.bottom ?? 0) === innerHeight && (nav?.top ?? 0) > innerHeight - 100,
+        sideways: document.documentElement.scrollWidth > innerWidth,
+      };
+    });
+    expect(seen, name).toEqual({ hit: true, corner: true, bottom: true, sideways: false });
+    const small = await page
+      .locator("button:visible, select:visible, summary:visible, nav a:visible, input:not([type=checkbox]):visible")
+      .evaluateAll((all) =>
+        all
+          .filter((one) => one.getBoundingClientRect().height < 44 && !one.closest(".tools .file, label.button"))
+          .map((one) => one.outerHTML.slice(0, 120)),
+      );
+    expect(small, name).toEqual([]);
+  }
+  await page.getByRole("button", { name: /^STOP/ }).tap();
+  await expect(page.getByRole("alert")).toContainText("was received");
+  // the notice is not above STOP
+  await page.getByRole("button", { name: /^STOP/ }).tap();
+  await context.close();
+});
+
 test("without a token the page says what it needs", async ({ browser, demo }) => {
   const context = await browser.newContext();
   const page = await context.newPage();

@@ -25,10 +25,16 @@ export async function open(page: Page, url: string, name: string, free = true): 
   return id;
 }
 
+/** Unfolds what rarely is other than before. */
+export async function options(page: Page): Promise<void> {
+  await page.getByText(/^Options: /).click();
+}
+
 /** Takes control of the drive on the page and enables it. */
 export async function enable(page: Page, mode = false): Promise<void> {
   if (mode) {
-    await page.getByRole("combobox", { name: "For" }).selectOption("position");
+    await options(page);
+    await page.getByRole("combobox", { name: "Control mode" }).selectOption("position");
     await page.getByRole("checkbox", { name: /Set the operating mode/ }).check();
   }
   await page.getByRole("button", { name: "Take control" }).click();

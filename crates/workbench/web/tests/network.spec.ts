@@ -15,6 +15,24 @@ test("the stations appear without a click, those that need attention first", asy
   await expect(page.getByText("SIMULATION: these drives are virtual")).toBeVisible();
 });
 
+test("rows stay where they are while a drive runs and waits by turns", async ({ entered: page }) => {
+  const names = () => page.locator("tbody th bdi").allTextContents();
+  const press = page.getByRole("row", { name: "press-1" });
+  const before = await names();
+  for (const word of ["runs:", "waits:", "runs:"]) {
+    await expect(press.locator(".reason .unseen")).toHaveText(word, { timeout: 15_000 });
+    expect(await names()).toEqual(before);
+  }
+});
+
+test("a simulation shows how to make a motor turn", async ({ entered: page }) => {
+  const card = page.getByRole("region", { name: "Make a motor turn" });
+  await expect(card.getByRole("listitem")).toHaveCount(3);
+  await card.getByRole("link", { name: "Start" }).click();
+  await expect(page.getByRole("heading", { level: 1, name: "Control axis-1" })).toBeVisible();
+  await expect(page.getByRole("button", { name: "Take control" })).toBeInViewport();
+});
+
 test("a search can be requested", async ({ entered: page }) => {
   const [answer] = await Promise.all([
     page.waitForResponse((response) => response.url().endsWith("/stations/scan")),

@@ -117,9 +117,9 @@ test("the log has what was done, follows it, and exports it", async ({ page }) =
     await inject("load=0.25Nm");
     const row = page.locator("tr[data-action=inject]").filter({ hasText: "load=0.25Nm" });
     await expect(row.first()).toContainText("done");
-    await expect(row.nth(1)).toContainText("wanted");
+    await expect(row.nth(1)).toContainText("requested");
     await page.getByRole("searchbox", { name: "Search" }).fill("no such text");
-    await expect(page.getByText("No record fits.")).toBeVisible();
+    await expect(page.getByText("No matching records.")).toBeVisible();
     await page.getByRole("searchbox", { name: "Search" }).fill("0.25");
     await expect(row.first()).toBeVisible();
     const file = async (name: string) => {

@@ -54,7 +54,7 @@ test("a value is reviewed, written, verified, saved, and seen by a second page",
     await review.getByRole("button", { name: "Undo" }).click();
     await expect(review).toContainText("Undone");
     await expect(field).toHaveValue("8000");
-    await expect(other.getByText(/Values were written\. axis-1/).or(other.getByText(/Values of before/))).toBeVisible();
+    await expect(other.getByText(/Values were written\. axis-1/).or(other.getByText(/Previous values/))).toBeVisible();
     expect(wrong).toEqual([]);
     await other.context().close();
   });
@@ -123,7 +123,7 @@ test("parameters are found by their words and reached by keys", async ({ entered
   await page.keyboard.type("acceleration ramp");
   await expect(page.getByText(/^\d+ of \d+$/)).toBeVisible();
   await page.getByRole("searchbox").fill("nothing like it");
-  await expect(page.getByText("No parameter fits this search.")).toBeVisible();
+  await expect(page.getByText("No matching parameters.")).toBeVisible();
   await page.getByRole("searchbox").fill("");
   await page.getByRole("region", { name: "Parameters" }).focus();
   const first = await page.locator("[data-key]").first().getAttribute("data-key");

@@ -1,4 +1,4 @@
-import { useEffect } from "preact/hooks";
+import { useEffect, useRef } from "preact/hooks";
 import { ErrorBoundary, LocationProvider, lazy, Route, Router, useLocation } from "preact-iso";
 import { Icon, type IconName } from "../parts/Icon";
 import { Network } from "../screens/network/Network";
@@ -7,7 +7,7 @@ import { access, server, silent } from "../store/store";
 import { t } from "../text";
 import { Frame } from "./Frame";
 import { useKeys } from "./keys";
-import { address, screenOf, selectedId } from "./selected";
+import { address, recent, remember, screenOf } from "./selected";
 import { type Theme, theme } from "./theme";
 
 const Overview = lazy(() => import("../screens/screens").then((screens) => screens.Overview));
@@ -37,7 +37,7 @@ function Link({ href, icon, text }: { href: string; icon: IconName; text: string
 }
 
 function Navigation() {
-  const id = selectedId(useLocation().path);
+  const id = recent(useLocation().path);
   return (
     <nav aria-label={t("nav.label")}>
       <Link href="/network" icon="network" text={t("nav.network")} />
@@ -72,7 +72,12 @@ function Navigation() {
 function Shell() {
   const { path } = useLocation();
   useKeys();
+  const first = useRef(true);
   useEffect(() => {
+    remember(path);
+    // the focus goes where the new screen begins: the link or field that led there may be gone
+    if (!first.current) document.getElementById("content")?.focus({ preventScroll: true });
+    first.current = false;
     document.title = `${t(`nav.${screenOf(path)}`)} - ${t("app.title")}`;
   }, [path]);
   return (

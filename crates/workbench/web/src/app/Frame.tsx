@@ -1,25 +1,15 @@
 import { signal } from "@preact/signals";
+import { useEffect, useRef } from "preact/hooks";
 import { useLocation } from "preact-iso";
 import type { Station } from "../api";
 import { digits, foreign, label, product, sorted } from "../parts/format";
-import { owner, ownerName, State } from "../parts/Reason";
-import {
-  axes,
-  stopped as isStopped,
-  lastStop,
-  leases,
-  refusal,
-  reset,
-  stopBySocket,
-  stopState,
-} from "../store/control";
+import { owner, ownerName, person, State } from "../parts/Reason";
+import * as control from "../store/control";
+import { axes, stopped as isStopped, lastStop, leases, refusal, reset, stopState } from "../store/control";
 import { stop, stopText } from "../store/live";
 import { aged, type Happening, happened, server, silent, stations } from "../store/store";
 import { age, t } from "../text";
-import { address, OF_DRIVE, screenOf, selected, selectedId } from "./selected";
-
-/** What became of the last STOP. */
-const stopped = signal("");
+import { address, OF_DRIVE, recent, screenOf, stationOf } from "./selected";
 
 /** STOP is sent when the pointer goes down, and not once more by the click of this press, ms. */
 const PRESS = 1000;
@@ -31,17 +21,14 @@ const shown = signal(-1);
 /** Returns what happened last, in words. */
 function event({ kind, drive, who, text }: Happening): string {
   const station = stations.value?.find((one) => one.id === drive);
-  const by = who === "token" ? t("frame.event.program") : t("frame.event.session", { who });
-  const named = station ? `${label(station)}: ` : "";
+  const by = person(who);
+  // a message of the library begins with the drive
+  const named = station && !text.startsWith(`${label(station)}: `) ? `${label(station)}: ` : "";
   return foreign(`${t(`frame.event.${kind}`)} ${named}${text}${who === "" ? "" : ` (${by})`}`, 300);
 }
 
 export async function pressStop(): Promise<void> {
-  stopped.value = "";
-  // by the control socket, which no other request can hold up; else by a request of its own
-  if (!stopBySocket()) {
-    stopped.value = await stop();
-  }
+  await control.pressStop(stop);
 }
 
 /** Returns what became of the last STOP of this page, in words. */
@@ -54,8 +41,10 @@ function became(): string {
       return t("stop.unconfirmed");
     case "confirmed":
       return last === null ? "" : stopText(last.epoch, last.drives);
+    case "answered":
+      return control.stopText.value;
     default:
-      return stopped.value;
+      return "";
   }
 }
 
@@ -63,8 +52,13 @@ function became(): string {
 function pressed(): string {
   const last = lastStop.value;
   if (last === null) return t("frame.stopped.before");
-  const by = last.by === "token" ? "frame.stopped.program" : "frame.stopped";
-  return t(by, { epoch: last.epoch, by: last.by });
+  return t("frame.stopped", { epoch: last.epoch, by: person(last.by) });
+}
+
+/** Returns the numbers of the faults that a drive reports. */
+function faults(status: NonNullable<Station["status"]>): string {
+  if (status.faults.length === 0) return t("frame.fault.none");
+  return status.faults.map((fault) => `F${fault.number}`).join(", ");
 }
 
 /** Values older than this are grey, in s. */
@@ -72,7 +66,7 @@ const STALE = 3;
 
 function Selector() {
   const { path, route } = useLocation();
-  const id = selectedId(path) ?? "";
+  const id = recent(path) ?? "";
   const all = sorted(stations.value ?? []);
   const known = id === "" || all.some((station) => station.id === id);
   return (
@@ -112,9 +106,9 @@ function Facts({ station }: { station: Station }) {
         <bdi>{product(station)}</bdi>
         <span class="number spare">{station.ip ?? dash}</span>
         <span class="spare">
-          {status?.telegram ? t("frame.telegram", { number: status.telegram }) : t("frame.telegram.none")}
+          {live && status?.telegram ? t("frame.telegram", { number: status.telegram }) : t("frame.telegram.none")}
         </span>
-        <bdi>{owner(station)}</bdi>
+        <bdi>{live ? owner(station) : dash}</bdi>
       </p>
       <p class={old ? "line stale" : "line"}>
         {live ? <State station={station} /> : dash}
@@ -127,9 +121,7 @@ function Facts({ station }: { station: Station }) {
         <span class="number wide">
           {live && speed ? digits(speed) : dash} <span class="unit">{speed?.unit ?? "rpm"}</span>
         </span>
-        <span class={status?.faults.length ? "fault" : ""}>
-          {status?.faults.length ? status.faults.map((fault) => `F${fault.number}`).join(", ") : t("frame.fault.none")}
-        </span>
+        <span class={live && status?.faults.length ? "fault" : ""}>{live && status ? faults(status) : dash}</span>
       </p>
     </>
   );
@@ -182,21 +174,54 @@ function Stop({ station }: { station: Station | undefined }) {
   );
 }
 
+/** Who pressed STOP, and the button that permits motion again. */
+function Reset() {
+  const button = useRef<HTMLButtonElement>(null);
+  useEffect(() => {
+    // STOP disables the button that had the focus. Only with an axis: then the space bar is STOP here, too
+    const focus = document.activeElement;
+    const none = focus === null || focus === document.body || focus.matches(":disabled");
+    if (leases.value.size > 0 && none) button.current?.focus({ preventScroll: true });
+  }, []);
+  return (
+    <p class="band reset">
+      <bdi>{pressed()}</bdi>
+      <button ref={button} type="button" disabled={refusal.value !== null} onClick={() => reset()}>
+        {t("frame.reset")}
+      </button>
+    </p>
+  );
+}
+
 /** What stands above each screen: the selected drive, the mode and STOP. */
 export function Frame() {
-  const station = selected(useLocation().path);
+  const station = stationOf(recent(useLocation().path));
+  const top = useRef<HTMLElement>(null);
+  useEffect(() => {
+    // what sticks below the frame, and where the focus scrolls to, follow its height
+    const seen = new ResizeObserver(([entry]) => {
+      const height = entry?.borderBoxSize[0]?.blockSize ?? 0;
+      document.documentElement.style.setProperty("--frame-height", `${Math.ceil(height)}px`);
+    });
+    if (top.current) seen.observe(top.current);
+    return () => seen.disconnect();
+  }, []);
+  // a STOP has its own line until it is reset
+  const news = happened.value?.n !== shown.value && !(happened.value?.kind === "stop" && isStopped.value);
   const simulation = server.value?.simulation ?? false;
   const mode =
-    leases.value.size > 0
-      ? "control"
-      : server.value?.read_only
-        ? "readonly"
-        : server.value?.role === "view"
-          ? "view"
-          : "write";
+    silent.value !== null
+      ? "offline"
+      : leases.value.size > 0
+        ? "control"
+        : server.value?.read_only
+          ? "readonly"
+          : server.value?.role === "view"
+            ? "view"
+            : "write";
   return (
     <>
-      <header class="top">
+      <header class="top" ref={top}>
         <div class="frame">
           <Selector />
           {station ? <Facts station={station} /> : <p class="line muted">{t("frame.select")}</p>}
@@ -217,15 +242,8 @@ export function Frame() {
         <p class="band stopped" role="alert" hidden={became() === ""}>
           {became()}
         </p>
-        {isStopped.value && (
-          <p class="band reset">
-            <bdi>{pressed()}</bdi>
-            <button type="button" disabled={refusal.value !== null} onClick={() => reset()}>
-              {t("frame.reset")}
-            </button>
-          </p>
-        )}
-        {happened.value !== null && happened.value.n !== shown.value && (
+        {isStopped.value && <Reset />}
+        {news && happened.value !== null && (
           <p class="band happened">
             <bdi role="status">{event(happened.value)}</bdi>
             <button

@@ -3,10 +3,17 @@ import { useLocation } from "preact-iso";
 import { leases } from "../store/control";
 import { server } from "../store/store";
 import { pressStop } from "./Frame";
-import { address, selectedId } from "./selected";
+import { address, recent } from "./selected";
 
 /** Two keys of a sequence come within this time, in ms. */
 const SEQUENCE = 1000;
+
+/** Returns whether letters typed there are text, or select an entry of a list. Boxes and sliders take no letters. */
+export function takesText(target: EventTarget | null): boolean {
+  const fields =
+    "input:not([type=checkbox]):not([type=radio]):not([type=range]):not([type=file]), textarea, select, [contenteditable]";
+  return target instanceof HTMLElement && target.matches(fields);
+}
 
 /** `g` and a letter open screens; Ctrl+Space and twice Escape are STOP everywhere. */
 export function useKeys(): void {
@@ -24,19 +31,17 @@ export function useKeys(): void {
         void pressStop();
         return;
       }
-      const target = event.target;
-      // while this page has an axis the space bar is STOP, except in a field for text
-      const writes = target instanceof HTMLElement && target.matches("input:not([type=checkbox]), textarea, select");
-      if (event.code === "Space" && leases.value.size > 0 && !writes) {
+      // while this page has an axis the space bar is STOP, except in a field for text and in a list
+      const typing = takesText(event.target);
+      if (event.code === "Space" && leases.value.size > 0 && !typing) {
         event.preventDefault();
         void pressStop();
         return;
       }
-      const typing = target instanceof HTMLElement && target.matches("input, textarea, select");
       if (typing || event.ctrlKey || event.altKey || event.metaKey || last !== "g") {
         return;
       }
-      const id = selectedId(path);
+      const id = recent(path);
       const screen = {
         n: "/network",
         o: address(id, "overview"),

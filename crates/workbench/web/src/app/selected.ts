@@ -1,3 +1,4 @@
+import { signal } from "@preact/signals";
 import type { Station } from "../api";
 import { stations } from "../store/store";
 
@@ -7,9 +8,26 @@ export function selectedId(path: string): string | null {
   return id === undefined || id === "none" ? null : decodeURIComponent(id);
 }
 
-/** Returns the station of that drive. */
+/** The drive that was selected last: screens that show all drives do not end the selection. */
+const last = signal<string | null>(null);
+
+/** Notes the drive in the address of the page. */
+export function remember(path: string): void {
+  last.value = selectedId(path) ?? last.value;
+}
+
+/** Returns the drive in the address of the page, or else the one that was selected last. */
+export function recent(path: string): string | null {
+  return selectedId(path) ?? last.value;
+}
+
+/** Returns the station of the drive in the address of the page. */
 export function selected(path: string): Station | undefined {
-  const id = selectedId(path);
+  return stationOf(selectedId(path));
+}
+
+/** Returns the station of a drive. */
+export function stationOf(id: string | null): Station | undefined {
   return stations.value?.find((station) => station.id === id);
 }
 

@@ -1,5 +1,6 @@
 import type { ComponentChildren } from "preact";
 import type { Job, SettingChange } from "../api";
+import { own } from "../store/control";
 import { t } from "../text";
 import { foreign, sentence } from "./format";
 import { Icon } from "./Icon";
@@ -66,7 +67,7 @@ export function Plan({ job, children }: { job: Job; children?: ComponentChildren
   if (plan === null) return null;
   return (
     <>
-      {planned && plan.controller !== null && (
+      {planned && plan.controller !== null && (job.drive === null || own(job.drive) === undefined) && (
         <p class="warn">
           <Icon name="triangle" /> <bdi>{t("plan.controller", { name: foreign(plan.controller) })}</bdi>
         </p>

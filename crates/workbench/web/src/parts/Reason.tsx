@@ -1,4 +1,5 @@
 import type { Station } from "../api";
+import { heldAxis, own, session } from "../store/control";
 import { age, t } from "../text";
 import { foreign, urgency } from "./format";
 import { Icon, type IconName } from "./Icon";
@@ -56,7 +57,7 @@ export function Reason({ station }: { station: Station }) {
 }
 
 /** The state of a drive; operation enabled is the only filled one. */
-export function State({ station }: { station: Station }) {
+export function State({ station, short }: { station: Station; short?: boolean }) {
   const text = station.status?.state_text;
   if (!text) return <span class="muted">&ndash;</span>;
   const live = text.startsWith("S4");
@@ -64,7 +65,7 @@ export function State({ station }: { station: Station }) {
     <span class={live ? "state live" : "state"} title={text}>
       {live && <Icon name="live" />}
       {live && <span class="unseen">{t("live.on")}: </span>}
-      <span class="cut">{text}</span>
+      <span class="cut">{short ? text.split(" ")[0] : text}</span>
     </span>
   );
 }
@@ -77,8 +78,21 @@ export function owner(station: Station): string {
   return t("frame.owner", { name: ownerName(station) ?? "" });
 }
 
-/** The name of the controller that is connected; `null` where none is. */
+/** Returns who did something, in words. */
+export function person(who: string): string {
+  if (who === "token") return t("frame.event.program");
+  return who === session.value ? t("frame.event.self") : t("frame.event.session", { who });
+}
+
+/** Returns who controls a drive, where it is not this page; `null` where nothing else does. */
+export function otherOwner(station: Station | undefined): string | null {
+  return station !== undefined && own(station.id) !== undefined ? null : ownerName(station);
+}
+
+/** The name of the controller that is connected; `null` where none is. An axis of this server names its page. */
 export function ownerName(station: Station | undefined): string | null {
+  const axis = station && heldAxis(station.id);
+  if (axis) return own(axis.drive) ? t("owner.self") : t("owner.session", { who: axis.holder });
   const controller = station?.status?.controller ?? station?.info?.controller;
   if (!controller?.connected) return null;
   return controller.name === null ? t("frame.owner.unnamed") : foreign(controller.name);

@@ -50,7 +50,8 @@ export function urgency(station: Station): number {
   if (status?.verdict === "held") return 2;
   if (station.remarks.length > 0 || station.unread) return 3;
   if (!status) return 4;
-  return status.verdict === "waits" ? 5 : 6;
+  // a drive that runs now and waits then does not change places with others
+  return 5;
 }
 
 /** Compares as people count: `axis-2` before `axis-10`. */

@@ -48,6 +48,8 @@ export const refusal = signal<string | null>(null);
 export const axes = signal<readonly Axis[]>([]);
 /** The leases of this page, by drive. */
 export const leases = signal<ReadonlyMap<string, number>>(new Map());
+/** What the session of this page is called in the log. */
+export const session = signal<string | null>(null);
 export const epoch = signal(0);
 export const stopped = signal(false);
 /** The last STOP: who pressed it, and what it stopped. */
@@ -65,10 +67,12 @@ export const confirmed = signal<ReadonlySet<string>>(new Set());
 /** Speed of the axis of this page over the last seconds. */
 export const track = signal<readonly { time: number; speed: number }[]>([]);
 /** What became of the last STOP of this page. */
-export const stopState = signal<"" | "sent" | "confirmed" | "unconfirmed">("");
+export const stopState = signal<"" | "sent" | "confirmed" | "unconfirmed" | "answered">("");
+/** The answer to a STOP that was sent by a request, in words. */
+export const stopText = signal("");
 
 type Incoming =
-  | { type: "hello"; epoch: number; stopped: boolean; refusal: string | null }
+  | { type: "hello"; who: string; epoch: number; stopped: boolean; refusal: string | null }
   | { type: "beat"; n: number; t: number; fresh: boolean }
   | { type: "accepted"; n: number }
   | { type: "refused"; n: number; sentence: string; hint: string | null }
@@ -100,6 +104,11 @@ function send(message: object): boolean {
 export function own(drive: string): Axis | undefined {
   const lease = leases.value.get(drive);
   return axes.value.find((axis) => axis.drive === drive && axis.lease === lease);
+}
+
+/** Returns the axis that any page of this server has of a drive. */
+export function heldAxis(drive: string): Axis | undefined {
+  return axes.value.find((axis) => axis.drive === drive && axis.phase !== "taking");
 }
 
 function say(drive: string, text: string, failed: boolean): void {
@@ -199,15 +208,30 @@ export function reset(): void {
   send({ type: "reset", n: number, epoch: epoch.value });
 }
 
-/** Sends STOP by the socket. Returns false where it is not open. */
-export function stopBySocket(): boolean {
+let presses = 0;
+
+/**
+ * Sends STOP by the socket, which no other request can hold up; where it is not open, by a request.
+ * Whichever way it goes, the page reports at once that it was sent, and after 500 ms that nothing confirms it.
+ */
+export async function pressStop(byRequest: () => Promise<string>): Promise<void> {
   letGo();
-  if (!send({ type: "stop" })) return false;
-  stopState.value = "sent";
+  presses += 1;
+  const press = presses;
+  batch(() => {
+    stopText.value = "";
+    stopState.value = "sent";
+  });
   setTimeout(() => {
-    if (stopState.value === "sent") stopState.value = "unconfirmed";
+    if (stopState.value === "sent" && press === presses) stopState.value = "unconfirmed";
   }, 500);
-  return true;
+  if (send({ type: "stop" })) return;
+  const text = await byRequest();
+  if (press !== presses) return;
+  batch(() => {
+    stopText.value = text;
+    stopState.value = "answered";
+  });
 }
 
 function forget(): void {
@@ -228,6 +252,7 @@ function forget(): void {
 function receive(message: Incoming): void {
   switch (message.type) {
     case "hello":
+      session.value = message.who;
       epoch.value = message.epoch;
       stopped.value = message.stopped;
       refusal.value = message.refusal;

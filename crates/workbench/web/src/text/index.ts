@@ -9,6 +9,11 @@ export function t(key: Key, values: Record<string, string | number> = {}): strin
   return pseudo ? `[${text}${"~".repeat(Math.ceil(text.length * 0.4))}]` : text;
 }
 
+/** Returns the time of day in UTC, as the log has it: a page may be far from its machine. */
+export function utc(time: Date, decimals = 0): string {
+  return `${time.toISOString().slice(11, decimals === 0 ? 19 : 20 + decimals)} UTC`;
+}
+
 /** Returns an age in words: `3 s`, `2 min`. */
 export function age(seconds: number): string {
   return seconds < 120

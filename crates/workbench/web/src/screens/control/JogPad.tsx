@@ -7,6 +7,13 @@ const SLOW = 0.1;
 
 /** The key of each direction, with the focus on the pad. */
 const KEYS: Record<string, number> = { ArrowLeft: -1, ArrowRight: 1, ArrowDown: -SLOW, ArrowUp: SLOW };
+/** The buttons: their share of the speed, and the key as it is shown. */
+const BUTTONS = [
+  { share: -1, key: "ArrowLeft", arrow: "\u2190" },
+  { share: -SLOW, key: "ArrowDown", arrow: "\u2193" },
+  { share: SLOW, key: "ArrowUp", arrow: "\u2191" },
+  { share: 1, key: "ArrowRight", arrow: "\u2192" },
+];
 
 /** Rounds as people read it. */
 function rpm(speed: number): number {
@@ -56,10 +63,11 @@ export function JogPad({
         if (KEYS[event.key] !== undefined) control.letGo();
       }}
     >
-      {[-1, -SLOW, SLOW, 1].map((share) => (
+      {BUTTONS.map(({ share, key, arrow }) => (
         <button
           key={share}
           type="button"
+          aria-keyshortcuts={key}
           class="jog"
           disabled={!usable}
           aria-pressed={held?.drive === drive && share === shareOf(held.n)}
@@ -72,6 +80,7 @@ export function JogPad({
           onPointerCancel={control.letGo}
           onLostPointerCapture={control.letGo}
         >
+          <span aria-hidden="true">{arrow} </span>
           {speed === null
             ? "\u2013"
             : t(share < 0 ? "control.backward" : "control.forward", { speed: rpm(Math.abs(speed * share)) })}

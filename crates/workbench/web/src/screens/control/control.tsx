@@ -5,11 +5,11 @@ import type { Station } from "../../api";
 import { address, selected, selectedId } from "../../app/selected";
 import { foreign, label, sentence } from "../../parts/format";
 import { Nothing } from "../../parts/Nothing";
-import { ownerName } from "../../parts/Reason";
+import { otherOwner, owner } from "../../parts/Reason";
 import { Shaft } from "../../parts/Shaft";
 import * as control from "../../store/control";
 import * as scope from "../../store/scope";
-import { server, silent } from "../../store/store";
+import { aged, server, silent } from "../../store/store";
 import { t } from "../../text";
 import { JogPad } from "./JogPad";
 
@@ -27,7 +27,9 @@ const number = signal("1");
 
 const dash = "\u2013";
 
+/** Reads a number with a decimal point or comma. `1,000` is none: it may be a thousand. */
 function numberOf(text: string): number | null {
+  if (/^[+-]?\d{1,3}(,\d{3})+$/.test(text.trim())) return null;
   const value = Number(text.trim().replace(",", "."));
   return text.trim() === "" || !Number.isFinite(value) ? null : value;
 }
@@ -81,11 +83,11 @@ function obstacle(station: Station): string | null {
   if (refusal === "addresses") return t("control.addresses");
   if (refusal === "remote") return t("control.remote");
   if (refusal === "real") return t("control.real");
+  if (control.own(station.id) !== undefined || control.leases.value.has(station.id)) return null;
   const other = control.axes.value.find((axis) => axis.drive === station.id);
-  if (other && control.own(station.id) === undefined && !control.leases.value.has(station.id)) {
-    return t("control.taken", { who: other.holder });
-  }
-  return null;
+  if (other) return t("control.taken", { who: other.holder });
+  const name = otherOwner(station);
+  return name === null ? null : t("control.owned", { name });
 }
 
 function Take({ station }: { station: Station }) {
@@ -115,41 +117,46 @@ function Take({ station }: { station: Station }) {
   return (
     <>
       <p class="muted">
-        <bdi>{t("control.owner", { name: ownerName(station) ?? t("frame.owner.none") })}</bdi>
+        <bdi>{owner(station)}</bdi>
       </p>
       {station.status?.on_loss && (
         <p class={station.status.on_loss.action === "keeps-turning" ? "warn" : "muted"}>
           <bdi>{sentence(t("control.loss", { text: station.status.on_loss.text }))}</bdi>
         </p>
       )}
-      <label class="field">
-        <span>{t("control.purpose")}</span>
-        <select
-          value={purpose.value}
-          onChange={(event) => {
-            purpose.value = event.currentTarget.value as "speed" | "position";
-            tab.value = "jog";
+      <details class="options">
+        <summary>
+          {t("control.options", { purpose: t(`control.purpose.${purpose.value}`), limit: limit.value.trim() || dash })}
+        </summary>
+        <label class="field">
+          <span>{t("control.purpose")}</span>
+          <select
+            value={purpose.value}
+            onChange={(event) => {
+              purpose.value = event.currentTarget.value as "speed" | "position";
+              tab.value = "jog";
+            }}
+          >
+            <option value="speed">{t("control.purpose.speed")}</option>
+            <option value="position">{t("control.purpose.position")}</option>
+          </select>
+        </label>
+        <Field title={t("control.limit")} value={limit} unit="rpm" />
+        <Check
+          title={t("control.mode")}
+          checked={mode.value}
+          onChange={(on) => {
+            mode.value = on;
           }}
-        >
-          <option value="speed">{t("control.purpose.speed")}</option>
-          <option value="position">{t("control.purpose.position")}</option>
-        </select>
-      </label>
-      <Field title={t("control.limit")} value={limit} unit="rpm" />
-      <Check
-        title={t("control.mode")}
-        checked={mode.value}
-        onChange={(on) => {
-          mode.value = on;
-        }}
-      />
-      <Check
-        title={t("control.runs")}
-        checked={runs.value}
-        onChange={(on) => {
-          runs.value = on;
-        }}
-      />
+        />
+        <Check
+          title={t("control.runs")}
+          checked={runs.value}
+          onChange={(on) => {
+            runs.value = on;
+          }}
+        />
+      </details>
       {real &&
         (["see", "clear", "stop"] as const).map((line, place) => (
           <Check
@@ -169,7 +176,11 @@ function Take({ station }: { station: Station }) {
       >
         {t(waits ? "control.taking" : "control.take")}
       </button>
-      {why !== null && <p class="muted">{why}</p>}
+      {why !== null && (
+        <p class="muted">
+          <bdi>{why}</bdi>
+        </p>
+      )}
       {other !== undefined && !waits && why !== null && control.refusal.value === null && (
         <button type="button" onClick={() => control.handover(station.id)}>
           {t("control.handover")}
@@ -183,9 +194,12 @@ function Enable({ station }: { station: Station }) {
   const axis = control.own(station.id);
   const on = axis?.phase === "enabled" || axis?.phase === "moving";
   const free = axis !== undefined && !axis.busy && axis.phase !== "releasing";
+  const other = axis === undefined ? control.heldAxis(station.id) : undefined;
+  const phase = (axis ?? other)?.phase ?? "none";
   return (
     <>
-      <p class={on ? "state live" : "muted"}>{t(axis ? `control.phase.${axis.phase}` : "control.phase.none")}</p>
+      {other && <p>{t("control.taken", { who: other.holder })}</p>}
+      <p class={on ? "state live" : "muted"}>{t(`control.phase.${phase}`)}</p>
       {axis?.trouble && (
         <p class="warn">
           <bdi>{sentence(axis.trouble)}</bdi>
@@ -366,34 +380,42 @@ function shown(value: number | null, decimals: number): string {
   return (Number(text) === 0 ? text.replace("-", "") : text).replace("-", "\u2212");
 }
 
-function Values({ id }: { id: string }) {
-  const axis = control.own(id);
+/** Values that are older than this are not shown here, in s: what a person moves by is present or missing. */
+const OLD = 3;
+
+/** The values of the axis, whichever page has it; of a drive that none has what was read last. */
+function Values({ station }: { station: Station }) {
+  const { id, status } = station;
+  const axis = control.heldAxis(id);
+  const read = silent.value === null && (aged(station.age) ?? OLD) < OLD ? status : null;
+  const speed = axis ? axis.speed : (read?.speed_actual?.value ?? null);
+  const set = axis ? axis.speed_set : (read?.speed_set?.value ?? null);
+  const position = axis ? axis.position : (read?.position?.value ?? null);
+  const unit = axis?.unit ?? read?.speed_actual?.unit ?? "rpm";
   return (
     <section class="control-values" aria-label={t("overview.values")}>
       <dl>
         <div class="value">
           <dt>{t("value.speed")}</dt>
           <dd>
-            <span class="main number">{shown(axis?.speed ?? null, 1)}</span>{" "}
-            <span class="unit">{axis?.unit ?? "rpm"}</span>
+            <span class="main number">{shown(speed, 1)}</span> <span class="unit">{unit}</span>
           </dd>
         </div>
         <div class="value">
           <dt>{t("value.set")}</dt>
           <dd>
-            <span class="number big">{shown(axis?.speed_set ?? null, 1)}</span>{" "}
-            <span class="unit">{axis?.unit ?? "rpm"}</span>
+            <span class="number big">{shown(set, 1)}</span> <span class="unit">{unit}</span>
           </dd>
         </div>
         <div class="value">
           <dt>{t("value.position")}</dt>
           <dd>
-            <span class="number big">{shown(axis?.position ?? null, 3)}</span> <span class="unit">rev</span>
+            <span class="number big">{shown(position, 3)}</span> <span class="unit">rev</span>
           </dd>
         </div>
       </dl>
       {server.value?.simulation && <Shaft id={id} />}
-      <Plot unit={axis?.unit ?? "rpm"} />
+      <Plot unit={unit} />
       <p class="muted small number">
         {t("control.trip", { ms: control.trip.value === null ? dash : Math.round(control.trip.value) })}
       </p>
@@ -410,8 +432,12 @@ function Step({ id }: { id: string }) {
   const waits = waited !== null && !waited.done;
   return (
     <p class="buttons">
-      <button type="button" disabled={waits} onClick={() => scope.recordStep(id, Number(stepTime.value) * 1e6)}>
-        {t("scope.step.record")}
+      {/* one button, so that it keeps the focus */}
+      <button
+        type="button"
+        onClick={() => (waits ? scope.giveUp() : scope.recordStep(id, Number(stepTime.value) * 1e6))}
+      >
+        {t(waits ? "scope.step.cancel" : "scope.step.record")}
       </button>
       <label class="check">
         <span>{t("scope.span")}</span>
@@ -433,11 +459,6 @@ function Step({ id }: { id: string }) {
         <span role="status" class="muted">
           {t(waits ? "scope.step.waits" : "scope.step.done")}
         </span>
-      )}
-      {waits && (
-        <button type="button" onClick={() => scope.giveUp()}>
-          {t("scope.step.cancel")}
-        </button>
       )}
       {waited?.done && <a href={address(id, "scope") + location.search}>{t("scope.step.open")}</a>}
     </p>
@@ -470,7 +491,7 @@ export function Control() {
       <h1>
         {t("control.title")} <bdi>{label(station)}</bdi>
       </h1>
-      <Values id={id} />
+      <Values station={station} />
       <p role="status" class={said?.failed ? "fault" : "muted"}>
         {said && <bdi>{foreign(said.text, 600)}</bdi>}
       </p>

@@ -8,7 +8,7 @@ import { Icon } from "../../parts/Icon";
 import { Nothing } from "../../parts/Nothing";
 import { want } from "../../store/live";
 import { now, silent, topics } from "../../store/store";
-import { age, t } from "../../text";
+import { age, t, utc } from "../../text";
 import { history } from "./history";
 
 /** Values older than this are grey, in s. */
@@ -54,7 +54,7 @@ function Present({ id, report, station }: { id: string; report: FaultsTopic["rep
               <b>F{fault.number}</b> <bdi>{foreign(fault.meaning ?? t("faults.unknown"))}</bdi>
             </p>
             <p class="muted small number">
-              {t("faults.seen", { time: times.get(fault.number)?.toTimeString().slice(0, 8) ?? "" })}
+              {t("faults.seen", { time: utc(times.get(fault.number) ?? new Date()) })}
               {fault.value !== null && ` · ${t("faults.value", { value: fault.value })}`}
               {fault.time !== null && ` · ${t("faults.time", { time: fault.time })}`}
             </p>

@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import type { StateMachine } from "../../api";
-import { curve, edges } from "./diagram";
+import { curve, edges, lines } from "./diagram";
 
 const row = { text: "", bits: [], also: [] };
 const machine: StateMachine = {
@@ -19,6 +19,10 @@ test("rows between the same states are one line with each reason once", () => {
     { from: "S2", to: "S1", reasons: ["T16", "T2"] },
     { from: "S1", to: "S2", reasons: ["T1"] },
   ]);
+});
+
+test("a long name has two lines", () => {
+  expect(["operation", "ready for switching on"].map(lines)).toEqual([["operation"], ["ready for", "switching on"]]);
 });
 
 test("both directions have lines and names of their own", () => {

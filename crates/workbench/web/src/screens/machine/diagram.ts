@@ -12,7 +12,7 @@ export interface Edge {
 
 /** Size of a state, and of the diagram. */
 export const WIDTH = 104;
-export const HEIGHT = 44;
+export const HEIGHT = 60;
 export const SIZE = { width: 640, height: 296 };
 
 /** The centre of each state: the way to operation from left to right, the way out above it. */
@@ -23,6 +23,15 @@ const PLACES: Record<State, [number, number]> = {
   S4: [576, 176],
   S5: [404, 40],
 };
+
+/** Returns the name of a state in one line or two, divided at the space nearest to its middle. */
+export function lines(name: string): string[] {
+  if (name.length < 16) return [name];
+  const middle = name.length / 2;
+  const spaces = [...name.matchAll(/ /g)].map(({ index }) => index);
+  const at = spaces.sort((a, b) => Math.abs(a - middle) - Math.abs(b - middle))[0];
+  return at === undefined ? [name] : [name.slice(0, at), name.slice(at + 1)];
+}
 
 /** Returns the transitions by their states, each reason once. */
 export function edges({ transitions }: StateMachine): Edge[] {

@@ -8,9 +8,9 @@ import { Icon } from "../../parts/Icon";
 import { Nothing } from "../../parts/Nothing";
 import { want } from "../../store/live";
 import { now, silent, topics } from "../../store/store";
-import { age, t } from "../../text";
+import { age, t, utc } from "../../text";
 import { conditions } from "../overview/conditions";
-import { curve, edges, HEIGHT, place, SIZE, type State, WIDTH } from "./diagram";
+import { curve, edges, HEIGHT, lines, place, SIZE, type State, WIDTH } from "./diagram";
 
 /** Values older than this are grey, in s. */
 const STALE = 3;
@@ -34,8 +34,7 @@ async function load(): Promise<void> {
 }
 
 function time(unixMs: number): string {
-  const date = new Date(unixMs);
-  return `${date.toTimeString().slice(0, 8)}.${String(date.getMilliseconds()).padStart(3, "0")}`;
+  return utc(new Date(unixMs), 3);
 }
 
 function Diagram({ machine, active, next }: { machine: StateMachine; active: State | null; next: State | null }) {
@@ -49,6 +48,19 @@ function Diagram({ machine, active, next }: { machine: StateMachine; active: Sta
           refY="4"
           markerWidth="8"
           markerHeight="8"
+          markerUnits="userSpaceOnUse"
+          orient="auto-start-reverse"
+        >
+          <path d="M0 0L8 4L0 8z" />
+        </marker>
+        <marker
+          id="arrow-awaited"
+          viewBox="0 0 8 8"
+          refX="7"
+          refY="4"
+          markerWidth="10"
+          markerHeight="10"
+          markerUnits="userSpaceOnUse"
           orient="auto-start-reverse"
         >
           <path d="M0 0L8 4L0 8z" />
@@ -63,7 +75,7 @@ function Diagram({ machine, active, next }: { machine: StateMachine; active: Sta
             class={awaited ? "edge awaited" : "edge"}
             data-edge={`${edge.from} ${edge.to}`}
           >
-            <path d={path} marker-end="url(#arrow)" />
+            <path d={path} marker-end={awaited ? "url(#arrow-awaited)" : "url(#arrow)"} />
             <text x={x} y={y}>
               {edge.reasons.join(" ")}
             </text>
@@ -75,12 +87,14 @@ function Diagram({ machine, active, next }: { machine: StateMachine; active: Sta
         return (
           <g key={state} class={state === active ? "node active" : "node"} data-state={state}>
             <rect x={x - WIDTH / 2} y={y - HEIGHT / 2} width={WIDTH} height={HEIGHT} rx="4" />
-            <text class="name" x={x} y={y - 4}>
+            <text class="name" x={x} y={y - 12}>
               {state}
             </text>
-            <text class="words" x={x} y={y + 13}>
-              {name}
-            </text>
+            {lines(name).map((line, place) => (
+              <text key={line} class="words" x={x} y={y + 6 + place * 15}>
+                {line}
+              </text>
+            ))}
           </g>
         );
       })}
@@ -129,13 +143,18 @@ function Twin({ machine, active }: { machine: StateMachine; active: State | null
 /** What has to be so that the drive goes on. */
 function Next({ station, topic }: { station: Station; topic: MachineTopic }) {
   const { awaited, missing } = topic.machine;
-  const against = station.status ? conditions(station.status).filter(({ met }) => met === false) : [];
+  const held = station.status?.verdict === "held";
+  // a fault stands in the sentence already
+  const fault = t("condition.fault");
+  const against = station.status
+    ? conditions(station.status).filter(({ met, name }) => met === false && !(held && name === fault))
+    : [];
   if (awaited === null) return <p class="muted">{t("machine.none")}</p>;
   return (
     <>
       <p>{t("machine.awaited", { to: awaited.to, reason: awaited.reason, text: awaited.text })}</p>
       <ul class="conditions awaited">
-        {station.status?.verdict === "held" && (
+        {held && station.status && (
           <li>
             <Icon name="square" tone="accent" />
             <bdi class="accent">{sentence(station.status.sentence)}</bdi>
@@ -152,7 +171,7 @@ function Next({ station, topic }: { station: Station; topic: MachineTopic }) {
           <li key={bit}>
             <Icon name="square" tone="accent" />
             <span class="accent">{t("machine.bit", { bit, name, value: value ? 1 : 0 })}</span>
-            <bdi class="muted">{meaning}</bdi>
+            <bdi class="muted">{t("machine.bit.is", { value: value ? 0 : 1, meaning })}</bdi>
           </li>
         ))}
         {awaited.also.map((text) => (
@@ -169,6 +188,11 @@ function Next({ station, topic }: { station: Station; topic: MachineTopic }) {
       )}
     </>
   );
+}
+
+/** Returns the name of a bit, which may break behind its underscores only. */
+function breakable(name: string) {
+  return name.split(/(?<=_)/).flatMap((part, place) => (place === 0 ? [part] : [<wbr key={part} />, part]));
 }
 
 type Strip = MachineTopic["machine"]["words"][number];
@@ -202,7 +226,7 @@ function Word({ strip, live }: { strip: Strip; live: boolean }) {
             <tr>
               {bits.map(({ bit, name, meaning, set }) => (
                 <td key={bit} class={live && set ? "set" : ""} title={meaning}>
-                  <span class="cell-name">{name}</span>
+                  <span class="cell-name">{breakable(name)}</span>
                   <span class="cell-value number">{live ? (set ? "1" : "0") : "\u2013"}</span>
                 </td>
               ))}
@@ -214,12 +238,15 @@ function Word({ strip, live }: { strip: Strip; live: boolean }) {
   );
 }
 
-const ROWS: State[] = ["S4", "S3", "S5", "S2", "S1"];
+const ROWS: State[] = ["S5", "S4", "S3", "S2", "S1"];
+
+/** Width of the time line. */
+const LENGTH = 400;
 
 /** The states of the last minute. */
 function Timeline({ topic }: { topic: MachineTopic }) {
   const { changes, unix_ms } = topic;
-  const x = (ms: number) => Math.max(0, 600 + ((ms - unix_ms) / SPAN) * 600);
+  const x = (ms: number) => Math.max(0, LENGTH + ((ms - unix_ms) / SPAN) * LENGTH);
   const y = (state: State | null) => (state === null ? 106 : 10 + ROWS.indexOf(state) * 20);
   const points = changes.flatMap((change, number) => {
     const end = changes[number + 1]?.unix_ms ?? unix_ms;
@@ -229,17 +256,17 @@ function Timeline({ topic }: { topic: MachineTopic }) {
   return (
     <section>
       <h2>{t("machine.timeline")}</h2>
-      <svg class="timeline" viewBox="-28 0 636 128" aria-hidden="true">
+      <svg class="timeline" viewBox={`-28 0 ${LENGTH + 44} 128`} aria-hidden="true">
         {ROWS.map((state) => (
           <g key={state}>
-            <path class="grid" d={`M0 ${y(state)}H600`} />
+            <path class="grid" d={`M0 ${y(state)}H${LENGTH}`} />
             <text x="-24" y={y(state) + 4}>
               {state}
             </text>
           </g>
         ))}
         {[60, 45, 30, 15, 0].map((seconds) => (
-          <text key={seconds} class="at" x={600 - seconds * 10} y="124">
+          <text key={seconds} class="at" x={LENGTH - (seconds * LENGTH) / 60} y="124">
             {seconds === 0 ? "0 s" : `\u2212${seconds}`}
           </text>
         ))}
@@ -276,7 +303,7 @@ function Of({ station }: { station: Station }) {
   return (
     <article class={live && seconds < STALE ? "machine" : "machine stale"}>
       <h1>
-        {t("machine.title")}: <bdi>{label(station)}</bdi>
+        {t("machine.title")} <bdi>{label(station)}</bdi>
       </h1>
       {failure.value !== "" && <p class="fault">{failure.value}</p>}
       {!topic && <p class="muted">{t("machine.waiting")}</p>}

@@ -1,7 +1,9 @@
 import type { Station } from "../../api";
+import { address } from "../../app/selected";
 import { cell, foreign, label, product, sentence, sorted } from "../../parts/format";
 import { findings, owner, ownerName, Reason, reason, State } from "../../parts/Reason";
 import { Shaft } from "../../parts/Shaft";
+import { leases } from "../../store/control";
 import { searchNow } from "../../store/live";
 import { aged, failure, searched, searching, server, silent, stations } from "../../store/store";
 import { age, t } from "../../text";
@@ -46,7 +48,7 @@ function Row({ station, simulation, changes }: { station: Station; simulation: b
       <td>
         <bdi>{identity ? foreign(identity.serial_number) : dash}</bdi>
       </td>
-      <td class="words">{silent.value === null ? <State station={station} /> : dash}</td>
+      <td>{silent.value === null ? <State station={station} short /> : dash}</td>
       <td>
         <bdi>{ownerName(station) ?? dash}</bdi>
       </td>
@@ -95,6 +97,30 @@ function exportTable(all: Station[]): void {
 
 function place(): string {
   return server.value?.interface ?? t("network.place.plant");
+}
+
+/** The first motion of a newcomer: with a virtual drive that no controller has. */
+function FirstMotion({ all }: { all: readonly Station[] }) {
+  const free = all.find(({ id, status, lost }) => {
+    if (!status || lost !== null || status.faults.length > 0 || status.torque_allowed === false) return false;
+    const taken = status.controller?.connected && !leases.value.has(id);
+    return !taken && status.on_loss?.action !== "keeps-turning";
+  });
+  if (!free) return null;
+  const name = label(free);
+  return (
+    <section class="card" aria-labelledby="first-motion">
+      <h2 id="first-motion">{t("motor.title")}</h2>
+      <ol>
+        <li>
+          <bdi>{t("motor.take", { name })}</bdi>
+        </li>
+        <li>{t("motor.enable")}</li>
+        <li>{t("motor.jog")}</li>
+      </ol>
+      <a href={address(free.id, "control") + location.search}>{t("motor.open")}</a>
+    </section>
+  );
 }
 
 export function Network() {
@@ -168,6 +194,7 @@ export function Network() {
           </tbody>
         </table>
       </section>
+      {simulation && <FirstMotion all={all} />}
     </section>
   );
 }

@@ -14,11 +14,11 @@ import { Acknowledge } from "../../parts/Acknowledge";
 import { digits, foreign, label, sentence } from "../../parts/format";
 import { Icon } from "../../parts/Icon";
 import { Nothing } from "../../parts/Nothing";
-import { findings, ownerName, sign } from "../../parts/Reason";
+import { findings, otherOwner, sign } from "../../parts/Reason";
 import { Shaft } from "../../parts/Shaft";
 import { Spark } from "../../parts/Spark";
 import { aged, events, server, silent, stations } from "../../store/store";
-import { age, ageLong, t } from "../../text";
+import { age, ageLong, t, utc } from "../../text";
 import { conditions } from "./conditions";
 
 /** Values older than this are grey; older than the second are dashes. In s. */
@@ -38,7 +38,7 @@ function Why({ station }: { station: Station }) {
   const { status, error } = station;
   const { icon, tone, word } = sign(station);
   const next = status?.next ?? error?.hint;
-  const name = ownerName(station);
+  const name = otherOwner(station);
   return (
     <section class="why-not" data-cause={status?.cause ?? ""} data-id={station.id}>
       <p class={`sentence ${tone}`}>
@@ -264,7 +264,7 @@ function Events({ id }: { id: string }) {
         <ul class="events">
           {own.map(({ time, text }) => (
             <li key={`${time.getTime()} ${text}`}>
-              <time class="number muted">{time.toTimeString().slice(0, 8)}</time> <bdi>{sentence(text)}</bdi>
+              <time class="number muted">{utc(time)}</time> <bdi>{sentence(text)}</bdi>
             </li>
           ))}
         </ul>

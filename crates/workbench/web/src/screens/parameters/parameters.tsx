@@ -1,17 +1,18 @@
 import { signal } from "@preact/signals";
 import { useEffect, useRef, useState } from "preact/hooks";
 import { useLocation } from "preact-iso";
+import { takesText } from "../../app/keys";
 import { selected, selectedId } from "../../app/selected";
 import { foreign, label, sentence } from "../../parts/format";
 import { Nothing } from "../../parts/Nothing";
 import { Plan } from "../../parts/Plan";
-import { ownerName } from "../../parts/Reason";
+import { otherOwner } from "../../parts/Reason";
 import { now, server, silent } from "../../store/store";
 import { t } from "../../text";
 import * as edit from "./edit";
 
-/** Height of a row, in px; rows that are out of sight are not made. */
-const ROW = 28;
+/** Height of a row, in px, as in the style; rows that are out of sight are not made. */
+const ROW = matchMedia("(pointer: coarse)").matches ? 44 : 28;
 /** Rows above and below those in sight. */
 const BESIDE = 6;
 /** Time between two readings of the rows in sight, in ms. */
@@ -351,8 +352,7 @@ export function Parameters() {
       if (edit.edits.value.size > 0) event.preventDefault();
     };
     const find = (event: KeyboardEvent) => {
-      const target = event.target;
-      if (event.key !== "/" || (target instanceof HTMLElement && target.matches("input, select, textarea"))) return;
+      if (event.key !== "/" || takesText(event.target)) return;
       event.preventDefault();
       field.current?.focus();
     };
@@ -369,7 +369,7 @@ export function Parameters() {
   const all = edit.lines.value;
   const rows = found(all ?? []);
   const line = all?.find((one) => one.key === chosen.value);
-  const name = ownerName(station);
+  const name = otherOwner(station);
   return (
     <article class="parameters">
       <div class="title">

@@ -2,6 +2,7 @@ import { useSignal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import { useEffect } from "preact/hooks";
 import { useLocation } from "preact-iso";
+import { takesText } from "../../app/keys";
 import { selected, selectedId } from "../../app/selected";
 import { foreign, label, sentence } from "../../parts/format";
 import { Nothing } from "../../parts/Nothing";
@@ -474,11 +475,8 @@ function useScopeKeys(): void {
     const press = (event: KeyboardEvent) => {
       const last = performance.now() - before.time < SEQUENCE ? before.key : "";
       before = { key: event.key, time: performance.now() };
-      const target = event.target;
-      const typing =
-        target instanceof HTMLElement &&
-        target.matches("input:not([type=checkbox]):not([type=range]), textarea, select");
-      if (typing || event.repeat || event.ctrlKey || event.altKey || event.metaKey || last === "g") return;
+      if (takesText(event.target) || event.repeat || event.ctrlKey || event.altKey || event.metaKey || last === "g")
+        return;
       const act = { r: runOrStop, s: scope.single, c: toggleCursors }[event.key.toLowerCase()];
       act?.();
     };

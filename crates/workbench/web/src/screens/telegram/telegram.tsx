@@ -7,7 +7,7 @@ import { foreign, label } from "../../parts/format";
 import { Nothing } from "../../parts/Nothing";
 import { want } from "../../store/live";
 import { now, silent, topics } from "../../store/store";
-import { age, t } from "../../text";
+import { age, t, utc } from "../../text";
 import { bits, leaves, octets, telegramOctets } from "./nodes";
 
 /** Values older than this are grey, in s. */
@@ -198,12 +198,12 @@ function Of({ station }: { station: Station }) {
   return (
     <article class={silent.value === null && seconds < STALE && !ended ? "telegram" : "telegram stale"}>
       <h1>
-        {t("telegram.title")}: <bdi>{label(station)}</bdi>
+        {t("telegram.title")} <bdi>{label(station)}</bdi>
         {topic?.telegram && <span class="muted"> {t("frame.telegram", { number: topic.telegram })}</span>}
       </h1>
       {!topic && <p class="muted">{t("telegram.waiting")}</p>}
       {topic?.halves.length === 0 && <p>{t("telegram.none")}</p>}
-      {ended && <p class="muted">{t("telegram.ended", { time: new Date(newest).toTimeString().slice(0, 8) })}</p>}
+      {ended && <p class="muted">{t("telegram.ended", { time: utc(new Date(newest)) })}</p>}
       {seconds >= STALE && <p class="muted">{t("overview.stale", { age: age(seconds) })}</p>}
       {topic?.halves.map((half) => (
         <Direction key={half.direction} half={half} telegram={topic.telegram} station={station} />
