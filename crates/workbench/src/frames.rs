@@ -97,6 +97,8 @@ pub(crate) struct NetworkTrouble {
     topic: &'static str,
     /// What happened.
     text: String,
+    /// How often since the start, or since it was forgotten: `unix_ms` is the time of the last.
+    count: u64,
 }
 
 #[derive(Debug, Default)]
@@ -154,6 +156,23 @@ fn now() -> Duration {
     SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default()
 }
 
+/// Adds a trouble as the newest. One that repeats is counted: it must not push the others out.
+fn note_trouble(troubles: &mut VecDeque<NetworkTrouble>, mut newest: NetworkTrouble) {
+    let is_same = |one: &NetworkTrouble| {
+        (&one.from, &one.to, one.topic, &one.text) == (&newest.from, &newest.to, newest.topic, &newest.text)
+    };
+    if let Some(known) = troubles
+        .iter()
+        .position(is_same)
+        .and_then(|place| troubles.remove(place))
+    {
+        newest.count += known.count;
+    } else if troubles.len() >= TROUBLES {
+        troubles.pop_front();
+    }
+    troubles.push_back(newest);
+}
+
 impl Frames {
     pub fn new(traffic: Traffic) -> Self {
         Self {
@@ -182,17 +201,17 @@ impl Frames {
                 states.entry(drive.to_string()).or_default().note(&words, time);
             }
             News::Trouble { time, event } => {
-                let mut troubles = locked(&self.troubles);
-                if troubles.len() >= TROUBLES {
-                    troubles.pop_front();
-                }
-                troubles.push_back(NetworkTrouble {
-                    unix_ms: millis(time),
-                    from: event.from,
-                    to: event.to,
-                    topic: event.topic,
-                    text: event.text,
-                });
+                note_trouble(
+                    &mut locked(&self.troubles),
+                    NetworkTrouble {
+                        unix_ms: millis(time),
+                        from: event.from,
+                        to: event.to,
+                        topic: event.topic,
+                        text: event.text,
+                        count: 1,
+                    },
+                );
             }
         });
     }

@@ -17,10 +17,10 @@ impl Wording for PageWords {
     }
 }
 
-/// Returns what a person does for an action, so that it stands in a sentence of advice.
+/// Returns what does an action on the page: a noun, as the sentences of advice have a verb behind it.
 fn words(action: &Action) -> String {
     match action {
-        Action::Write { parameter, value } => format!("set {parameter} to {value}"),
+        Action::Write { parameter, value } => format!("the value {value} in {parameter}"),
         Action::Read { parameters } if !parameters.is_empty() => parameters.join(", "),
         Action::Describe { parameter } => format!("the description of {parameter}"),
         Action::Find { part, .. } if !part.is_empty() => format!("a search for {part}"),
@@ -32,12 +32,15 @@ fn words(action: &Action) -> String {
         Action::Monitor => "its values".to_owned(),
         Action::Stop => "a stop".to_owned(),
         Action::Disable => "a stop that switches it off".to_owned(),
-        Action::Home => "home it".to_owned(),
+        Action::Home => "\"Home\"".to_owned(),
+        Action::Run => "\"Turn at this speed\" on Control".to_owned(),
+        Action::Jog => "\"Jog\" on Control".to_owned(),
+        Action::Move => "\"Move\" on Control".to_owned(),
         Action::SetName { .. } => "a name".to_owned(),
         Action::SetAddress { .. } => "an IP address".to_owned(),
         Action::Choose(choice) => match choice {
-            Choice::Mode => "the box \"Set the operating mode\"".to_owned(),
-            Choice::RunOn => "the box \"The drive may run on\"".to_owned(),
+            Choice::Mode => "the box \"Set the operating mode\" in \"Options\"".to_owned(),
+            Choice::RunOn => "the box \"The drive may run on\" in \"Options\"".to_owned(),
             Choice::SpeedLimit => "a higher \"Highest speed\"".to_owned(),
             Choice::Relative => "\"By a distance from here\"".to_owned(),
             Choice::Save => "\"Save in the drive\"".to_owned(),
@@ -64,10 +67,11 @@ mod tests {
                 "switch the mains on; {read VBUS.VALUE VBUS.UVFTHRESH} shows the voltage",
                 "switch the mains on; VBUS.VALUE, VBUS.UVFTHRESH shows the voltage",
             ),
-            ("{write 930=1} (speed)", "set 930 to 1 (speed)"),
+            ("{write 930=1} changes it", "the value 1 in 930 changes it"),
+            ("{home} sets the home position", "\"Home\" sets the home position"),
             (
                 "{choose run-on} accepts that it may run on",
-                "the box \"The drive may run on\" accepts that it may run on",
+                "the box \"The drive may run on\" in \"Options\" accepts that it may run on",
             ),
         ] {
             assert_eq!(PageWords.advice(&Advice::from(advice)), sentence);

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
 
+use profidrive::client::ErrorKind;
 use profidrive::client::axis::{Move, Purpose};
 use profidrive::motion::{self, HeldAxis, Hold, MotionError, Observer};
 use profidrive::profile::notation::Position;
@@ -98,6 +99,8 @@ async fn hold(
     shared.feeds.end(&running.drive);
     let result = match released {
         Ok(_) => "done".to_owned(),
+        // that STOP ended its last motion is no failure of the release
+        Err(error) if error.kind() == ErrorKind::Interrupted => "done".to_owned(),
         Err(error) => Problem::of(&error).message().to_owned(),
     };
     act::note(shared, caller, &intent("release", None), result).await;

@@ -107,6 +107,8 @@ pub(super) struct Hello<'s> {
     pub r#type: &'static str,
     pub build: &'static str,
     pub boot: &'s str,
+    /// What this session is called in the log.
+    pub who: &'s str,
     pub epoch: u64,
     pub stopped: bool,
     /// Whether this page may take control; else why not.

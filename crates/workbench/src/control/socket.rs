@@ -195,6 +195,7 @@ impl Page {
             r#type: "hello",
             build: env!("CARGO_PKG_VERSION"),
             boot: &self.shared.boot,
+            who: &self.caller.who,
             epoch: ledger.epoch(),
             stopped: ledger.is_stopped(),
             refusal: self.refusal(),

@@ -44,7 +44,7 @@ test("STOP of any page stops the axis, and nothing moves before it is reset", as
     const time = await rest(page, server.origin, id, since);
     console.log(`STOP of another page: at rest after ${time.toFixed(0)} ms, with the click`);
     await expect(page.getByText(/STOP 1 was pressed by session 2/)).toBeVisible();
-    await expect(other.getByText(/STOP 1 was pressed by session 2/)).toBeVisible();
+    await expect(other.getByText(/STOP 1 was pressed by this session/)).toBeVisible();
     await expect(other.getByRole("alert").filter({ hasText: "It stops: axis-1" })).toBeVisible();
     await page.waitForTimeout(300);
     expect(Math.abs(await speed(page, server.origin, id))).toBeLessThan(0.5);
@@ -60,7 +60,7 @@ test("STOP of any page stops the axis, and nothing moves before it is reset", as
     // the space bar, while a button is held
     await page.keyboard.press("Space");
     await rest(page, server.origin, id, performance.now());
-    await expect(page.getByText(/STOP 2 was pressed by session 1/)).toBeVisible();
+    await expect(page.getByText(/STOP 2 was pressed by this session/)).toBeVisible();
     await page.mouse.up();
     await other.context().close();
   });
@@ -123,7 +123,7 @@ test("a drive that may run on needs consent, and one with a fault says why it is
     const take = page.getByRole("button", { name: "Take control" });
     await take.click();
     await expect(said).toContainText("8-04 is Off");
-    await expect(said).toContainText('the box "The drive may run on" accepts');
+    await expect(said).toContainText('the box "The drive may run on" in "Options" accepts');
     await options(page);
     await page.getByRole("checkbox", { name: /The drive may run on/ }).check();
     await enable(page);

@@ -67,12 +67,16 @@ test("the overview acknowledges beside its sentence, and other pages show who di
     await rows(other);
     await page.getByRole("link", { name: "axis-2" }).click();
     await expect(page.locator(".why-not")).toHaveAttribute("data-cause", "fault");
+    // its cause is present
+    await page.getByRole("button", { name: "Acknowledge" }).click();
+    await expect(page.getByText(/^Not acknowledged: .*439/)).toBeVisible();
+    await inject(page, "axis-2", "clear=439");
     await page.getByRole("button", { name: "Acknowledge" }).click();
     await expect(page.locator(".why-not")).toHaveAttribute("data-cause", "no-controller");
     await expect(other.getByText(/Faults were acknowledged\. axis-2: done \(session 1\)/)).toBeVisible();
     await other.getByRole("button", { name: "STOP" }).click();
     await expect(page.getByText("STOP 1 was pressed by session 2.")).toBeVisible();
-    await expect(other.getByText("STOP 1 was pressed by session 2.")).toBeVisible();
+    await expect(other.getByText("STOP 1 was pressed by this session.")).toBeVisible();
     // one line, not two
     await expect(page.getByText("STOP was pressed.")).toHaveCount(0);
     await other.context().close();

@@ -1797,6 +1797,11 @@ export interface components {
         };
         /** @description Something that went wrong on the network. */
         NetworkTrouble: {
+            /**
+             * Format: uint64
+             * @description How often since the start, or since it was forgotten: `unix_ms` is the time of the last.
+             */
+            count: number;
             /** @description Who sent the frame. */
             from: string;
             /** @description What happened. */

@@ -139,6 +139,7 @@ function NetworkTroubles() {
                 <th scope="col">{t("machine.from")}</th>
                 <th scope="col">{t("machine.to")}</th>
                 <th scope="col">{t("log.result")}</th>
+                <th scope="col">{t("faults.count")}</th>
               </tr>
             </thead>
             <tbody>
@@ -154,6 +155,7 @@ function NetworkTroubles() {
                   <td class="long">
                     <bdi>{sentence(one.text)}</bdi>
                   </td>
+                  <td class="number">{one.count}</td>
                 </tr>
               ))}
             </tbody>
