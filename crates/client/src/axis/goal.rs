@@ -176,7 +176,7 @@ pub enum Trouble {
     #[error("homing ended without a home position (ZSW1 bit 13 is 1, bit 11 is 0)")]
     HomingFailed,
     /// Its stop handle stopped it, or all axes were stopped.
-    #[error("it was stopped by STOP")]
+    #[error("it was stopped from elsewhere in this program")]
     Stopped,
     /// No call was made for the axis before its deadline ([`AxisSettings::lease`](crate::AxisSettings::lease)): its owner
     /// hangs or keeps it without using it. The axis was brought to rest.
