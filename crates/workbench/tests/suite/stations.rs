@@ -4,7 +4,6 @@ use profidrive_workbench::{Settings, Source};
 use serde_json::{Value, json};
 
 use crate::change::known;
-use crate::control::{Hands, lease};
 use crate::server::{Answer, JSON, Running, eventually};
 
 fn post(server: &Running, id: &str, what: &str, body: &Value) -> Answer {
@@ -140,30 +139,26 @@ fn an_address_is_checked_and_set() {
 #[test]
 fn a_drive_under_control_keeps_name_and_address() {
     let server = Running::demo();
-    let (press, axis) = (known(&server, "press-1"), known(&server, "axis-1"));
-    let mut hands = Hands::of(&server, &server.control);
-    lease(&hands.take(&axis));
+    let press = known(&server, "press-1");
     let address =
         json!({ "ip": "192.168.77.29", "mask": "255.255.255.0", "gateway": null, "permanent": true });
-    for id in [&press, &axis] {
-        let answer = post(
-            &server,
-            id,
-            "name",
-            &json!({ "name": "axis-9", "permanent": true }),
-        );
-        assert_eq!(
-            (answer.status, &answer.json()["kind"]),
-            (409, &"safety".into()),
-            "{answer:?}"
-        );
-        let answer = post(&server, id, "ip", &address);
-        assert_eq!(
-            (answer.status, &answer.json()["kind"]),
-            (409, &"safety".into()),
-            "{answer:?}"
-        );
-    }
+    let answer = post(
+        &server,
+        &press,
+        "name",
+        &json!({ "name": "axis-9", "permanent": true }),
+    );
+    assert_eq!(
+        (answer.status, &answer.json()["kind"]),
+        (409, &"safety".into()),
+        "{answer:?}"
+    );
+    let answer = post(&server, &press, "ip", &address);
+    assert_eq!(
+        (answer.status, &answer.json()["kind"]),
+        (409, &"safety".into()),
+        "{answer:?}"
+    );
     station(&server, &press, |station| station["name"] == "press-1");
 }
 

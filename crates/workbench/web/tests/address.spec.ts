@@ -2,7 +2,7 @@ import { readFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import type { Page } from "@playwright/test";
 import { expect, idOf, type Running, rows, test, watch } from "./bench";
-import { alone } from "./moving";
+import { alone, open as openControl } from "./moving";
 
 const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
 
@@ -104,6 +104,21 @@ test("the dialog opens and closes by keys, gives the focus back, and STOP stays 
   await page.keyboard.press("Enter");
   await dialog.getByRole("button", { name: "Close" }).click();
   await expect(button).toBeFocused();
+});
+
+test("an axis of this server keeps its name", async ({ page }) => {
+  await alone(async (server) => {
+    const id = await openControl(page, server.url, "axis-1");
+    await page.getByRole("button", { name: "Take control" }).click();
+    await expect(page.getByText(/This page has control/)).toBeVisible();
+    const status = await page.evaluate(async (id) => {
+      const headers = { "Content-Type": "application/json" };
+      const body = '{"name":"axis-9","permanent":true}';
+      return (await fetch(`/api/v1/stations/${id}/name`, { method: "POST", headers, body })).status;
+    }, id);
+    expect(status).toBe(409);
+    await expect(page.getByText(/This page has control/)).toBeVisible();
+  });
 });
 
 test("a view link names nothing", async ({ browser, demo }) => {
