@@ -160,7 +160,7 @@ test("settings are backed up, compared, restored as a plan, and downloaded", asy
     const review = page.getByRole("region", { name: "Changes" });
     await expect(review).toContainText("7 \u2192");
     await review.getByRole("button", { name: "Apply 1" }).click();
-    await expect(review).toContainText("The values before are in pump-1-");
+    await expect(review).toContainText("The previous values are in pump-1-");
     await compare.click();
     await expect(page.getByText("Both have the same settings.")).toBeVisible();
     // of another kind of drive: both are named
