@@ -57,9 +57,7 @@ fn check(shared: &Shared, request: &Request) -> Result<Option<Caller>, Problem> 
     if !path.starts_with("/api/") {
         return Ok(None);
     }
-    let peer = request.extensions().get::<Peer>();
-    let remote = !peer.is_some_and(|Peer(peer)| peer.ip().to_canonical().is_loopback())
-        || text(headers, &HOST).is_none_or(|host| shared.places.is_public(host));
+    let remote = is_remote(shared, request);
     let bearer = text(headers, &AUTHORIZATION).and_then(|value| value.strip_prefix("Bearer "));
     if bearer.is_none() {
         from_here(shared, headers, method)?;
@@ -96,6 +94,20 @@ fn check(shared: &Shared, request: &Request) -> Result<Option<Caller>, Problem> 
         return Err(Problem::new(StatusCode::FORBIDDEN, "view", detail));
     }
     Ok(Some(caller))
+}
+
+/// Headers by which a proxy says that it passes on what another computer sent.
+const PASSED_ON: [&str; 4] = ["forwarded", "via", "x-forwarded-for", "x-real-ip"];
+
+/// Returns whether a request comes from another computer, by itself or through a proxy on this one. Many proxies replace the host of
+/// a request by that of this server; the origin of a page and what they add show it then.
+fn is_remote(shared: &Shared, request: &Request) -> bool {
+    let headers = request.headers();
+    let peer = request.extensions().get::<Peer>();
+    let here = peer.is_some_and(|Peer(peer)| peer.ip().to_canonical().is_loopback());
+    let elsewhere = text(headers, &HOST).is_none_or(|host| shared.places.is_public(host))
+        || text(headers, &ORIGIN).is_some_and(|origin| shared.places.is_public_origin(origin));
+    !here || elsewhere || PASSED_ON.iter().any(|name| headers.contains_key(*name))
 }
 
 /// Checks that a browser makes the request for a page of this server.

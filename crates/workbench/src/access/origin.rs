@@ -101,13 +101,16 @@ impl Places {
 
     /// Returns whether an `Origin` header names a page of this server.
     pub fn is_origin(&self, text: &str) -> bool {
-        let Some((scheme, host)) = text.split_once("://") else {
-            return false;
-        };
-        let own = scheme == self.scheme && self.hosts.iter().any(|known| known.eq_ignore_ascii_case(host));
-        let public = self.public.as_ref();
-        own && self.is_host(host)
-            || public.is_some_and(|(own, _)| own.as_str() == scheme) && self.is_public(host)
+        let own = text.split_once("://").is_some_and(|(scheme, host)| {
+            scheme == self.scheme && self.hosts.iter().any(|known| known.eq_ignore_ascii_case(host))
+        });
+        own || self.is_public_origin(text)
+    }
+
+    /// Returns whether an `Origin` header is that of the address elsewhere.
+    pub fn is_public_origin(&self, text: &str) -> bool {
+        let public = self.public.as_ref().zip(text.split_once("://"));
+        public.is_some_and(|((own, _), (scheme, host))| own.as_str() == scheme && self.is_public(host))
     }
 }
 

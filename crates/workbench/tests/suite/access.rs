@@ -453,6 +453,11 @@ fn a_page_elsewhere_moves_nothing_without_permission() {
             page.unwrap_or_else(|status| panic!("{status}")).next("hello")["refusal"].clone()
         };
         assert_eq!(hello(&session).as_str(), refusal);
+        // proxies that put the host of this server in place of the one that was wanted
+        let own_host = session.replace("Host: line3.example", "Host: {address}");
+        assert_eq!(hello(&own_host).as_str(), refusal);
+        let passed_on = format!("{PAGE}Cookie: {cookie}\r\nX-Forwarded-For: 192.168.0.9\r\n");
+        assert_eq!(hello(&passed_on).as_str(), refusal);
         assert_eq!(hello(&format!("{PAGE}Cookie: {cookie}\r\n")), Value::Null, "here");
         assert_eq!(server.ask("POST", "/api/v1/stop", &session, "").status, 200);
         let foreign = session.replace("https://", "http://");
