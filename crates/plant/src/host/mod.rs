@@ -320,7 +320,8 @@ impl Host {
     }
 
     /// Runs the drives until the time is over or the simulation is stopped, then saves what is still to be saved. Returns what came
-    /// of each expectation for each of its drives.
+    /// of each expectation for each of its drives. The calling thread runs before those of other programs from then on, where that is
+    /// permitted.
     ///
     /// # Errors
     /// When the interface fails for good, when a station on the segment has the MAC address of a drive, or when the
