@@ -31,13 +31,13 @@ pub fn data<'a>(walker: &Walker, frame: &Frame<'a>, notes: &mut Notes<'a>) {
         let Some((data, status)) = part.split_at_checked(object.length) else {
             continue;
         };
-        if object.consumer {
-            notes.add(format!("IOCS of {place}"), status, iops(status));
-            continue;
+        let kind = if object.consumer { "IOCS" } else { "IOPS" };
+        // a submodule without data in this direction has its status alone
+        if !data.is_empty() {
+            notes.add(place.clone(), part, "");
+            notes.add("data", data, "");
         }
-        notes.add(place.clone(), part, "");
-        notes.add(format!("IOPS of {place}"), status, iops(status));
-        notes.add("data", data, "");
+        notes.add(format!("{kind} of {place}"), status, iops(status));
     }
     let drive = walker.names.drives.known(stream.device());
     for (data_of, data) in stream.telegrams(octets) {
