@@ -233,7 +233,7 @@ async fn perform(axis: &mut HeldAxis, order: Order, purpose: Purpose) -> Result<
         Order::Enable => {
             // what ended the last operation is known by now: nothing is enabled from a stop under way
             match axis.stop().await {
-                Ok(()) => axis.enable().await.map_err(MotionError::from),
+                Ok(()) => axis.enable().await,
                 Err(error) => Err(error.into()),
             }
         }
