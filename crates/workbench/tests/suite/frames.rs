@@ -148,3 +148,36 @@ fn what_a_drive_does_not_have_is_not_read_again() {
     searched();
     assert_eq!(refusals(), first);
 }
+
+#[test]
+fn a_record_is_read_and_explained() {
+    let server = Running::demo();
+    let id = known(&server, "axis-1");
+    let read = |query: &str| {
+        server.ask(
+            "GET",
+            &format!("/api/v1/drives/{id}/record?{query}"),
+            &bearer(&server),
+            "",
+        )
+    };
+    let identity = read("slot=0&subslot=1&index=45040");
+    assert_eq!(identity.status, 200, "{identity:?}");
+    let record = identity.json();
+    assert!(
+        record["octets"].as_str().unwrap().starts_with("00 20 00 38"),
+        "{record}"
+    );
+    assert!(
+        record["text"].as_str().unwrap().contains("order number AKD"),
+        "{record}"
+    );
+    assert_eq!(read("slot=9&subslot=1&index=45040").json()["kind"], "refused");
+    for wrong in [
+        "slot=0&subslot=1",
+        "slot=65536&subslot=1&index=1",
+        "slot=x&subslot=1&index=1",
+    ] {
+        assert_eq!(read(wrong).status, 400, "{wrong}");
+    }
+}
