@@ -67,7 +67,8 @@ async fn hold(
         value,
         changes: Vec::new(),
     };
-    let taking = intent("take", Some(format!("for {}", purpose_name(running.purpose))));
+    let (purpose, stop) = (purpose_name(running.purpose), running.stop_by.name());
+    let taking = intent("take", Some(format!("for {purpose}, STOP by {stop}")));
     let taken = async {
         act::begin(shared, caller, &taking).await?;
         take(shared, running, wanted).await
