@@ -7,7 +7,9 @@ import { access, server, silent } from "../store/store";
 import { t } from "../text";
 import { Frame } from "./Frame";
 import { useKeys } from "./keys";
+import { Overlay } from "./Palette";
 import { address, recent, remember, screenOf } from "./selected";
+import { shown } from "./shortcuts";
 import { type Theme, theme } from "./theme";
 
 const Overview = lazy(() => import("../screens/screens").then((screens) => screens.Overview));
@@ -65,6 +67,15 @@ function Navigation() {
           <option value="dark">{t("theme.dark")}</option>
         </select>
       </label>
+      <button
+        type="button"
+        class="plain help"
+        onClick={() => {
+          shown.value = "keys";
+        }}
+      >
+        {t("keys.title")} <kbd>?</kbd>
+      </button>
     </nav>
   );
 }
@@ -86,6 +97,7 @@ function Shell() {
         {t("nav.skip")}
       </a>
       <Frame />
+      <Overlay />
       <div class="body">
         <Navigation />
         <main id="content" tabIndex={-1}>
