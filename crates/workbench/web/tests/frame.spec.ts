@@ -189,7 +189,7 @@ test("the keyboard reaches everything, with a visible focus", async ({ entered: 
   await page.keyboard.press("g");
   await page.keyboard.press("l");
   await expect(page.getByRole("heading", { level: 1, name: "Network" })).toBeVisible();
-  await page.getByRole("button", { name: "Keys ?" }).click();
+  await page.getByRole("button", { name: "Keys ?" }).press("Enter");
   await keys.getByRole("checkbox").check();
   await keys.getByRole("button", { name: "Close" }).click();
   await page.keyboard.press("Control+k");

@@ -392,7 +392,7 @@ fn the_octets_of_submodules_without_data_are_named_by_their_status() {
     for (octet, name) in [
         (4, "IOPS of slot 1/1"),
         (5, "IOPS of slot 0/1"),
-        (6, "IOPS of slot 0/32768"),
+        (6, "IOPS of slot 0/0x8000"),
         (7, "IOCS of slot 1/1"),
     ] {
         let path = tree.path(begin + octet);

@@ -54,6 +54,15 @@ function Navigation() {
       <Link href="/capture" icon="capture" text={t("nav.capture")} />
       <Link href="/log" icon="log" text={t("nav.log")} />
       {server.value?.simulation && <Link href="/virtual" icon="virtual" text={t("nav.virtual")} />}
+      <button
+        type="button"
+        class="plain help"
+        onClick={() => {
+          shown.value = "keys";
+        }}
+      >
+        {t("keys.title")} <kbd>?</kbd>
+      </button>
       <label class="theme">
         <span>{t("theme.label")}</span>
         <select
@@ -67,15 +76,6 @@ function Navigation() {
           <option value="dark">{t("theme.dark")}</option>
         </select>
       </label>
-      <button
-        type="button"
-        class="plain help"
-        onClick={() => {
-          shown.value = "keys";
-        }}
-      >
-        {t("keys.title")} <kbd>?</kbd>
-      </button>
     </nav>
   );
 }

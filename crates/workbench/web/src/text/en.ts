@@ -484,7 +484,7 @@ export const en = {
   "scope.maths": "Difference",
   "scope.maths.a": "Of",
   "scope.maths.b": "Minus",
-  "scope.maths.add": "Add the difference",
+  "scope.maths.add": "Calculate",
   "scope.layout": "Layout",
   "scope.layout.save": "Save layout",
   "scope.layout.open": "Open layout",

@@ -82,7 +82,9 @@ function Row({ shaft, station, chosen }: { shaft: ShaftState; station: Station |
         <bdi>{(live && ownerName(station)) || dash}</bdi>
       </td>
       <td>{present.length > 0 ? present.map(({ number }) => `F${number}`).join(", ") : dash}</td>
-      <td class="warn">{shaft.lasting.length > 0 ? shaft.lasting.map(({ event }) => event).join(", ") : dash}</td>
+      <td class={shaft.lasting.length > 0 ? "warn" : ""}>
+        {shaft.lasting.length > 0 ? shaft.lasting.map(({ event }) => event).join(", ") : dash}
+      </td>
       <td>
         <button
           type="button"
