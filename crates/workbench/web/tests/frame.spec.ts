@@ -200,6 +200,7 @@ test("the keyboard reaches everything, with a visible focus", async ({ entered: 
   await page.keyboard.press("Control+k");
   await page.keyboard.type("log");
   await page.keyboard.press("Enter");
+  await expect(page.getByRole("heading", { level: 1, name: "Log" })).toBeVisible();
   await page.keyboard.press("/");
   await expect(page.getByRole("searchbox", { name: "Search" })).toBeFocused();
 });

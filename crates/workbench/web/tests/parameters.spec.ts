@@ -45,7 +45,7 @@ test("a value is reviewed, written, verified, saved, and seen by a second page",
     await expect(review).toContainText("written and verified");
     // the button is gone, and the focus is where it was
     await expect(review).toBeFocused();
-    await expect(page.getByRole("row", { name: "DRV.ACC p2108" })).toContainText("written, not saved");
+    await expect(page.getByRole("row", { name: "DRV.ACC p2108" })).toContainText("to be saved");
     await page.getByRole("combobox", { name: "Show" }).selectOption("unsaved");
     await expect(page.locator("[data-key]")).toHaveCount(1);
     await expect(page.locator("p", { hasText: "Last change by this server" })).toContainText("3000");

@@ -66,6 +66,8 @@ test("what was let happen becomes a plant file in which it happens again", async
           .first(),
       ).toBeVisible();
     }
+    await page.getByText("Plant file, with what was injected").click();
+    await expect(page.locator("pre")).toContainText('do = "cable=plugged"');
     const [download] = await Promise.all([
       page.waitForEvent("download"),
       page.getByRole("link", { name: "Save 4 events" }).click(),

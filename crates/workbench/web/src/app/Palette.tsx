@@ -1,4 +1,4 @@
-import { useEffect, useRef, useState } from "preact/hooks";
+import { useLayoutEffect, useRef, useState } from "preact/hooks";
 import { useLocation } from "preact-iso";
 import { foreign } from "../parts/format";
 import { server, stations } from "../store/store";
@@ -10,7 +10,8 @@ import { shortcuts, shown } from "./shortcuts";
 /** Opens a dialog that is not modal: STOP stays within reach. It gives the focus back when it is closed. */
 function useDialog() {
   const dialog = useRef<HTMLDialogElement>(null);
-  useEffect(() => {
+  // at once: the next key that is pressed is meant for it
+  useLayoutEffect(() => {
     const element = dialog.current;
     element?.show();
     return () => element?.close();

@@ -121,7 +121,7 @@ function Tools({ rows, shown, names, withBase }: Omit<TableProps, "take"> & { sh
   const of = groups(rows.map(named));
   return (
     <p class="buttons">
-      <label class="check">
+      <label class="inline">
         <span>{t("log.search")}</span>
         <input
           type="search"
@@ -132,7 +132,7 @@ function Tools({ rows, shown, names, withBase }: Omit<TableProps, "take"> & { sh
         />
       </label>
       {of.length > 1 && (
-        <label class="check">
+        <label class="inline">
           <span>{t("parameters.group")}</span>
           <select
             value={group.value ?? ALL}

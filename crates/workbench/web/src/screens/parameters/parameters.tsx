@@ -156,8 +156,11 @@ function Row({ line }: { line: edit.Line }) {
       <td class="number spare">{line.of.default ?? ""}</td>
       <td class="number spare">{limits(line)}</td>
       <td class="muted small">
-        {edit.unsaved.value.has(line.key) && <span class="warn">{t("parameters.unsaved")} </span>}
-        {t(line.of.access === "read" ? "parameters.read" : line.of.saved ? "parameters.saved" : "parameters.volatile")}
+        {edit.unsaved.value.has(line.key) ? (
+          <span class="warn">{t("parameters.unsaved")}</span>
+        ) : (
+          t(line.of.access === "read" ? "parameters.read" : line.of.saved ? "parameters.saved" : "parameters.volatile")
+        )}
       </td>
     </tr>
   );

@@ -40,6 +40,27 @@ function Recording() {
   );
 }
 
+/** The plant as a file, with what was injected so far. */
+function PlantFile() {
+  const [text, setText] = useState("");
+  return (
+    <details
+      onToggle={(event) => {
+        if (!event.currentTarget.open) return;
+        fetch("/api/v1/plant/scenario")
+          .then((answer) => answer.text())
+          .then(setText, (error: unknown) => setText(String(error)));
+      }}
+    >
+      <summary>{t("virtual.plant")}</summary>
+      {/* biome-ignore lint/a11y/noNoninteractiveTabindex: a region that scrolls is reached by keys */}
+      <pre class="scroll number" tabIndex={0}>
+        {text}
+      </pre>
+    </details>
+  );
+}
+
 /** What can be done by one button: the event, and how it is called. */
 const BUTTONS = [
   ["sto=on", "virtual.sto.on"],
@@ -278,6 +299,7 @@ export function Virtual() {
       </section>
       {one && <Happen shaft={one} />}
       <Recording />
+      <PlantFile />
     </article>
   );
 }
