@@ -47,7 +47,7 @@ class Trace:
 
     @cached_property
     def digest(self) -> str:
-        """The same for the same run, of all drives."""
+        """The same for the same run: of its events, its frames and all drives, whatever was `cut`."""
         return self._trace.digest()
 
     @property
