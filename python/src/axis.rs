@@ -1,6 +1,8 @@
 //! An axis under control.
 
+use std::future::poll_fn;
 use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
+use std::task::Poll;
 use std::time::Duration;
 
 use client::{AxisStatus, Drive, ErrorKind, StopHandle};
@@ -10,6 +12,7 @@ use profidrive::motion::{
 use profidrive::{Caller, StopRequests};
 use profile::notation::Quantity;
 use profile::state::Mode;
+use pyo3::exceptions::PyBaseException;
 use pyo3::prelude::*;
 
 use crate::attention::LOOK;
@@ -153,6 +156,17 @@ impl Axis {
         Ok(())
     }
 
+    /// Takes it to give control back. After an interrupt the next one makes that a quick stop.
+    fn taken(&self, is_interrupted: bool) -> Result<(MutexGuard<'_, ()>, HeldAxis), Failure> {
+        let (at_work, mut held) = self.work()?;
+        let held = held.take().ok_or_else(released)?;
+        self.requests.clear();
+        if is_interrupted {
+            self.requests.request();
+        }
+        Ok((at_work, held))
+    }
+
     fn call<T: Send>(
         &self,
         py: Python<'_>,
@@ -164,7 +178,8 @@ impl Axis {
             let held = held.as_mut().ok_or_else(released)?;
             self.place.goes_on();
             self.requests.clear();
-            self.place.joined.wait(&self.requests, async {
+            let requests = std::slice::from_ref(&self.requests);
+            self.place.joined.wait(requests, async {
                 let done = work(held).await;
                 let done = done.map_err(|error| of_motion(&error).about(&held.drive().label()));
                 let what = format_args!("{}: {what}", held.drive().label());
@@ -183,6 +198,62 @@ impl Axis {
     ) -> PyResult<String> {
         Ok(document(&self.call(py, what, work)?)?)
     }
+}
+
+/// Brings an axis to rest and gives control back.
+async fn given_back(held: HeldAxis) -> Result<Report, Failure> {
+    let drive = held.drive().label();
+    let done = held.release().await;
+    done.map_err(|error| of_motion(&error).about(&drive))
+}
+
+/// Brings axes of one network to rest at the same time and gives control back; an error for each that fails.
+#[pyfunction]
+pub fn release_together(
+    py: Python<'_>,
+    axes: Vec<Py<Axis>>,
+    is_interrupted: bool,
+) -> PyResult<Vec<Option<Py<PyBaseException>>>> {
+    let axes: Vec<&Axis> = axes.iter().map(|axis| axis.get()).collect();
+    let Some(first) = axes.first() else {
+        return Ok(Vec::new());
+    };
+    for axis in &axes {
+        axis.end_other(py, is_interrupted)?;
+    }
+    let failures = py.detach(|| {
+        first.place.goes_on();
+        let requests: Vec<_> = axes.iter().map(|axis| axis.requests.clone()).collect();
+        let (mut calls, mut failures, mut at_work) = (Vec::new(), Vec::new(), Vec::new());
+        for axis in &axes {
+            let (call, failure) = match axis.taken(is_interrupted) {
+                Ok((guard, held)) => {
+                    at_work.push(guard);
+                    (Some(Box::pin(given_back(held))), None)
+                }
+                Err(failure) => (None, Some(failure)),
+            };
+            calls.push(call);
+            failures.push(failure);
+        }
+        let together = poll_fn(|context| {
+            for (call, failure) in calls.iter_mut().zip(&mut failures) {
+                if let Some(released) = call
+                    && let Poll::Ready(result) = released.as_mut().poll(context)
+                {
+                    *failure = result.err();
+                    *call = None;
+                }
+            }
+            match calls.iter().all(Option::is_none) {
+                true => Poll::Ready(Ok(std::mem::take(&mut failures))),
+                false => Poll::Pending,
+            }
+        });
+        first.place.joined.wait(&requests, together)
+    })?;
+    let error = |failure: Failure| PyErr::from(failure).into_value(py);
+    Ok(failures.into_iter().map(|failure| failure.map(error)).collect())
 }
 
 /// Locks, unless another thread has.
@@ -309,18 +380,10 @@ impl Axis {
     fn release(&self, py: Python<'_>, is_interrupted: bool) -> PyResult<String> {
         self.end_other(py, is_interrupted)?;
         py.detach(|| {
-            let (_at_work, mut held) = self.work()?;
-            let held = held.take().ok_or_else(released)?;
+            let (_at_work, held) = self.taken(is_interrupted)?;
             self.place.goes_on();
-            self.requests.clear();
-            if is_interrupted {
-                self.requests.request();
-            }
-            let drive = held.drive().label();
-            let report = self.place.joined.wait(&self.requests, async {
-                let done = held.release().await;
-                done.map_err(|error| of_motion(&error).about(&drive))
-            })?;
+            let requests = std::slice::from_ref(&self.requests);
+            let report = self.place.joined.wait(requests, given_back(held))?;
             Ok(document(&report)?)
         })
     }

@@ -9,6 +9,7 @@ use ::plant::{
 };
 use network::files::create;
 use network::pcap::Writer;
+use profidrive::machine::Machine;
 use profidrive::{Instant, Running};
 use pyo3::prelude::*;
 use serde_json::json;
@@ -34,6 +35,8 @@ pub struct Held {
     newest: Mutex<Weak<Cell>>,
     /// The network that has joined it, from the first use on.
     joined: Mutex<Option<Arc<Joined>>>,
+    /// What its network knows of the machine.
+    pub machine: Option<Machine>,
 }
 
 impl Held {
@@ -142,7 +145,11 @@ pub struct World {
 }
 
 impl World {
-    pub fn start(plan: Arc<PlantPlan>, capture: Option<PathBuf>) -> Result<Self, Failure> {
+    pub fn start(
+        plan: Arc<PlantPlan>,
+        capture: Option<PathBuf>,
+        machine: Option<Machine>,
+    ) -> Result<Self, Failure> {
         let tap = capture.as_deref().map(recorder).transpose()?;
         let running = Running::start(plan).map_err(|error| explained(&error))?;
         running.with_world(|world| {
@@ -161,6 +168,7 @@ impl World {
             running,
             newest: Mutex::default(),
             joined: Mutex::new(None),
+            machine,
         };
         Ok(Self {
             held: Arc::new(held),
