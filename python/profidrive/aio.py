@@ -505,8 +505,9 @@ class Drives(Sequence[Drive]):
     ) -> GroupControl:
         """Returns what takes control of all axes in a `with` block, in their order; see `Drive.control`.
 
-        Each motion is one of its axis: `run` leaves it turning, `wait=False` begins a move without waiting. However the block ends,
-        an error of one axis included, all are stopped and released at the same time.
+        Each motion is one of its axis: `run` leaves it turning, `wait=False` begins a move without waiting. While a call for one
+        axis waits the others are kept, and when one of them fails the call ends along its ramp and raises why that one failed.
+        However the block ends, all are stopped and released at the same time.
 
         Raises:
             DriveGroupError: at the begin of the block, when one cannot be taken: none is then; at its end, when one cannot be
@@ -758,6 +759,7 @@ class GroupControl:
         except BaseException as error:
             await self.__aexit__(type(error), error, error.__traceback__)
             raise
+        _profidrive.hold_together([axis._axis for axis in axes.values()])
         return MappingProxyType(axes)
 
     async def __aexit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:

@@ -1,7 +1,8 @@
 //! An axis under control.
 
 use std::future::poll_fn;
-use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
+use std::pin::pin;
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, TryLockError, Weak};
 use std::task::Poll;
 use std::time::Duration;
 
@@ -93,7 +94,9 @@ fn quantity(text: &str) -> Result<Quantity, Failure> {
 #[pyclass(frozen, module = "profidrive._profidrive")]
 pub struct Axis {
     place: Place,
-    held: Mutex<Option<HeldAxis>>,
+    held: Arc<Mutex<Option<HeldAxis>>>,
+    /// The axes that belong together with it: they are kept while it is waited for, and when one fails its calls end.
+    beside: OnceLock<Vec<Weak<Mutex<Option<HeldAxis>>>>>,
     /// Locked while a call is at work with it: others only look.
     at_work: Mutex<()>,
     /// For stops from other threads.
@@ -126,7 +129,8 @@ impl Axis {
         Ok(Self {
             place,
             stop: held.stop_handle(),
-            held: Mutex::new(Some(held)),
+            held: Arc::new(Mutex::new(Some(held))),
+            beside: OnceLock::new(),
             at_work: Mutex::new(()),
             requests,
             seen,
@@ -179,14 +183,55 @@ impl Axis {
             self.place.goes_on();
             self.requests.clear();
             let requests = std::slice::from_ref(&self.requests);
-            self.place.joined.wait(requests, async {
+            let mut call = pin!(async {
                 let done = work(held).await;
                 let done = done.map_err(|error| of_motion(&error).about(&held.drive().label()));
                 let what = format_args!("{}: {what}", held.drive().label());
                 log::call(Logger::Axis, what, &done, true);
                 done
-            })
+            });
+            let mut failed = None;
+            let done = self.place.joined.wait(
+                requests,
+                poll_fn(|context| {
+                    if failed.is_none() {
+                        failed = self.failed_beside();
+                        // it ends along its ramp
+                        failed.iter().for_each(|_| self.requests.request());
+                    }
+                    call.as_mut().poll(context)
+                }),
+            );
+            match failed {
+                Some(other) => Err(self.why_failed(&other, done.err())),
+                None => done,
+            }
         })
+    }
+
+    /// Keeps the axes that belong together with it; returns the first one that has failed.
+    fn failed_beside(&self) -> Option<Arc<Mutex<Option<HeldAxis>>>> {
+        let beside = self.beside.get()?.iter().filter_map(Weak::upgrade);
+        let fails = |other: &Arc<Mutex<Option<HeldAxis>>>| {
+            // one that another thread moves is kept by that
+            free(other).is_some_and(|held| held.as_ref().is_some_and(|held| !held.keep_beside()))
+        };
+        beside.filter(fails).next()
+    }
+
+    /// Returns why another axis has failed; what became of the own call comes with it.
+    fn why_failed(&self, other: &Mutex<Option<HeldAxis>>, own: Option<PyErr>) -> PyErr {
+        let mut held = locked(other);
+        let Some(held) = held.as_mut() else {
+            return own.unwrap_or_else(|| released().into());
+        };
+        let label = held.drive().label();
+        let requests = [StopRequests::default()];
+        let why = self.place.joined.wait(&requests, async {
+            let kept = held.keep_alive().await;
+            kept.map_err(|error| of_motion(&error.into()).about(&label))
+        });
+        why.err().or(own).unwrap_or_else(|| released().into())
     }
 
     /// Carries out a motion; its report as JSON.
@@ -205,6 +250,20 @@ async fn given_back(held: HeldAxis) -> Result<Report, Failure> {
     let drive = held.drive().label();
     let done = held.release().await;
     done.map_err(|error| of_motion(&error).about(&drive))
+}
+
+/// Makes axes belong together: while a call for one of them waits the others are kept, and it ends when one of them fails.
+#[pyfunction]
+pub fn hold_together(axes: Vec<Py<Axis>>) {
+    let own: Vec<_> = axes.iter().map(|axis| Arc::downgrade(&axis.get().held)).collect();
+    for (place, axis) in axes.iter().enumerate() {
+        let others = own.iter().enumerate().filter(|(other, _)| *other != place);
+        // they are put together once, when they are taken
+        let _ = axis
+            .get()
+            .beside
+            .set(others.map(|(_, held)| held.clone()).collect());
+    }
 }
 
 /// Brings axes of one network to rest at the same time and gives control back; an error for each that fails.

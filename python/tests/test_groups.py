@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import threading
 from pathlib import Path
 
 import pytest
 
 from profidrive import Axis, Plant, State, World
-from profidrive.errors import AxisFault, DriveGroupError, MisuseError, SafetyError, UsageError
+from profidrive.errors import AxisFault, ConnectionLost, DriveGroupError, MisuseError, SafetyError, UsageError
 from profidrive.events import Released, StateChanged
 
 DRIVES = ("akd-1", "akd-2", "akd-3")
@@ -62,6 +63,40 @@ def test_an_axis_that_fails_stops_all(world: World) -> None:
         axes["akd-2"].run("600rpm", for_="1s")
     assert fault.value.drive == "akd-2"
     world.run(for_="10s")  # a fault leaves a motor to its friction
+    assert_all_at_rest(world)
+
+
+def test_an_axis_that_fails_ends_the_call_that_waits_for_another_one(world: World) -> None:
+    plant = Plant.of("akd", "akd", "akd").start
+    for action, error in (("fault=439", AxisFault), ("cable=pulled", ConnectionLost)):
+        world = plant()
+        with pytest.raises(error) as failed, world.network.select("akd-*").control(max_speed="1000rpm", lease=2) as axes:
+            axes["akd-2"].run("600rpm")
+            axes["akd-3"].run("600rpm")
+            # the leases of the others go on while one is waited for
+            assert axes["akd-1"].run("600rpm", for_="10s").reached
+            assert world["akd-2"].speed == pytest.approx(600, abs=10)
+            begin = world.now
+            world["akd-2"].inject(action)
+            axes["akd-1"].run("600rpm", for_="1000s")
+        assert failed.value.drive == "akd-2"
+        assert world.now - begin < 5
+        world.run(for_="10s")
+        for drive in DRIVES:
+            assert abs(world[drive].speed) < 1, drive
+            assert not world[drive].connected
+
+
+def test_the_axes_of_a_group_are_moved_by_several_threads(world: World) -> None:
+    with world.network.select("akd-*").control(max_speed="1000rpm") as axes:
+        threads = [threading.Thread(target=axis.run, args=("600rpm",), kwargs={"for_": "3s"}) for axis in axes.values()]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join(30)
+            assert not thread.is_alive()
+        assert {axis.state for axis in axes.values()} == {State.S4}
+        assert all(axis.stats is not None and axis.stats.missed == 0 for axis in axes.values())
     assert_all_at_rest(world)
 
 
