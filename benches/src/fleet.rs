@@ -6,6 +6,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
+use network::system::{First, Rank};
 use serde_json::Value;
 use system_tests::{Lab, Running, Side, built};
 
@@ -156,6 +157,8 @@ impl Stalls {
         let stop = Arc::new(AtomicBool::new(false));
         let ended = stop.clone();
         let thread = std::thread::spawn(move || {
+            // what it waits for is the host then, not the drives
+            let _first = First::new(Rank::Clock);
             let nap = Duration::from_millis(1);
             let (mut sum, mut longest) = (Duration::ZERO, Duration::ZERO);
             while !ended.load(Ordering::Relaxed) {

@@ -6,7 +6,7 @@ use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
 use client::{Driver, Engine, Wire, WireFailure};
-use network::system::{Bell, Stop};
+use network::system::{Bell, First, Rank, Stop};
 use profinet::Instant;
 
 use crate::carrier::Carrier;
@@ -56,10 +56,12 @@ impl Drop for End<'_> {
 fn carry(engine: &Engine, carrier: &mut Carrier, stop: Option<&Stop>, ended: &AtomicBool) {
     let _end = End(engine);
     // a drive stops its axis when this computer is late, whatever else it has to do
-    network::system::run_first();
+    let mut first = First::new(Rank::Frames);
     let mut stopped = false;
     while !ended.load(Ordering::Acquire) {
-        let until = engine.begin_turn(carrier.now());
+        let now = carrier.now();
+        first.turn(now);
+        let until = engine.begin_turn(now);
         let failure = carrier.step(&mut engine.clone(), until).err();
         if failure.is_some() {
             thread::sleep(AFTER_FAILURE);

@@ -117,7 +117,7 @@ pub use drive::{DriveError, FindEvent, FindObserver};
 pub use explained::Explained;
 pub use listed::listed;
 pub use network::files::{StateFile, StateFileError};
-pub use network::system::{ForcedExit, InterfaceInfo, Stop, StopRequests};
+pub use network::system::{First, ForcedExit, InterfaceInfo, Rank, Stop, StopRequests, now};
 pub use open::{Access, Caller, Network, OpenError, Opening, Transport, interface, open, open_line};
 pub use outcome::{Outcome, Reported};
 /// Plants of virtual drives: their file, and what happens to them.

@@ -1,5 +1,6 @@
 //! Listening, serving and ending.
 
+use std::cell::RefCell;
 use std::io;
 use std::net::{SocketAddr, TcpListener as Listener};
 use std::sync::{Arc, Mutex};
@@ -15,7 +16,7 @@ use hyper_util::service::TowerToHyperService;
 use profidrive::client::{Advice, ErrorKind};
 use profidrive::plant::PlantError;
 use profidrive::traffic::Traffic;
-use profidrive::{Explained, Network, OpenError, Stop};
+use profidrive::{Explained, First, Network, OpenError, Rank, Stop, now};
 use tokio::io::{AsyncRead, AsyncWrite};
 use tokio::net::TcpListener;
 use tokio::sync::Semaphore;
@@ -260,6 +261,7 @@ impl Server {
         let runtime = tokio::runtime::Builder::new_multi_thread()
             .worker_threads(2)
             .thread_name("profidrive-web")
+            .on_thread_unpark(answer_first)
             .enable_all()
             .build()?;
         let served = runtime.block_on(async {
@@ -278,6 +280,15 @@ impl Server {
         drop(network);
         served
     }
+}
+
+/// Lets a thread that serves requests run before other programs, a browser among them: STOP comes to it. Work that takes long has
+/// other threads.
+fn answer_first() {
+    thread_local! {
+        static FIRST: RefCell<First> = RefCell::new(First::new(Rank::Answers));
+    }
+    FIRST.with_borrow_mut(|first| first.turn(now()));
 }
 
 async fn raised(stop: &Stop) {

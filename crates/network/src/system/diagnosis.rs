@@ -5,7 +5,7 @@ use std::fmt;
 use std::net::Ipv4Addr;
 use std::time::Duration;
 
-use super::{Stop, os};
+use super::{Rank, Stop, os};
 
 /// What this program may do.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -14,8 +14,7 @@ pub struct Permissions {
     pub raw: bool,
     /// Settings of interfaces (CAP_NET_ADMIN). Nothing here needs it.
     pub admin: bool,
-    /// Threads that run before those of other programs, by CAP_SYS_NICE or a limit for real-time priorities:
-    /// [`run_first`](super::run_first).
+    /// Threads that run before those of other programs, by CAP_SYS_NICE or a limit for real-time priorities: [`First`](super::First).
     pub first: bool,
 }
 
@@ -97,12 +96,11 @@ impl fmt::Display for PortHolder {
 }
 
 /// Sets a timer each `period` for `time` and returns how late each one was, in their order: for a thread of its own, which this
-/// call uses up, and which runs before others where that is permitted, as one does that carries frames
-/// ([`run_first`](super::run_first)). Ends early once `stop` is raised.
+/// call uses up, and which runs before others where that is permitted, as one does that carries frames ([`First`](super::First)). Ends early once `stop` is raised.
 #[must_use]
 pub fn lateness(period: Duration, time: Duration, stop: Option<&Stop>) -> Vec<Duration> {
     os::sharpen_timers();
-    os::run_first();
+    os::run_first(Some(Rank::Frames));
     let begin = std::time::Instant::now();
     let mut late = Vec::new();
     let mut due = period;

@@ -13,7 +13,7 @@ use serialport::SerialPort;
 use super::diagnosis::{Link, Permissions, PortHolder};
 use super::stop::SAME_SIGNAL;
 use super::udp::Ports;
-use super::{Calls, Error, InterfaceInfo, Stop, ThreadTime};
+use super::{Calls, Error, InterfaceInfo, Rank, Stop, ThreadTime};
 
 /// How long to sleep between two looks.
 const NAP: Duration = Duration::from_millis(1);
@@ -60,7 +60,7 @@ pub const fn holders(_port: u16) -> Option<Vec<PortHolder>> {
 pub const fn sharpen_timers() {}
 
 /// Returns false: the thread shares the time of the computer with all others.
-pub const fn run_first() -> bool {
+pub const fn run_first(_rank: Option<Rank>) -> bool {
     false
 }
 

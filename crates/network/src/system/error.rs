@@ -73,7 +73,7 @@ pub enum Error {
 }
 
 /// Returns the command that permits raw Ethernet to this program, and threads that run before others
-/// ([`run_first`](super::run_first)).
+/// ([`First`](super::First)).
 #[must_use]
 pub fn grant_raw_ethernet() -> String {
     let program = std::env::current_exe().map(|path| path.display().to_string());

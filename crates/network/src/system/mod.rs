@@ -7,7 +7,7 @@
 //! | what interfaces there are | [`InterfaceInfo`] |
 //! | Ctrl-C | [`Stop`] |
 //! | what decides how well this computer works as a controller | [`Permissions`], [`Link`], [`PortHolder`], [`lateness`] |
-//! | frames that are on time while other programs compute | [`run_first`] |
+//! | frames that are on time while other programs compute | [`First`] |
 //! | a folder that one program uses at a time | [`FolderLock`] |
 
 mod diagnosis;
@@ -15,6 +15,7 @@ mod diagnosis;
 #[cfg_attr(target_os = "linux", allow(dead_code))]
 mod elsewhere;
 mod error;
+mod first;
 mod interface;
 #[cfg(target_os = "linux")]
 #[allow(unsafe_code)] // system calls that std does not offer; each block states why it is sound
@@ -35,10 +36,11 @@ use linux as os;
 
 pub use diagnosis::{Link, Permissions, PortHolder, lateness};
 pub use error::{Error, grant_raw_ethernet};
+pub use first::{First, Rank};
 pub use interface::InterfaceInfo;
 pub use lock::{FolderLock, LockError};
 pub use medium::{ServerPort, UdpMedium};
-pub use os::{free_memory, now, run_first, thread_time};
+pub use os::{free_memory, now, thread_time};
 pub(crate) use os::{wait_for_octets, wait_for_room};
 pub(crate) use stop::Calls;
 pub use stop::{Bell, ForcedExit, Stop, StopRequests};

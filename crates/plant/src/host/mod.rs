@@ -29,7 +29,7 @@ use network::ethernet::{Runner, Turn};
 use network::files::create;
 use network::host::StationId;
 use network::pcap::Writer;
-use network::system::{Bell, Error as NetworkError, Stop, free_memory, now, thread_time};
+use network::system::{Bell, Error as NetworkError, First, Rank, Stop, free_memory, now, thread_time};
 use profinet::device::Stored;
 use profinet::{Endpoint, Instant};
 use virtual_drive::model::Model;
@@ -320,16 +320,17 @@ impl Host {
     }
 
     /// Runs the drives until the time is over or the simulation is stopped, then saves what is still to be saved. Returns what came
-    /// of each expectation for each of its drives. The calling thread runs before those of other programs from then on, where that is
-    /// permitted.
+    /// of each expectation for each of its drives. The calling thread runs before those of other programs meanwhile, where that is permitted
+    /// and as long as it needs little of a processor ([`First`]).
     ///
     /// # Errors
     /// When the interface fails for good, when a station on the segment has the MAC address of a drive, or when the
     /// capture file is not complete.
     pub fn run(mut self) -> Result<Vec<ExpectationResult>, HostError> {
         // a controller gives up drives that are late, whatever else this computer has to do
-        network::system::run_first();
+        let mut first = First::new(Rank::Frames);
         loop {
+            first.turn(now());
             let turn = self.step()?;
             self.reopen()?;
             self.finish_duplicate_check()?;

@@ -5,6 +5,7 @@ use std::net::{IpAddr, Ipv4Addr};
 
 use procfs::process::{FDTarget, Process, all_processes};
 
+use crate::system::Rank;
 use crate::system::diagnosis::{Permissions, PortHolder};
 
 // linux/capability.h
@@ -19,7 +20,9 @@ pub fn permissions() -> Option<Permissions> {
         raw: has(CAP_NET_RAW),
         admin: has(CAP_NET_ADMIN),
         // in a namespace of users a capability is not enough, and a limit may be
-        first: std::thread::spawn(super::run_first).join().unwrap_or(false),
+        first: std::thread::spawn(|| super::run_first(Some(Rank::Frames)))
+            .join()
+            .unwrap_or(false),
     })
 }
 

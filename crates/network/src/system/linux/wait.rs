@@ -7,7 +7,7 @@ use std::time::Duration;
 use profinet::Instant;
 
 use crate::system::udp::Ports;
-use crate::system::{Bell, Calls, Error, Stop};
+use crate::system::{Bell, Calls, Error, Rank, Stop};
 
 /// Returns the time of all media: the monotonic clock, whose origin is the start of the computer.
 #[must_use]
@@ -27,13 +27,19 @@ pub fn sharpen_timers() {
     unsafe { libc::prctl(libc::PR_SET_TIMERSLACK, 1 as libc::c_ulong, 0, 0, 0) };
 }
 
-/// Lets the calling thread run before all threads that share the time of the computer, where the system permits it (root,
-/// `CAP_SYS_NICE`, or a limit for real-time priorities). Returns whether it does. Threads that it starts do not.
-pub fn run_first() -> bool {
-    let lowest = libc::sched_param { sched_priority: 1 };
-    // SAFETY: 0 is the calling thread, and `lowest` is valid for the call. If it fails the thread stays as it was.
+/// Lets the calling thread run before all threads of a lower rank, or share the time of the computer with those that have none.
+/// Returns whether the system permits it. Threads that it starts share.
+pub fn run_first(rank: Option<Rank>) -> bool {
+    let (policy, sched_priority) = match rank {
+        None => (libc::SCHED_OTHER, 0),
+        Some(Rank::Answers) => (libc::SCHED_RR, 1),
+        Some(Rank::Frames) => (libc::SCHED_RR, 2),
+        Some(Rank::Clock) => (libc::SCHED_RR, 3),
+    };
+    let priority = libc::sched_param { sched_priority };
+    // SAFETY: 0 is the calling thread, and `priority` is valid for the call. If it fails the thread stays as it was.
     let result =
-        unsafe { libc::sched_setscheduler(0, libc::SCHED_RR | libc::SCHED_RESET_ON_FORK, &raw const lowest) };
+        unsafe { libc::sched_setscheduler(0, policy | libc::SCHED_RESET_ON_FORK, &raw const priority) };
     result == 0
 }
 

@@ -1,0 +1,125 @@
+//! A thread that runs before those of other programs, as long as it needs little of the computer.
+
+use std::time::Duration;
+
+use profinet::Instant;
+
+use super::os;
+
+/// What is done first, where several threads are to be first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Rank {
+    /// Answers to people: a stop that someone requests.
+    Answers,
+    /// Frames: a drive ends its connection, and stops its axis, when they are late.
+    Frames,
+    /// What measures the computer itself.
+    Clock,
+}
+
+/// How long a thread is watched before its rank is decided anew.
+const WINDOW: Duration = Duration::from_millis(100);
+/// The share of a processor above which a thread gives its rank up, and that below which it takes it again: one in so many.
+const ABOVE: u32 = 4;
+const BELOW: u32 = 8;
+
+/// The rank of the calling thread, where the system permits one (root, `CAP_SYS_NICE`, or a limit for real-time priorities).
+///
+/// A thread that needs much of a processor shares it with all others instead: before them it would hold up what the kernel does
+/// with its own frames. To be used by one thread, which calls [`First::turn`] again and again. Threads that it starts share.
+#[derive(Debug)]
+pub struct First {
+    rank: Rank,
+    /// Nothing where the system does not permit it, or does not report the time of threads.
+    watch: Option<Watch>,
+}
+
+#[derive(Debug)]
+struct Watch {
+    since: Instant,
+    ran: Duration,
+    first: bool,
+}
+
+impl First {
+    /// Gives the calling thread a rank before all threads that have none.
+    #[must_use]
+    pub fn new(rank: Rank) -> Self {
+        let watch = os::thread_time()
+            .filter(|_| os::run_first(Some(rank)))
+            .map(|time| Watch {
+                since: os::now(),
+                ran: time.ran,
+                first: true,
+            });
+        Self { rank, watch }
+    }
+
+    /// Decides the rank anew where the time has come. It costs some nanoseconds otherwise.
+    pub fn turn(&mut self, now: Instant) {
+        let Some(watch) = &mut self.watch else {
+            return;
+        };
+        let passed = now.saturating_since(watch.since);
+        if passed < WINDOW {
+            return;
+        }
+        let Some(time) = os::thread_time() else {
+            return;
+        };
+        let first = stays_first(watch.first, time.ran.saturating_sub(watch.ran), passed);
+        if first != watch.first {
+            os::run_first(first.then_some(self.rank));
+        }
+        *watch = Watch {
+            since: now,
+            ran: time.ran,
+            first,
+        };
+    }
+}
+
+/// Returns whether a thread that ran for a part of some time is first from then on.
+fn stays_first(is: bool, ran: Duration, passed: Duration) -> bool {
+    let most = if is { ABOVE } else { BELOW };
+    ran * most <= passed
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_thread_that_needs_much_shares_until_it_needs_little() {
+        let of = |is, percent| stays_first(is, WINDOW * percent / 100, WINDOW);
+        assert!(of(true, 25));
+        assert!(!of(true, 26));
+        assert!(!of(false, 13));
+        assert!(of(false, 12));
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_thread_that_computes_is_not_first_for_long() {
+        let policy = || {
+            let text = std::fs::read_to_string("/proc/thread-self/stat").unwrap();
+            // the name may have blanks; the policy is field 41
+            let after = text.rsplit_once(") ").unwrap().1;
+            after.split(' ').nth(38).unwrap().parse::<u32>().unwrap()
+        };
+        let first = std::thread::spawn(move || {
+            let mut first = First::new(Rank::Frames);
+            let permitted = first.watch.is_some();
+            let before = policy();
+            let end = std::time::Instant::now() + Duration::from_secs(20);
+            while policy() != 0 && std::time::Instant::now() < end {
+                first.turn(os::now());
+            }
+            (permitted, before, policy())
+        });
+        let (permitted, before, after) = first.join().unwrap();
+        // SCHED_RR is 2, SCHED_OTHER 0
+        assert_eq!(before, if permitted { 2 } else { 0 });
+        assert_eq!(after, 0);
+    }
+}
