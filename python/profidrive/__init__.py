@@ -15,11 +15,12 @@ from profidrive.types import State
 
 if TYPE_CHECKING:
     from profidrive import aio, events, frames, gsdml, reports
-    from profidrive._sync import Axis, Control, Drive, Drives, Network, Recording, open
+    from profidrive._sync import Axis, Control, Drive, Drives, GroupControl, Network, Recording, open
     from profidrive.backup import Backup
     from profidrive.campaign import SweepResult, choice, log_uniform, normal, sweep, uniform
     from profidrive.capture import Decoded, Pdu, decode
     from profidrive.plant import Plant, PlantDrive, Served, VirtualDrive, World
+    from profidrive.readings import Readings
     from profidrive.table import Table
     from profidrive.trace import Trace
     from profidrive.words import Stw1, Zsw1
@@ -34,10 +35,12 @@ _LAZY = {
     "Decoded": "capture",
     "Drive": "_sync",
     "Drives": "_sync",
+    "GroupControl": "_sync",
     "Network": "_sync",
     "Pdu": "capture",
     "Plant": "plant",
     "PlantDrive": "plant",
+    "Readings": "readings",
     "Recording": "_sync",
     "Served": "plant",
     "Stw1": "words",
@@ -100,11 +103,13 @@ __all__ = [
     "Drive",
     "Drives",
     "ErrorKind",
+    "GroupControl",
     "Network",
     "Pdu",
     "Plant",
     "PlantDrive",
     "ProfidriveError",
+    "Readings",
     "Recording",
     "Served",
     "State",

@@ -6,12 +6,13 @@ import atexit
 import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Generic, TypeVar
+from typing import Any, Generic, Literal, TypeVar
 
 from profidrive import _profidrive
 from profidrive._values import value_text
 from profidrive.backup import Backup
-from profidrive.errors import DriveGroupError, LocalError, ProfidriveError, UsageError
+from profidrive.errors import DriveGroupError, LocalError, ProfidriveError, UsageError, _made
+from profidrive.readings import Readings
 from profidrive.reports import (
     DescribeReport,
     DiffReport,
@@ -52,8 +53,16 @@ class Call(Generic[T]):
     made: Callable[[Any], T]
 
 
-def read_all(names: Sequence[str]) -> Call[tuple[Parameter, ...]]:
-    return Call(_profidrive.Verb.read(list(names)), lambda data: ParametersReport._of(data).parameters)
+def read_all(names: Sequence[str], errors: Literal["raise", "collect"]) -> Call[Readings]:
+    def collected(data: Any) -> Readings:
+        problems = tuple(_made(*problem) for problem in data["problems"])
+        return Readings(ParametersReport._of(data["report"]).parameters, problems)
+
+    if errors == "collect":
+        return Call(_profidrive.Verb.read(list(names), True), collected)
+    if errors != "raise":
+        raise UsageError(f"errors={errors!r}: there are `raise` and `collect`")
+    return Call(_profidrive.Verb.read(list(names), False), lambda data: Readings(ParametersReport._of(data).parameters))
 
 
 def read_one(name: str) -> Call[Parameter]:
@@ -64,7 +73,7 @@ def read_one(name: str) -> Call[Parameter]:
             raise UsageError(message, drive=report.drive)
         return report.parameters[0]
 
-    return Call(_profidrive.Verb.read([name]), one)
+    return Call(_profidrive.Verb.read([name], False), one)
 
 
 def write(values: Mapping[str, Value], save: bool, dry_run: bool) -> Call[WriteReport]:

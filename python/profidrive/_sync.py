@@ -9,15 +9,17 @@ import os
 import pathlib
 import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from types import TracebackType
+from types import MappingProxyType, TracebackType
 from typing import TYPE_CHECKING, Literal, ParamSpec, TypeVar, overload
 
 from profidrive import _calls, _profidrive
 from profidrive._calls import Call, backup_of, free_beside, grouped, read_all, read_one
+from profidrive._render import page
 from profidrive._values import optional_span, span, value_text
 from profidrive._waiting import synchronous as waiting
 from profidrive.backup import Backup
 from profidrive.errors import MisuseError, ProfidriveError, UsageError
+from profidrive.readings import Readings
 from profidrive.recording import Gap, Recorded
 from profidrive.reports import (
     AxisState,
@@ -37,11 +39,13 @@ from profidrive.reports import (
     StopReport,
     WriteReport,
 )
-from profidrive.table import Table
+from profidrive.table import OF_ALL, Table
 from profidrive.types import CycleStats, Duration, Path, State, Value
 from profidrive.words import Zsw1
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
     from profidrive.plant import World
 
 T = TypeVar("T")
@@ -49,7 +53,12 @@ P = ParamSpec("P")
 
 
 def open(
-    interface: str | None = None, *, ip: bool = False, read_only: bool = False, timeout: Duration | None = None
+    interface: str | None = None,
+    *,
+    ip: bool = False,
+    read_only: bool = False,
+    timeout: Duration | None = None,
+    machine: Path | None = None,
 ) -> Network:
     """Opens a network.
 
@@ -60,13 +69,16 @@ def open(
             Where no interface is named and raw sockets are not permitted, it is that anyway.
         read_only: refuse every call that changes something; a stop is always permitted.
         timeout: time for a drive to answer the first request of a call; when None the usual 10 s.
+        machine: a machine file. Its groups can be selected (`"@line1"`), `"all"` means its drives too, and no motion is faster than
+            it permits.
 
     Raises:
         PermissionMissing: when raw sockets are required and not permitted (CAP_NET_RAW).
         UnreachableError: when the interface is not there or is down.
     """
     named = interface or os.environ.get("PROFIDRIVE_INTERFACE") or None
-    opened = waiting.call(_profidrive.open, named, ip, read_only, optional_span(timeout))
+    file = None if machine is None else os.fspath(machine)
+    opened = waiting.call(_profidrive.open, named, ip, read_only, optional_span(timeout), file)
     _calls.leave_at_exit()
     return Network(opened)
 
@@ -100,7 +112,8 @@ class Network:
         return Drive(self._network, drive)
 
     def select(self, *selectors: str) -> Drives:
-        """Finds the drives that are meant: `"akd-1"`, `"akd-*"`, `"model=akd"`, `"vendor=danfoss"`, `"all"`, or a list of them.
+        """Finds the drives that are meant: `"akd-1"`, `"akd-*"`, `"model=akd"`, `"vendor=danfoss"`, `"all"`, a group of the machine
+        file (`"@line1"`), or several of them.
 
         Raises:
             DriveGroupError: when one of them cannot be worked with; `results` has the others.
@@ -175,25 +188,45 @@ class Drive:
         self._network = network
         self.name = name
 
-    def _do(self, call: Call[T]) -> T:
-        return call.made(json.loads(waiting.call(self._network.one, self.name, call.verb)))
+    def _do(self, call: Call[T], timeout: Duration | None = None) -> T:
+        document = waiting.call(self._network.one, self.name, call.verb, optional_span(timeout))
+        return call.made(json.loads(document))
 
     @overload
-    def read(self, parameter: str, /) -> Parameter: ...
+    def read(self, parameter: str, /, *, timeout: Duration | None = None) -> Parameter: ...
     @overload
-    def read(self, parameter: list[str] | tuple[str, ...], /) -> tuple[Parameter, ...]: ...
-    def read(self, parameter: str | list[str] | tuple[str, ...], /) -> Parameter | tuple[Parameter, ...]:
+    def read(
+        self,
+        parameter: list[str] | tuple[str, ...],
+        /,
+        *,
+        timeout: Duration | None = None,
+        errors: Literal["raise", "collect"] = "raise",
+    ) -> Readings: ...
+    def read(
+        self,
+        parameter: str | list[str] | tuple[str, ...],
+        /,
+        *,
+        timeout: Duration | None = None,
+        errors: Literal["raise", "collect"] = "raise",
+    ) -> Parameter | Readings:
         """Reads a parameter, or several in few requests: `"DRV.ACC"`, `"p922"`, `"3-41"`.
 
         In a list an array has a value for each element.
 
+        Args:
+            timeout: time for the whole call.
+            errors: with `"collect"` what cannot be read of a list is in `errors` of the result, and nothing is raised for it.
+
         Raises:
             UnknownParameter: for a name that the drive does not have.
             RefusedError: when the drive refuses one.
+            DriveTimeout: when it does not answer in time.
         """
         if not isinstance(parameter, str):
-            return self._do(read_all(parameter))
-        return self._do(read_one(parameter))
+            return self._do(read_all(parameter, errors), timeout)
+        return self._do(read_one(parameter), timeout)
 
     def write(self, values: Mapping[str, Value], /, *, save: bool = False, dry_run: bool = False) -> WriteReport:
         """Checks values, writes them in this order, and reads them back. With `dry_run` nothing is written.
@@ -366,10 +399,11 @@ class Drives(Sequence[Drive]):
         """Names of the drives."""
         return self._names
 
-    def _do(self, what: str, call: Call[T]) -> dict[str, T]:
+    def _do(self, what: str, call: Call[T], timeout: Duration | None = None) -> dict[str, T]:
         errors: dict[str, ProfidriveError] = {}
         results: dict[str, T] = {}
-        for name, document, error in waiting.call(self._network.each, list(self._names), call.verb):
+        done = waiting.call(self._network.each, list(self._names), call.verb, optional_span(timeout))
+        for name, document, error in done:
             try:
                 if document is None:
                     assert isinstance(error, ProfidriveError)
@@ -382,16 +416,28 @@ class Drives(Sequence[Drive]):
         return results
 
     @overload
-    def read(self, parameter: str, /) -> dict[str, Parameter]: ...
+    def read(self, parameter: str, /, *, timeout: Duration | None = None) -> dict[str, Parameter]: ...
     @overload
-    def read(self, parameter: list[str] | tuple[str, ...], /) -> dict[str, tuple[Parameter, ...]]: ...
     def read(
-        self, parameter: str | list[str] | tuple[str, ...], /
-    ) -> dict[str, Parameter] | dict[str, tuple[Parameter, ...]]:
-        """Reads a parameter, or several, of each drive."""
+        self,
+        parameter: list[str] | tuple[str, ...],
+        /,
+        *,
+        timeout: Duration | None = None,
+        errors: Literal["raise", "collect"] = "raise",
+    ) -> dict[str, Readings]: ...
+    def read(
+        self,
+        parameter: str | list[str] | tuple[str, ...],
+        /,
+        *,
+        timeout: Duration | None = None,
+        errors: Literal["raise", "collect"] = "raise",
+    ) -> dict[str, Parameter] | dict[str, Readings]:
+        """Reads a parameter, or several, of each drive; see `Drive.read`."""
         if not isinstance(parameter, str):
-            return self._do("read", read_all(parameter))
-        return self._do("read", read_one(parameter))
+            return self._do("read", read_all(parameter, errors), timeout)
+        return self._do("read", read_one(parameter), timeout)
 
     def write(self, values: Mapping[str, Value], /, *, save: bool = False, dry_run: bool = False) -> dict[str, WriteReport]:
         """Writes the same values to each drive."""
@@ -442,6 +488,42 @@ class Drives(Sequence[Drive]):
         """Brings each drive to rest."""
         return self._do("stop", _calls.stop(disable))
 
+    def control(
+        self,
+        *,
+        max_speed: Value,
+        mode: Literal["velocity", "position"] | None = None,
+        telegram: int | None = None,
+        cycle: Duration | None = None,
+        lease: Duration = 5.0,
+        set_mode: bool = False,
+        accept_no_timeout: bool = False,
+    ) -> GroupControl:
+        """Returns what takes control of all axes in a `with` block, in their order; see `Drive.control`.
+
+        Each motion is one of its axis: `run` leaves it turning, `wait=False` begins a move without waiting. While a call for one
+        axis waits the others are kept, and when one of them fails the call ends along its ramp and raises why that one failed.
+        However the block ends, all are stopped and released at the same time.
+
+        Raises:
+            DriveGroupError: at the begin of the block, when one cannot be taken: none is then; at its end, when one cannot be
+                brought to rest.
+        """
+        return GroupControl(
+            {
+                drive.name: drive.control(
+                    max_speed=max_speed,
+                    mode=mode,
+                    telegram=telegram,
+                    cycle=cycle,
+                    lease=lease,
+                    set_mode=set_mode,
+                    accept_no_timeout=accept_no_timeout,
+                )
+                for drive in self
+            }
+        )
+
     def __repr__(self) -> str:
         return f"<Drives {', '.join(self._names)}>"
 
@@ -465,8 +547,9 @@ class Axis:
     __slots__ = ("_axis", "_drive")
 
     def __init__(self, axis: _profidrive.Axis, drive: str) -> None:
-        self._axis = axis
+        # named before it has what is to be stopped, whatever interrupts this
         self._drive = drive
+        self._axis = axis
 
     def run(self, speed: Value, *, for_: Duration | None = None) -> MotionReport:
         """Turns at a speed. Returns at that speed and leaves it turning; with `for_` it keeps the speed for that time and halts."""
@@ -603,6 +686,12 @@ class Axis:
             )
 
 
+def _then(error: BaseException, unreleased: ProfidriveError) -> None:
+    """Notes what comes on top of what ended a block."""
+    if hasattr(error, "add_note") and type(unreleased) is not type(error):
+        error.add_note(f"then: {unreleased}")
+
+
 class Control:
     """Takes control of an axis in a `with` block. However the block ends, the axis is ramped down and released."""
 
@@ -639,9 +728,47 @@ class Control:
         except ProfidriveError as unreleased:
             if error is None:
                 raise
-            # what ended the block is the cause; this comes on top of it
-            if hasattr(error, "add_note") and type(unreleased) is not type(error):
-                error.add_note(f"then: {unreleased}")
+            _then(error, unreleased)
+
+
+class GroupControl:
+    """Takes control of the axes of many drives in a `with` block. However the block ends, all are ramped down and released."""
+
+    __slots__ = ("_controls",)
+
+    def __init__(self, controls: dict[str, Control]) -> None:
+        self._controls = controls
+
+    def __enter__(self) -> Mapping[str, Axis]:
+        if any(control._axis is not None for control in self._controls.values()):
+            raise MisuseError("control is for one block")
+        axes: dict[str, Axis] = {}
+        errors: dict[str, ProfidriveError] = {}
+        try:
+            for name, control in self._controls.items():
+                try:
+                    axes[name] = control.__enter__()
+                except ProfidriveError as error:
+                    errors[name] = error
+            if errors:
+                raise grouped("control", errors, dict.fromkeys(axes))
+        except BaseException as error:
+            self.__exit__(type(error), error, error.__traceback__)
+            raise
+        _profidrive.hold_together([axis._axis for axis in axes.values()])
+        return MappingProxyType(axes)
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        taken = {name: control._axis._axis for name, control in self._controls.items() if control._axis is not None}
+        held = {name: axis for name, axis in taken.items() if axis.is_held}
+        interrupted = isinstance(error, KeyboardInterrupt)
+        failed = waiting.lasting(_profidrive.release_together, list(held.values()), interrupted)
+        errors = {name: one for name, one in zip(held, failed, strict=True) if isinstance(one, ProfidriveError)}
+        if errors and error is None:
+            raise grouped("release", errors, {name: None for name in held if name not in errors})
+        if error is not None:
+            for unreleased in errors.values():
+                _then(error, unreleased)
 
 
 class Recording(Table):
@@ -689,10 +816,25 @@ class Recording(Table):
         """Draws the signals to a file (SVG). Needs no other package."""
         pathlib.Path(path).write_text(self._recording.picture(title), encoding="utf-8")
 
+    def plot(self, signals: Sequence[str] | None = None, ax: Axes | None = None) -> Axes:
+        """Plots signals with matplotlib, all where none is named, marks the gaps, and returns the axes."""
+        from profidrive._plot import plot
+
+        chosen = [name for name in self.columns if name not in OF_ALL] if signals is None else signals
+        drives = [recorded.drive for recorded in self.drives]
+        return plot(self, drives, chosen, ax, gaps=[gap.time for gap in self.gaps()])
+
+    def _repr_html_(self) -> str:
+        """Signals of one unit as a picture, and the last rows of all, for notebooks."""
+        units = self.units
+        signals = [name for name in self.columns if name not in OF_ALL]
+        shown = [name for name in signals if units[name] == units[signals[0]]]
+        return page(self._recording.picture("", shown), super()._repr_html_())
+
 
 def network_of(world: World) -> Network:
     """Returns the network of a plant. Time passes there only while a call waits."""
     return Network(world._world.network())
 
 
-__all__ = ["Axis", "Control", "Drive", "Drives", "Network", "Recording", "network_of", "open"]
+__all__ = ["Axis", "Control", "Drive", "Drives", "GroupControl", "Network", "Recording", "network_of", "open"]

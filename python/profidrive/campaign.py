@@ -90,7 +90,7 @@ class Row:
     """Names of the expectations that did not come true."""
     measures: Mapping[str, float]
     digest: str
-    """The same for the same run; another number than that of its `Trace`, as it covers the frames."""
+    """That of the `Trace` of this run."""
     wall: float
     """Seconds of a computer that it took."""
 
@@ -109,7 +109,7 @@ class Failure:
     results: tuple[ExpectationResult, ...]
     """The expectations that did not come true."""
     digest: str
-    """That of its `Row`."""
+    """That of its `Trace`."""
     _job: _Job = field(repr=False)
 
     def plant(self) -> Plant:
@@ -122,10 +122,10 @@ class Failure:
         Raises:
             UsageError: when it is not the same run: this package is another one than that of the worker.
         """
-        again = json.loads(self._job.campaign().run([(self.seed, [])]).row(0) or "{}")
-        if again["digest"] != self.digest:
-            raise UsageError(f"seed {self.seed} is another run here: {again['digest']} in place of {self.digest}")
-        return self.plant().run(self._job.until)
+        trace = self.plant().run(self._job.until)
+        if trace.digest != self.digest:
+            raise UsageError(f"seed {self.seed} is another run here: {trace.digest} in place of {self.digest}")
+        return trace
 
     def shrink(self, *, expectation: str | None = None, executor: Executor | None = None, budget: Duration = 60.0) -> Reproduction:
         """Returns the smallest plant in which the same expectation of the same drive still fails.

@@ -106,6 +106,10 @@ class UnreachableError(ProfidriveError, ConnectionError):
     kind = ErrorKind.UNREACHABLE
 
 
+class DriveTimeout(UnreachableError, TimeoutError):
+    """The drive did not answer in time."""
+
+
 class ConnectionLost(UnreachableError):
     """The connection was lost while an axis was under control. The drive can be used again at the next call, the axis cannot."""
 
@@ -241,7 +245,7 @@ _KINDS: Mapping[str, type[ProfidriveError]] = {
     )
 }
 _NAMED: Mapping[str, type[ProfidriveError]] = {
-    found.__name__: found for found in (UnknownParameter, ExpectationFailed, PermissionMissing, MisuseError)
+    found.__name__: found for found in (UnknownParameter, DriveTimeout, ExpectationFailed, PermissionMissing, MisuseError)
 }
 _DOCUMENTS = {
     "report": "WriteReport",
@@ -275,6 +279,7 @@ __all__ = [
     "ConnectionLost",
     "DifferenceError",
     "DriveGroupError",
+    "DriveTimeout",
     "ErrorKind",
     "ExpectationFailed",
     "InternalError",

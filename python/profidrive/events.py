@@ -6,9 +6,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import Enum
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from profidrive.types import State as State
+
+if TYPE_CHECKING:
+    import pint
+    from pint import UnitRegistry
 
 
 def _number(value: float | None) -> float:
@@ -436,6 +440,16 @@ class ParameterReading:
             raw=data["raw"],
             text=data["text"],
         )
+
+    def to_pint(self, ureg: UnitRegistry[Any]) -> pint.Quantity[Any]:
+        """Returns the number as a quantity of pint.
+
+        Raises:
+            UsageError: where there is no number, or pint does not have its unit.
+        """
+        from profidrive.units import to_pint
+
+        return to_pint(self.value, self.unit, ureg)
 
 
 class WrittenBy(str, Enum):

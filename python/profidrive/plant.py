@@ -74,10 +74,17 @@ class Plant:
         """Returns the text of a plant file of this plant."""
         return self._plant.to_toml()
 
-    def start(self, *, seed: int | None = None, capture: Path | None = None) -> World:
-        """Returns the plant at its start. `capture` is a new file for all frames (`.pcapng`)."""
+    def start(self, *, seed: int | None = None, capture: Path | None = None, machine: Path | None = None) -> World:
+        """Returns the plant at its start.
+
+        Args:
+            seed: what decides everything that happens by chance; that of the plant where it is None.
+            capture: a new file for all frames (`.pcapng`).
+            machine: the machine file of `World.network`, as `profidrive.open` has it.
+        """
         chance = None if seed is None else seed_of(seed)
-        return World(self._plant.start(chance, None if capture is None else os.fspath(capture)))
+        files = [None if file is None else os.fspath(file) for file in (capture, machine)]
+        return World(self._plant.start(chance, *files))
 
     def run(self, until: Duration | None = None, *, seed: int | None = None) -> Trace:
         """Runs the plant from its start, until its `duration` where no time is given, and returns what happened."""

@@ -189,13 +189,13 @@ def _watched(plant: Plant, item: pytest.Item) -> Plant:
     folder = item.config.getoption("--profidrive-report")
     start = plant.start
 
-    def started(*, seed: int | None = None, capture: Any = None) -> World:
+    def started(*, seed: int | None = None, capture: Any = None, machine: Any = None) -> World:
         if capture is None and folder is not None:
             Path(folder).mkdir(parents=True, exist_ok=True)
             capture = _free(Path(folder) / _name(item), ".pcapng")
-            watches.append(_Watch(start(seed=seed, capture=capture), capture))
+            watches.append(_Watch(start(seed=seed, capture=capture, machine=machine), capture))
         else:
-            watches.append(_Watch(start(seed=seed, capture=capture), None))
+            watches.append(_Watch(start(seed=seed, capture=capture, machine=machine), None))
         return watches[-1].world
 
     # its `run` starts it by this too

@@ -3,12 +3,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from enum import Enum
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from profidrive.types import State as State
+
+if TYPE_CHECKING:
+    import pint
+    from pint import UnitRegistry
 
 
 def _number(value: float | None) -> float:
@@ -127,6 +131,16 @@ class Parameter:
             error=None if data["error"] is None else ParameterError._of(data["error"]),
         )
 
+    def to_pint(self, ureg: UnitRegistry[Any]) -> pint.Quantity[Any]:
+        """Returns the number as a quantity of pint.
+
+        Raises:
+            UsageError: where there is no number, or pint does not have its unit.
+        """
+        from profidrive.units import to_pint
+
+        return to_pint(self.value, self.unit, ureg)
+
 
 @dataclass(frozen=True, slots=True)
 class ParametersReport:
@@ -235,6 +249,16 @@ class Quantity:
             unit=data["unit"],
             beyond=data["beyond"],
         )
+
+    def to_pint(self, ureg: UnitRegistry[Any]) -> pint.Quantity[Any]:
+        """Returns the number as a quantity of pint.
+
+        Raises:
+            UsageError: where there is no number, or pint does not have its unit.
+        """
+        from profidrive.units import to_pint
+
+        return to_pint(self.value, self.unit, ureg)
 
 
 @dataclass(frozen=True, slots=True)
@@ -464,6 +488,20 @@ class StatusReport:
             faults=tuple(Fault._of(item) for item in data["faults"]),
             warnings=tuple(Warning._of(item) for item in data["warnings"]),
         )
+
+    @property
+    def runs(self) -> bool:
+        """Whether the drive runs."""
+        return self.verdict == "runs"
+
+    def __bool__(self) -> bool:
+        return self.runs
+
+    def _repr_html_(self) -> str:
+        """It in words and its values, for notebooks."""
+        from profidrive._render import status
+
+        return status(self)
 
 
 @dataclass(frozen=True, slots=True)
@@ -1466,6 +1504,21 @@ class ScanReport:
             stations=tuple(Scanned._of(item) for item in data["stations"]),
         )
 
+    def __len__(self) -> int:
+        return len(self.stations)
+
+    def __iter__(self) -> Iterator[Scanned]:
+        return iter(self.stations)
+
+    def __getitem__(self, place: int) -> Scanned:
+        return self.stations[place]
+
+    def _repr_html_(self) -> str:
+        """The stations in a table, for notebooks."""
+        from profidrive._render import stations
+
+        return stations(self)
+
 
 @dataclass(frozen=True, slots=True)
 class NameReport:
@@ -1678,6 +1731,12 @@ class DiffReport:
             differences=tuple(Difference._of(item) for item in data["differences"]),
             tasks=tuple(TaskDifference._of(item) for item in data["tasks"]),
         )
+
+    def _repr_html_(self) -> str:
+        """The differences in a table, for notebooks."""
+        from profidrive._render import differences
+
+        return differences(self)
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,6 +14,10 @@ if TYPE_CHECKING:
     from profidrive import _profidrive
 
 
+OF_ALL = ("t", "wall", "drive", "gap")
+"""Columns that every table has."""
+
+
 class Table:
     """Samples of drives, a row for each time at which something of a drive changed.
 
@@ -85,7 +89,8 @@ class Table:
         columns = [name for name in self.columns if name not in ("wall", "gap")]
         values = [self[name][-LAST:].tolist() for name in columns]
         units = [f"{name} ({self.units[name]})" if self.units[name] else name for name in columns]
-        return page(table(["t (ns)", *units[1:]], zip(*values, strict=True), f"{len(self)} rows"))
+        caption = f"{len(self)} rows" + (f", the last {LAST}" if len(self) > LAST else "")
+        return page(table(["t (ns)", *units[1:]], zip(*values, strict=True), caption))
 
     def __repr__(self) -> str:
         return f"<Table of {len(self)} rows: {', '.join(self.columns)}>"

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from profidrive._render import page, table
 from profidrive._values import chosen, expectation_text, span
-from profidrive.errors import ExpectationFailed, UnsupportedError, UsageError
-from profidrive.events import Event, ExpectationResult, Outcome, Sample, event_of
+from profidrive.errors import ExpectationFailed, UsageError
+from profidrive.events import Event, ExpectationResult, FaultRaised, Outcome, Sample, event_of
 from profidrive.table import Table
 from profidrive.types import Duration, Path
 
@@ -47,7 +47,7 @@ class Trace:
 
     @cached_property
     def digest(self) -> str:
-        """The same for the same run, of all drives."""
+        """The same for the same run: of its events, its frames and all drives, whatever was `cut`."""
         return self._trace.digest()
 
     @property
@@ -123,23 +123,11 @@ class Trace:
             file.write(self._trace.picture(title, list(columns), self._drive))
 
     def plot(self, signals: Sequence[str] = ("speed",), ax: Axes | None = None) -> Axes:
-        """Plots columns of the samples with matplotlib and returns the axes."""
-        try:
-            from matplotlib import pyplot
-        except ImportError as error:
-            raise UnsupportedError("plots need matplotlib", hint='pip install "profidrive[plot]"') from error
-        axes = pyplot.gca() if ax is None else ax
-        units = self.samples.units
-        for drive in self.drives:
-            table = self.of(drive).samples
-            seconds = table["t"].astype("int64") / 1e9
-            for signal in signals:
-                chosen(table.columns, signal, "column")
-                axes.plot(seconds, table[signal], drawstyle="steps-post", label=f"{drive} {signal}")
-        axes.set_xlabel("time (s)")
-        axes.set_ylabel(", ".join(sorted({units[signal] for signal in signals if units[signal]})))
-        axes.legend()
-        return axes
+        """Plots columns of the samples with matplotlib, marks the faults, and returns the axes."""
+        from profidrive._plot import plot
+
+        faults = [(event.time, f"{event.drive} fault {event.fault.number}") for event in self.only(FaultRaised)]
+        return plot(self.samples, self.drives, signals, ax, faults=faults)
 
     def lines(self) -> tuple[str, ...]:
         """Returns the events as lines of text."""

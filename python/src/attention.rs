@@ -1,26 +1,29 @@
 //! Waiting for the library in a thread of Python, which has its signals meanwhile.
 
-use std::future::Future;
+use std::future::{Future, poll_fn};
+use std::pin::pin;
+use std::task::Poll;
 use std::time::{Duration, Instant as Clock};
 
 use client::ErrorKind;
-use profidrive::{StopRequests, Wait as _};
+use profidrive::{Caller, StopRequests, Wait as _};
 use pyo3::prelude::*;
 
-use crate::errors::Failure;
+use crate::errors::{Failure, of_client};
+use crate::time::seconds;
 
 /// Time of this computer between two looks at the signals of Python.
 pub const LOOK: Duration = Duration::from_millis(50);
 
 /// What signals raised while a call waited: each is a request to stop.
 pub struct Signals<'r> {
-    requests: &'r StopRequests,
+    requests: &'r [StopRequests],
     looked: Clock,
     raised: Option<PyErr>,
 }
 
 impl<'r> Signals<'r> {
-    pub fn new(requests: &'r StopRequests) -> Self {
+    pub fn new(requests: &'r [StopRequests]) -> Self {
         Self {
             requests,
             looked: Clock::now(),
@@ -36,7 +39,7 @@ impl<'r> Signals<'r> {
         self.looked = Clock::now();
         if let Err(raised) = Python::attach(|py| py.check_signals()) {
             self.raised.get_or_insert(raised);
-            self.requests.request();
+            self.requests.iter().for_each(StopRequests::request);
         }
     }
 
@@ -46,12 +49,34 @@ impl<'r> Signals<'r> {
     }
 }
 
+/// Gives a call up when it lasts longer. What it did not end is dropped.
+pub async fn within<T>(
+    caller: &Caller,
+    limit: Option<Duration>,
+    call: impl Future<Output = Result<T, Failure>>,
+) -> Result<T, Failure> {
+    let Some(limit) = limit else {
+        return call.await;
+    };
+    let mut clock = caller.clone();
+    let (mut call, mut end) = (pin!(call), pin!(clock.pass(limit)));
+    poll_fn(|context| match call.as_mut().poll(context) {
+        Poll::Ready(result) => Poll::Ready(result),
+        Poll::Pending => end.as_mut().poll(context).map(|passed| {
+            passed.map_err(|error| of_client(&error))?;
+            let late = format!("no answer within {} s", seconds(limit));
+            Err(Failure::new(ErrorKind::Unreachable, late).of_class("DriveTimeout"))
+        }),
+    })
+    .await
+}
+
 /// Waits for a call, detached from Python. A signal requests a stop; the third one ends the wait at once.
-pub fn wait<T>(requests: &StopRequests, call: impl Future<Output = Result<T, Failure>>) -> PyResult<T> {
+pub fn wait<T>(requests: &[StopRequests], call: impl Future<Output = Result<T, Failure>>) -> PyResult<T> {
     let mut signals = Signals::new(requests);
     let result = call.wait_unless(LOOK, || {
         signals.look();
-        requests.is_final()
+        requests.iter().any(StopRequests::is_final)
     });
     // the error of an interrupted call is that of the signal
     signals.raised()?;

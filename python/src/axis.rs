@@ -1,6 +1,9 @@
 //! An axis under control.
 
-use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
+use std::future::poll_fn;
+use std::pin::pin;
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, TryLockError, Weak};
+use std::task::Poll;
 use std::time::Duration;
 
 use client::{AxisStatus, Drive, ErrorKind, StopHandle};
@@ -10,6 +13,7 @@ use profidrive::motion::{
 use profidrive::{Caller, StopRequests};
 use profile::notation::Quantity;
 use profile::state::Mode;
+use pyo3::exceptions::PyBaseException;
 use pyo3::prelude::*;
 
 use crate::attention::LOOK;
@@ -90,7 +94,9 @@ fn quantity(text: &str) -> Result<Quantity, Failure> {
 #[pyclass(frozen, module = "profidrive._profidrive")]
 pub struct Axis {
     place: Place,
-    held: Mutex<Option<HeldAxis>>,
+    held: Arc<Mutex<Option<HeldAxis>>>,
+    /// The axes that belong together with it: they are kept while it is waited for, and when one fails its calls end.
+    beside: OnceLock<Vec<Weak<Mutex<Option<HeldAxis>>>>>,
     /// Locked while a call is at work with it: others only look.
     at_work: Mutex<()>,
     /// For stops from other threads.
@@ -123,7 +129,8 @@ impl Axis {
         Ok(Self {
             place,
             stop: held.stop_handle(),
-            held: Mutex::new(Some(held)),
+            held: Arc::new(Mutex::new(Some(held))),
+            beside: OnceLock::new(),
             at_work: Mutex::new(()),
             requests,
             seen,
@@ -153,6 +160,17 @@ impl Axis {
         Ok(())
     }
 
+    /// Takes it to give control back. After an interrupt the next one makes that a quick stop.
+    fn taken(&self, is_interrupted: bool) -> Result<(MutexGuard<'_, ()>, HeldAxis), Failure> {
+        let (at_work, mut held) = self.work()?;
+        let held = held.take().ok_or_else(released)?;
+        self.requests.clear();
+        if is_interrupted {
+            self.requests.request();
+        }
+        Ok((at_work, held))
+    }
+
     fn call<T: Send>(
         &self,
         py: Python<'_>,
@@ -164,14 +182,56 @@ impl Axis {
             let held = held.as_mut().ok_or_else(released)?;
             self.place.goes_on();
             self.requests.clear();
-            self.place.joined.wait(&self.requests, async {
+            let requests = std::slice::from_ref(&self.requests);
+            let mut call = pin!(async {
                 let done = work(held).await;
                 let done = done.map_err(|error| of_motion(&error).about(&held.drive().label()));
                 let what = format_args!("{}: {what}", held.drive().label());
                 log::call(Logger::Axis, what, &done, true);
                 done
-            })
+            });
+            let mut failed = None;
+            let done = self.place.joined.wait(
+                requests,
+                poll_fn(|context| {
+                    if failed.is_none() {
+                        failed = self.failed_beside();
+                        // it ends along its ramp
+                        failed.iter().for_each(|_| self.requests.request());
+                    }
+                    call.as_mut().poll(context)
+                }),
+            );
+            match failed {
+                Some(other) => Err(self.why_failed(&other, done.err())),
+                None => done,
+            }
         })
+    }
+
+    /// Keeps the axes that belong together with it; returns the first one that has failed.
+    fn failed_beside(&self) -> Option<Arc<Mutex<Option<HeldAxis>>>> {
+        let beside = self.beside.get()?.iter().filter_map(Weak::upgrade);
+        let fails = |other: &Arc<Mutex<Option<HeldAxis>>>| {
+            // one that another thread moves is kept by that
+            free(other).is_some_and(|held| held.as_ref().is_some_and(|held| !held.keep_beside()))
+        };
+        beside.filter(fails).next()
+    }
+
+    /// Returns why another axis has failed; what became of the own call comes with it.
+    fn why_failed(&self, other: &Mutex<Option<HeldAxis>>, own: Option<PyErr>) -> PyErr {
+        let mut held = locked(other);
+        let Some(held) = held.as_mut() else {
+            return own.unwrap_or_else(|| released().into());
+        };
+        let label = held.drive().label();
+        let requests = [StopRequests::default()];
+        let why = self.place.joined.wait(&requests, async {
+            let kept = held.keep_alive().await;
+            kept.map_err(|error| of_motion(&error.into()).about(&label))
+        });
+        why.err().or(own).unwrap_or_else(|| released().into())
     }
 
     /// Carries out a motion; its report as JSON.
@@ -183,6 +243,76 @@ impl Axis {
     ) -> PyResult<String> {
         Ok(document(&self.call(py, what, work)?)?)
     }
+}
+
+/// Brings an axis to rest and gives control back.
+async fn given_back(held: HeldAxis) -> Result<Report, Failure> {
+    let drive = held.drive().label();
+    let done = held.release().await;
+    done.map_err(|error| of_motion(&error).about(&drive))
+}
+
+/// Makes axes belong together: while a call for one of them waits the others are kept, and it ends when one of them fails.
+#[pyfunction]
+pub fn hold_together(axes: Vec<Py<Axis>>) {
+    let own: Vec<_> = axes.iter().map(|axis| Arc::downgrade(&axis.get().held)).collect();
+    for (place, axis) in axes.iter().enumerate() {
+        let others = own.iter().enumerate().filter(|(other, _)| *other != place);
+        // they are put together once, when they are taken
+        let _ = axis
+            .get()
+            .beside
+            .set(others.map(|(_, held)| held.clone()).collect());
+    }
+}
+
+/// Brings axes of one network to rest at the same time and gives control back; an error for each that fails.
+#[pyfunction]
+pub fn release_together(
+    py: Python<'_>,
+    axes: Vec<Py<Axis>>,
+    is_interrupted: bool,
+) -> PyResult<Vec<Option<Py<PyBaseException>>>> {
+    let axes: Vec<&Axis> = axes.iter().map(|axis| axis.get()).collect();
+    let Some(first) = axes.first() else {
+        return Ok(Vec::new());
+    };
+    for axis in &axes {
+        axis.end_other(py, is_interrupted)?;
+    }
+    let failures = py.detach(|| {
+        first.place.goes_on();
+        let requests: Vec<_> = axes.iter().map(|axis| axis.requests.clone()).collect();
+        let (mut calls, mut failures, mut at_work) = (Vec::new(), Vec::new(), Vec::new());
+        for axis in &axes {
+            let (call, failure) = match axis.taken(is_interrupted) {
+                Ok((guard, held)) => {
+                    at_work.push(guard);
+                    (Some(Box::pin(given_back(held))), None)
+                }
+                Err(failure) => (None, Some(failure)),
+            };
+            calls.push(call);
+            failures.push(failure);
+        }
+        let together = poll_fn(|context| {
+            for (call, failure) in calls.iter_mut().zip(&mut failures) {
+                if let Some(released) = call
+                    && let Poll::Ready(result) = released.as_mut().poll(context)
+                {
+                    *failure = result.err();
+                    *call = None;
+                }
+            }
+            match calls.iter().all(Option::is_none) {
+                true => Poll::Ready(Ok(std::mem::take(&mut failures))),
+                false => Poll::Pending,
+            }
+        });
+        first.place.joined.wait(&requests, together)
+    })?;
+    let error = |failure: Failure| PyErr::from(failure).into_value(py);
+    Ok(failures.into_iter().map(|failure| failure.map(error)).collect())
 }
 
 /// Locks, unless another thread has.
@@ -309,18 +439,10 @@ impl Axis {
     fn release(&self, py: Python<'_>, is_interrupted: bool) -> PyResult<String> {
         self.end_other(py, is_interrupted)?;
         py.detach(|| {
-            let (_at_work, mut held) = self.work()?;
-            let held = held.take().ok_or_else(released)?;
+            let (_at_work, held) = self.taken(is_interrupted)?;
             self.place.goes_on();
-            self.requests.clear();
-            if is_interrupted {
-                self.requests.request();
-            }
-            let drive = held.drive().label();
-            let report = self.place.joined.wait(&self.requests, async {
-                let done = held.release().await;
-                done.map_err(|error| of_motion(&error).about(&drive))
-            })?;
+            let requests = std::slice::from_ref(&self.requests);
+            let report = self.place.joined.wait(requests, given_back(held))?;
             Ok(document(&report)?)
         })
     }

@@ -71,6 +71,19 @@ impl Failure {
         self
     }
 
+    /// Returns what `profidrive.errors._made` makes the exception of.
+    pub fn parts(&self) -> (&'static str, &str, &str, Option<&str>, String) {
+        let class = self.class.unwrap_or_default();
+        let hint = self.hint.as_deref();
+        (
+            self.kind.id(),
+            class,
+            &self.message,
+            hint,
+            self.fields.to_string(),
+        )
+    }
+
     /// Returns the error with the drive that it is about.
     pub fn about(self, drive: &str) -> Self {
         self.with(json!({ "drive": drive }))
@@ -127,6 +140,7 @@ pub fn of_client(error: &Error) -> Failure {
     }));
     match error {
         Error::Closed => closed("the network is closed"),
+        Error::Timeout { drive, .. } => failure.of_class("DriveTimeout").about(drive),
         Error::Refused { drive, refusal } => failure.about(drive).with(json!({
             "parameter": refusal.shown.to_string(),
             "pnu": refusal.shown.pnu,
@@ -220,19 +234,11 @@ pub fn closed(message: &str) -> Failure {
 
 impl From<Failure> for PyErr {
     fn from(failure: Failure) -> Self {
-        let class = failure.class.unwrap_or_default();
-        let Failure {
-            kind,
-            message,
-            hint,
-            fields,
-            ..
-        } = failure;
         Python::attach(|py| {
             let made = py
                 .import("profidrive.errors")
                 .and_then(|errors| errors.getattr("_made"))
-                .and_then(|made| made.call1((kind.id(), class, message, hint, fields.to_string())));
+                .and_then(|made| made.call1(failure.parts()));
             made.map_or_else(|error| error, Self::from_value)
         })
     }

@@ -56,6 +56,8 @@ fn _profidrive(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<world::World>()?;
     module.add_function(wrap_pyfunction!(network::open, module)?)?;
     module.add_function(wrap_pyfunction!(network::leave_all, module)?)?;
+    module.add_function(wrap_pyfunction!(axis::hold_together, module)?)?;
+    module.add_function(wrap_pyfunction!(axis::release_together, module)?)?;
     module.add_function(wrap_pyfunction!(description::gsdml_check, module)?)?;
     module.add_function(wrap_pyfunction!(description::gsdml_show, module)?)?;
     module.add_function(wrap_pyfunction!(description::gsdml_export, module)?)?;

@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 use std::future::poll_fn;
 use std::net::Ipv4Addr;
+use std::path::{Path, PathBuf};
 use std::pin::{Pin, pin};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak, mpsc};
 use std::time::{Duration, Instant as Clock};
@@ -10,13 +11,14 @@ use std::time::{Duration, Instant as Clock};
 use client::{Drive, DriveAddress, ErrorKind};
 use profidrive::addressing::{self, AddressingError, NewAddress, NewName};
 use profidrive::fleet::{self, Member, Selected};
+use profidrive::machine::Machine;
 use profidrive::recording::{Every, Request};
 use profidrive::{Access, Caller, DriveError, IpSuite, Opening, Selector, StopRequests, Wait as _, scan};
 use pyo3::exceptions::PyBaseException;
 use pyo3::prelude::*;
 use serde_json::json;
 
-use crate::attention::{self, LOOK, Signals};
+use crate::attention::{self, LOOK, Signals, within};
 use crate::axis::{Axis, Wanted};
 use crate::errors::{Failure, closed, explained, of_client, of_drive, of_open};
 use crate::log::{self, Logger};
@@ -45,6 +47,8 @@ pub struct Joined {
     /// For the first answer to each call; `None` for the usual time.
     timeout: Option<Duration>,
     opening: Opening,
+    /// Whose groups can be selected.
+    machine: Option<Machine>,
     drives: Mutex<HashMap<String, Drive>>,
     /// What goes on beside the calls that wait. On a real network it has threads of its own; in a plant time passes for it only
     /// while a call waits.
@@ -54,12 +58,19 @@ pub struct Joined {
 }
 
 impl Joined {
-    fn new(network: profidrive::Network, opening: Opening, timeout: Option<Duration>) -> Arc<Self> {
+    fn new(
+        mut network: profidrive::Network,
+        opening: Opening,
+        machine: Option<Machine>,
+        timeout: Option<Duration>,
+    ) -> Arc<Self> {
+        network.bound_speeds(machine.as_ref().map(Machine::bounds).unwrap_or_default());
         let joined = Arc::new(Self {
             caller: Caller::clone(&network),
             timeout,
             network: Mutex::new(Some(network)),
             opening,
+            machine,
             drives: Mutex::default(),
             beside: Mutex::default(),
             process: std::process::id(),
@@ -73,7 +84,12 @@ impl Joined {
     /// Joins a plant.
     pub fn in_plant(held: &Held) -> Result<Arc<Self>, Failure> {
         let network = held.running.join(None).map_err(|error| of_open(&error))?;
-        Ok(Self::new(network, Opening::new(Access::Cyclic), None))
+        Ok(Self::new(
+            network,
+            Opening::new(Access::Cyclic),
+            held.machine.clone(),
+            None,
+        ))
     }
 
     /// Fails where the network cannot be used any more.
@@ -104,7 +120,7 @@ impl Joined {
     /// Waits for a call; what goes on beside the calls of a plant goes on.
     pub fn wait<T>(
         &self,
-        requests: &StopRequests,
+        requests: &[StopRequests],
         call: impl Future<Output = Result<T, Failure>>,
     ) -> PyResult<T> {
         let mut call = pin!(call);
@@ -121,7 +137,7 @@ impl Joined {
     pub fn pass(&self, time: Duration) -> PyResult<()> {
         let requests = StopRequests::default();
         let mut caller = self.caller(&requests);
-        self.wait(&requests, async {
+        self.wait(&[requests], async {
             let passed = caller.pass(time).await;
             passed.map_err(|error| of_client(&error))
         })
@@ -206,8 +222,9 @@ impl Joined {
             // no caller waits any more where the time is over
             let _ = done.send(());
         });
-        let requests = StopRequests::default();
+        let requests = [StopRequests::default()];
         let mut signals = Signals::new(&requests);
+        let [requests] = &requests;
         let begin = Clock::now();
         let mut hurried = false;
         while ended.recv_timeout(LOOK) == Err(mpsc::RecvTimeoutError::Timeout) {
@@ -285,15 +302,17 @@ pub fn open(
     by_ip: bool,
     read_only: bool,
     timeout: Option<Span>,
+    machine: Option<PathBuf>,
 ) -> PyResult<Network> {
     let timeout = timeout.map(|timeout| timeout.read()).transpose()?;
+    let machine = machine.as_deref().map(machine_of).transpose()?;
     log::begin(py)?;
     let opened = py.detach(|| match interface {
         Some(line) if line.contains(':') => {
             let address = address(line)?;
             let opening = Opening::new(Access::Cyclic);
             let network = opening.open_to(&address).map_err(|error| of_open(&error))?;
-            Ok::<_, Failure>(Joined::new(network, opening, timeout))
+            Ok::<_, Failure>(Joined::new(network, opening, machine, timeout))
         }
         interface => {
             let access = if by_ip { Access::Records } else { Access::Cyclic };
@@ -304,7 +323,7 @@ pub fn open(
                 None => opening,
             };
             let network = opening.clone().open().map_err(|error| of_open(&error))?;
-            Ok(Joined::new(network, opening, timeout))
+            Ok(Joined::new(network, opening, machine, timeout))
         }
     });
     let shown = interface.unwrap_or(if by_ip { "UDP alone" } else { "the only interface" });
@@ -313,6 +332,11 @@ pub fn open(
         source: Source::Real(opened?),
         read_only,
     })
+}
+
+/// Reads a machine file.
+pub fn machine_of(path: &Path) -> Result<Machine, Failure> {
+    Machine::read(path).map_err(|error| explained(&error))
 }
 
 /// A network in use.
@@ -394,7 +418,7 @@ impl Network {
             place.goes_on();
             let requests = StopRequests::default();
             let mut caller = place.joined.caller(&requests);
-            place.joined.wait(&requests, work(&place.joined, &mut caller))
+            place.joined.wait(&[requests], work(&place.joined, &mut caller))
         })
     }
 
@@ -421,6 +445,7 @@ impl Network {
         &self,
         py: Python<'_>,
         name: &str,
+        timeout: Option<Duration>,
         work: impl AsyncFnOnce(&mut Caller, &mut Drive) -> Result<T, Failure> + Send,
     ) -> PyResult<T> {
         py.detach(|| {
@@ -428,7 +453,8 @@ impl Network {
             place.goes_on();
             let requests = StopRequests::default();
             let mut caller = place.joined.caller(&requests);
-            place.joined.wait(&requests, async {
+            let clock = caller.clone();
+            let call = async {
                 let found = place.joined.drive(&mut caller, name).await;
                 let mut drive = found.map_err(|failure| failure.about(name))?;
                 let result = work(&mut caller, &mut drive).await;
@@ -436,7 +462,12 @@ impl Network {
                 // with what was read of it
                 locked(&place.joined.drives).insert(name.to_owned(), drive);
                 result
-            })
+            };
+            let call = async {
+                let done = within(&clock, timeout, call).await;
+                done.map_err(|failure| failure.about(name))
+            };
+            place.joined.wait(&[requests], call)
         })
     }
 }
@@ -444,20 +475,31 @@ impl Network {
 #[pymethods]
 impl Network {
     /// Carries out a call for a drive; returns its document as JSON.
-    fn one(&self, py: Python<'_>, drive: &str, verb: &Verb) -> PyResult<String> {
+    #[pyo3(signature = (drive, verb, timeout=None))]
+    fn one(&self, py: Python<'_>, drive: &str, verb: &Verb, timeout: Option<Span>) -> PyResult<String> {
         self.permit(verb.changes())?;
-        self.call(py, drive, async |caller, drive| {
+        let timeout = timeout.map(|timeout| timeout.read()).transpose()?;
+        self.call(py, drive, timeout, async |caller, drive| {
             verb.carry_out(caller, drive).await
         })
     }
 
     /// Carries out a call for each of these drives, all at the same time; returns the name with the document or the error.
-    fn each(&self, py: Python<'_>, names: Vec<String>, verb: &Verb) -> PyResult<Vec<Outcome>> {
+    #[pyo3(signature = (names, verb, timeout=None))]
+    fn each(
+        &self,
+        py: Python<'_>,
+        names: Vec<String>,
+        verb: &Verb,
+        timeout: Option<Span>,
+    ) -> PyResult<Vec<Outcome>> {
         self.permit(verb.changes())?;
+        let timeout = timeout.map(|timeout| timeout.read()).transpose()?;
         let done = self.search(py, async |joined, caller| {
             let members = joined.members(caller, &names).await?;
+            let clock = caller.clone();
             let done = fleet::each(caller, members, async |session, drive| {
-                verb.carry_out(session, drive).await
+                within(&clock, timeout, verb.carry_out(session, drive)).await
             });
             Ok(done.await)
         })?;
@@ -473,7 +515,8 @@ impl Network {
 
     /// Returns the names of the drives that a selector means, with the errors of those that cannot be worked with.
     fn select(&self, py: Python<'_>, selector: &str) -> PyResult<Vec<(String, Option<Py<PyBaseException>>)>> {
-        let selector = Selector::of(selector, None).map_err(|error| explained(&error))?;
+        let machine = py.detach(|| Ok::<_, Failure>(self.place()?.joined.machine.clone()))?;
+        let selector = Selector::of(selector, machine.as_ref()).map_err(|error| explained(&error))?;
         let members = self.search(py, async |joined, caller| joined.select(caller, &selector).await)?;
         let named = |(name, failure): (String, Option<Failure>)| {
             (name, failure.map(|failure| PyErr::from(failure).into_value(py)))
@@ -500,7 +543,7 @@ impl Network {
             time: time.map(|time| time.read()).transpose()?,
             ..Request::new(signals, every)
         };
-        let place = self.place()?;
+        let place = py.detach(|| self.place())?;
         let inside = place.clone();
         let recorded = self.search(py, async move |joined, caller| {
             let members = joined.members(caller, &names).await?;
@@ -629,10 +672,10 @@ impl Network {
             set_mode,
             may_run_on: accept_no_timeout,
         };
-        let place = self.place()?;
+        let place = py.detach(|| self.place())?;
         let requests = StopRequests::default();
         let obeyed = requests.clone();
-        self.call(py, drive, async move |caller, drive| {
+        self.call(py, drive, None, async move |caller, drive| {
             // its calls have requests of their own
             let mut own = caller.clone();
             own.obey(&obeyed);

@@ -11,6 +11,7 @@ use serde_json::json;
 
 use crate::errors::{Failure, explained};
 use crate::log;
+use crate::network::machine_of;
 use crate::served::Served;
 use crate::time::{Span, seconds};
 use crate::world::World;
@@ -122,12 +123,21 @@ impl Plant {
         Ok(py.detach(|| Served::start(self.source.plan(), interface, state))?)
     }
 
-    /// Starts it in virtual time; `capture` is a file for the frames.
-    #[pyo3(signature = (seed=None, capture=None))]
-    fn start(&self, py: Python<'_>, seed: Option<u64>, capture: Option<PathBuf>) -> PyResult<World> {
+    /// Starts it in virtual time; `capture` is a file for the frames, `machine` the machine file of its network.
+    #[pyo3(signature = (seed=None, capture=None, machine=None))]
+    fn start(
+        &self,
+        py: Python<'_>,
+        seed: Option<u64>,
+        capture: Option<PathBuf>,
+        machine: Option<PathBuf>,
+    ) -> PyResult<World> {
         log::begin(py)?;
         let mut plan: PlantPlan = self.source.plan().clone();
         plan.seed = seed.unwrap_or(plan.seed);
-        Ok(py.detach(|| World::start(Arc::new(plan), capture))?)
+        Ok(py.detach(|| {
+            let machine = machine.as_deref().map(machine_of).transpose()?;
+            World::start(Arc::new(plan), capture, machine)
+        })?)
     }
 }

@@ -207,12 +207,17 @@ impl Recording {
         Ok(py.detach(|| write(&self.columns, &locked(&self.grown).rows, &path))?)
     }
 
-    /// Draws the rows (SVG).
-    fn picture(&self, py: Python<'_>, title: &str) -> PyResult<String> {
+    /// Draws the rows of these columns, of all where none are given (SVG).
+    #[pyo3(signature = (title, columns=None))]
+    fn picture(&self, py: Python<'_>, title: &str, columns: Option<Vec<String>>) -> PyResult<String> {
         let picture = py.detach(|| {
             let mut scope = Scope::new(&self.columns);
             for row in &locked(&self.grown).rows {
                 scope.push(row);
+            }
+            if let Some(columns) = columns {
+                let is_one = |name: &str| columns.iter().any(|column| name.ends_with(column));
+                scope.curves.retain(|curve| is_one(&curve.name));
             }
             svg(title, &scope, &[])
         });

@@ -26,14 +26,22 @@ use crate::words::Calls;
 pub struct Verb(What);
 
 enum What {
-    Read(Vec<ParameterReference>),
+    Read {
+        names: Vec<ParameterReference>,
+        /// What was not read is part of the document.
+        collects: bool,
+    },
     Write(Vec<Assignment>, Write),
     Describe(ParameterReference),
     List(List),
     Identity,
     Status,
-    Faults { history: bool },
-    Acknowledge { by_parameter: bool },
+    Faults {
+        history: bool,
+    },
+    Acknowledge {
+        by_parameter: bool,
+    },
     Stop(StopWay),
     Backup,
     Diff(Box<Backup>, String),
@@ -55,9 +63,10 @@ fn settings_of(text: &str) -> Result<Box<Backup>, Failure> {
 #[pymethods]
 impl Verb {
     #[staticmethod]
-    fn read(names: Vec<String>) -> PyResult<Self> {
+    fn read(names: Vec<String>, collects: bool) -> PyResult<Self> {
         let names = names.iter().map(|name| reference(name));
-        Ok(Self(What::Read(names.collect::<Result<_, _>>()?)))
+        let names = names.collect::<Result<_, _>>()?;
+        Ok(Self(What::Read { names, collects }))
     }
 
     #[staticmethod]
@@ -158,7 +167,7 @@ impl Verb {
     /// What it is, for the log.
     const fn name(&self) -> &'static str {
         match self.0 {
-            What::Read(_) => "read",
+            What::Read { .. } => "read",
             What::Write(..) => "write",
             What::Describe(_) => "describe",
             What::List(_) => "parameters",
@@ -184,7 +193,7 @@ impl Verb {
 
     async fn done(&self, session: &mut Session, drive: &mut Drive) -> Result<String, Failure> {
         match &self.0 {
-            What::Read(names) => read(session, drive, names).await,
+            What::Read { names, collects } => read(session, drive, names, *collects).await,
             What::Write(assignments, wanted) => write(session, drive, assignments, *wanted).await,
             What::Describe(name) => {
                 let described = parameters::describe(session, drive, name).await;
@@ -262,13 +271,23 @@ async fn read(
     session: &mut Session,
     drive: &mut Drive,
     names: &[ParameterReference],
+    collects: bool,
 ) -> Result<String, Failure> {
     let values = parameters::read(session, drive, names).await;
     let values = values.map_err(|error| of_client(&error))?;
-    match values.problems(&drive.label()).first() {
-        Some(problem) => Err(of_client(problem)),
-        None => document(&values.report(drive, &Calls)),
+    let problems = values.problems(&drive.label());
+    let report = values.report(drive, &Calls);
+    if !collects {
+        return problems
+            .first()
+            .map_or_else(|| document(&report), |problem| Err(of_client(problem)));
     }
+    let problems: Vec<_> = problems
+        .iter()
+        .map(|problem| of_client(problem).about(&drive.label()))
+        .collect();
+    let problems: Vec<_> = problems.iter().map(Failure::parts).collect();
+    document(&json!({ "report": report, "problems": problems }))
 }
 
 async fn write(

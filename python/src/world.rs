@@ -9,6 +9,7 @@ use ::plant::{
 };
 use network::files::create;
 use network::pcap::Writer;
+use profidrive::machine::Machine;
 use profidrive::{Instant, Running};
 use pyo3::prelude::*;
 use serde_json::json;
@@ -34,6 +35,8 @@ pub struct Held {
     newest: Mutex<Weak<Cell>>,
     /// The network that has joined it, from the first use on.
     joined: Mutex<Option<Arc<Joined>>>,
+    /// What its network knows of the machine.
+    pub machine: Option<Machine>,
 }
 
 impl Held {
@@ -60,12 +63,14 @@ impl Held {
 
     /// Lets the plant go on, not longer than Python waits for its signals; returns whether it is at the end.
     fn advance(&self, end: Instant) -> PyResult<bool> {
-        let joined = locked(&self.joined).clone();
-        if let Some(joined) = joined.filter(|joined| joined.is_open()) {
+        let joined = locked(&self.joined);
+        if let Some(open) = open(joined.as_ref()) {
+            drop(joined);
             // what has joined is carried along; it looks at the signals itself
-            joined.pass(end - self.running.with_world(|world| world.now()))?;
+            open.pass(end - self.running.with_world(|world| world.now()))?;
             return Ok(true);
         }
+        // no client of another thread joins meanwhile: nothing would carry its calls
         let begin = Clock::now();
         Ok(self.running.with_world(|world| {
             while begin.elapsed() < LOOK {
@@ -84,7 +89,6 @@ impl Held {
     /// Runs until a goal is met. What has joined the plant is carried along.
     fn run_until_met(&self, goal: &Goal, timeout: Duration) -> PyResult<Result<Event, NotMet>> {
         let running = &self.running;
-        let joined = locked(&self.joined).clone().filter(|joined| joined.is_open());
         let mut pursuit = running.with_world(|world| world.pursue(goal, timeout));
         let reports = pursuit.clone();
         let mut newest = None;
@@ -96,11 +100,16 @@ impl Held {
         };
         let mut looked = Clock::now();
         while let Some(time) = running.with_world(|world| world.pursues(&mut pursuit)) {
-            let passed = match &joined {
+            let joined = locked(&self.joined);
+            let passed = match open(joined.as_ref()) {
                 // what has joined is carried along; it looks at the signals itself
-                Some(joined) => joined.pass(time.max(TICK)),
+                Some(open) => {
+                    drop(joined);
+                    open.pass(time.max(TICK))
+                }
                 None => {
                     running.with_world(|world| world.run_until(world.now() + time, &mut record));
+                    drop(joined);
                     looks(&mut looked)
                 }
             };
@@ -112,6 +121,11 @@ impl Held {
         }
         Ok(running.with_world(|world| world.end_pursuit(&pursuit, newest)))
     }
+}
+
+/// Returns the network that has joined a plant, unless it was closed.
+fn open(joined: Option<&Arc<Joined>>) -> Option<Arc<Joined>> {
+    joined.filter(|joined| joined.is_open()).cloned()
 }
 
 /// Fails with what a signal of Python raised, where it is time to look for one.
@@ -131,7 +145,11 @@ pub struct World {
 }
 
 impl World {
-    pub fn start(plan: Arc<PlantPlan>, capture: Option<PathBuf>) -> Result<Self, Failure> {
+    pub fn start(
+        plan: Arc<PlantPlan>,
+        capture: Option<PathBuf>,
+        machine: Option<Machine>,
+    ) -> Result<Self, Failure> {
         let tap = capture.as_deref().map(recorder).transpose()?;
         let running = Running::start(plan).map_err(|error| explained(&error))?;
         running.with_world(|world| {
@@ -150,6 +168,7 @@ impl World {
             running,
             newest: Mutex::default(),
             joined: Mutex::new(None),
+            machine,
         };
         Ok(Self {
             held: Arc::new(held),

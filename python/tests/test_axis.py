@@ -3,12 +3,19 @@
 from __future__ import annotations
 
 import gc
+import itertools
+import sys
 import threading
 import warnings
+from collections.abc import Callable
+from pathlib import Path
+from types import FrameType
+from typing import Any, TypeAlias
 
 import numpy
 import pytest
 
+import profidrive
 from profidrive import Drive, Plant, State, Stw1, World, Zsw1
 from profidrive.errors import (
     AxisFault,
@@ -26,6 +33,8 @@ from profidrive.errors import (
 from profidrive.events import ParameterWritten, Released, StateChanged
 
 from .conftest import output_when_interrupted
+
+TraceFunction: TypeAlias = "Callable[[FrameType, str, Any], TraceFunction | None]"
 
 
 @pytest.fixture
@@ -344,6 +353,63 @@ def test_leaving_a_network_brings_its_axes_to_rest(world: World, akd: Drive) -> 
         warnings.simplefilter("ignore", ResourceWarning)
         del axis
         gc.collect()
+
+
+SCRIPT = """
+network = world.network
+drive = network["akd-1"]
+drive.write({"DRV.ACC": "5000rpm/s"})
+with drive.control(max_speed="600rpm", mode="position", set_mode=True) as axis:
+    axis.home()
+    axis.move_to("1rev", speed="300rpm")
+    axis.move_by("30rev", speed="300rpm", wait=False)
+    world.run(for_="200ms")
+drive.status()
+"""
+LINES = {"script", *(str(Path(profidrive.__file__).parent / name) for name in ("_sync.py", "_waiting.py", "plant.py"))}
+
+
+def killed_at(number: int) -> tuple[World, bool]:
+    """Runs the script until Ctrl-C comes before the line of this number, of it or of the package. False where it ended before."""
+    world, lines = Plant.of("akd").start(), 0
+
+    def line(frame: FrameType, event: str, _: object) -> TraceFunction | None:
+        nonlocal lines
+        # what is raised in a finalizer is lost
+        if frame.f_code.co_filename not in LINES or frame.f_code.co_name == "__del__":
+            return None
+        if event == "line":
+            lines += 1
+            if lines == number:
+                raise KeyboardInterrupt
+        return line
+
+    before = sys.gettrace()
+    sys.settrace(line)
+    try:
+        exec(compile(SCRIPT, "script", "exec"), {"world": world})
+    except KeyboardInterrupt:
+        return world, True
+    finally:
+        sys.settrace(before)
+    return world, False
+
+
+@pytest.mark.parametrize("part", range(4))
+def test_a_script_that_is_interrupted_at_any_line_leaves_its_axis_at_rest(part: int) -> None:
+    with warnings.catch_warnings():
+        # a line of the package that takes or leaves control may be one of them
+        warnings.simplefilter("ignore", ResourceWarning)
+        for number in itertools.count(1 + part, 4):
+            world, interrupted = killed_at(number)
+            gc.collect()
+            world.run(for_="3s")
+            assert_at_rest(world)
+            assert not world["akd-1"].connected, number
+            assert world.network["akd-1"].read("p930").value == 1, number
+            if not interrupted:
+                break
+    assert number > 60
 
 
 CONTROLLED = """

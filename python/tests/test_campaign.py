@@ -212,7 +212,19 @@ def test_what_happens_at_the_start_of_a_plant_happens_in_a_sweep(pool: Executor)
     for how in ({"chunk": 1}, {}):
         result = sweep(plant, seeds=[1, 2], until="100ms", executor=pool, **how)  # type: ignore[arg-type]
         assert [failure.seed for failure in result.failures] == [1, 2]
-    assert result.failures[0].trace().digest == plant.run("100ms", seed=1).digest
+    [first, _] = result.failures
+    assert first.digest == result[0].digest == first.trace().digest == plant.run("100ms", seed=1).digest
+
+
+def test_a_row_has_the_digest_of_the_trace_of_its_run(press: Plant) -> None:
+    path = "drive.press-1.load.inertia"
+    [row] = sweep(press, seeds=[7], vary={path: [0.02]}, until="4s", chunk=1)
+    changed = press.with_changes({path: 0.02}, seed=7)
+    world = changed.start()
+    world.run(for_="1s")
+    assert world.trace.digest != row.digest
+    assert world.run("4s").digest == row.digest
+    assert press.run("4s", seed=7).digest != row.digest
 
 
 def test_a_program_that_its_processes_cannot_import_is_named(tmp_path: Path) -> None:

@@ -24,6 +24,43 @@ def test_importing_loads_neither_the_binding_nor_other_packages() -> None:
     assert "profidrive._profidrive" in run("import profidrive, sys; profidrive.Plant; print(*sys.modules)").split()
 
 
+def test_it_needs_no_other_package() -> None:
+    """As in a fresh environment without extras: nothing but the package and the standard library can be imported."""
+    program = f"""
+import sys
+sys.path = [path for path in sys.path if "site-packages" not in path] + [{str(ROOT / "python")!r}]
+import profidrive
+for name in profidrive.__all__:
+    getattr(profidrive, name)
+world = profidrive.Plant.of("akd").start()
+with world.network["akd-1"].control(max_speed="600rpm") as axis:
+    axis.run("300rpm", for_="1s")
+world.run(for_="1s").expect({{"at": f"{{world.now}}s", "drive": "akd-1", "speed": "0rpm", "tolerance": "1rpm"}})
+for needs in (lambda: world.trace.samples["speed"], world.trace.plot):
+    try:
+        needs()
+    except profidrive.errors.UnsupportedError as error:
+        print(error.hint)
+try:
+    import numpy
+except ImportError:
+    print("alone")
+"""
+    alone = subprocess.run([sys.executable, "-I", "-S", "-c", program], capture_output=True, text=True, check=False, timeout=60)
+    assert alone.stderr == ""
+    assert alone.stdout.splitlines() == ['pip install "profidrive[numpy]"', 'pip install "profidrive[plot]"', "alone"]
+
+
+def test_the_binding_has_no_unsafe_code() -> None:
+    sources = sorted((ROOT / "python" / "src").glob("*.rs"))
+    assert len(sources) > 10
+    assert [source.name for source in sources if "unsafe" in source.read_text()] == []
+
+
+def test_the_reference_is_up_to_date() -> None:
+    subprocess.run([sys.executable, ROOT / "tools" / "py-api", "--check"], check=True, timeout=30)
+
+
 def test_every_public_name_exists() -> None:
     for name in profidrive.__all__:
         assert getattr(profidrive, name) is not None

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import pickle
 from pathlib import Path
+from typing import Any
 
+import pint
 import pytest
 
 from profidrive import Backup, Plant, World
 from profidrive.errors import (
     DriveGroupError,
+    DriveTimeout,
     LocalError,
     ProfidriveError,
     RefusedError,
@@ -19,6 +23,7 @@ from profidrive.errors import (
     UsageError,
 )
 from profidrive.events import ParameterWritten
+from profidrive.units import to_pint
 
 
 @pytest.fixture
@@ -54,6 +59,73 @@ def test_a_selection_works_on_all_its_drives_at_once(world: World) -> None:
     assert isinstance(missing.value.errors["akd-9"], UnreachableError)
     with pytest.raises(UsageError):
         world.network.select("@line1")
+
+
+def test_what_cannot_be_read_of_a_list_is_collected(world: World) -> None:
+    drive = world.network["akd-1"]
+    names = ["DRV.ACC", "DRV.ACX", "p922"]
+    with pytest.raises(UnknownParameter):
+        drive.read(names)
+    found = drive.read(names, errors="collect")
+    assert [one.number for one in found] == ["p2108", "p0922"]
+    [unknown] = found.errors
+    assert isinstance(unknown, UnknownParameter)
+    assert (unknown.drive, "DRV.ACC" in unknown.nearest) == ("akd-1", True)
+    assert drive.read(names[::2]).errors == ()
+    copy = pickle.loads(pickle.dumps(found))
+    assert (copy, str(copy.errors[0])) == (found, str(unknown))
+    refused = drive.read(["p922", "p60000"], errors="collect")
+    assert [type(error) for error in refused.errors] in ([RefusedError], [UnknownParameter])
+    by_drive = world.network.select("all").read(["DRV.ACC"], errors="collect")
+    assert [len(readings.errors) for readings in by_drive.values()] == [0, 0, 1]
+    with pytest.raises(UsageError, match="collect"):
+        drive.read(names, errors="ignore")  # type: ignore[call-overload]
+
+
+def test_a_read_has_its_own_timeout(world: World) -> None:
+    drive = world.network["akd-1"]
+    drive.read("DRV.ACC")
+    world["akd-1"].inject("cable=pulled")
+    for timeout, most in (("300ms", 1.0), (2, 4.0)):
+        begin = world.now
+        with pytest.raises(DriveTimeout) as late:
+            drive.read("DRV.ACC", timeout=timeout)
+        assert isinstance(late.value, TimeoutError)
+        assert (late.value.drive, world.now - begin < most) == ("akd-1", True)
+    with pytest.raises(DriveGroupError) as some:
+        world.network.select("akd-2", "vlt-1")[:].read("p922", timeout="1us")
+    assert {type(error) for error in some.value.errors.values()} == {DriveTimeout}
+    with pytest.raises(UsageError):
+        drive.read("DRV.ACC", timeout="soon")
+
+
+def test_reports_are_what_they_are_named_for(world: World) -> None:
+    network = world.network
+    found = network.scan(wait="1s")
+    assert len(found) == 3
+    assert found[0] in list(found)
+    status = network["akd-1"].status()
+    assert not status
+    assert not status.runs
+    with network["akd-1"].control(max_speed="300rpm") as axis:
+        axis.run("300rpm")
+        assert network["akd-1"].status()
+
+
+def test_quantities_of_pint(world: World) -> None:
+    units: pint.UnitRegistry[Any] = pint.UnitRegistry()
+    reading = world.network["akd-1"].read("DRV.ACC")
+    assert reading.to_pint(units).to("rad/s**2").magnitude == pytest.approx(314.159, abs=0.01)
+    assert world["akd-1"].read("DRV.ACC").to_pint(units).magnitude == 3000
+    assert to_pint(2, "Nm/A", units).to("N*m/A").magnitude == 2
+    assert to_pint(0.5, "rev", units).to("degree").magnitude == pytest.approx(180)
+    assert to_pint(50, "%", units).to("dimensionless").magnitude == pytest.approx(0.5)
+    assert to_pint(7, "", units).dimensionless
+    written = world.network["akd-1"].write({"DRV.ACC": reading.to_pint(units)}, dry_run=True)
+    assert not written.changes[0].written
+    for value, unit in (("text", "rpm"), (1.0, "electrical deg"), (None, "A")):
+        with pytest.raises(UsageError):
+            to_pint(value, unit, units)
 
 
 def test_a_drive_that_is_lost_does_not_fail_the_others(world: World) -> None:

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from profidrive.events import Event, FaultRaised, Released
+from profidrive.events import Event, FaultRaised, Released, StateChanged
 
 from .wire import Wire
 
@@ -121,6 +121,48 @@ def test_a_killed_program_leaves_the_stop_to_the_drive(wire: Wire) -> None:
     assert isinstance(fault, FaultRaised)
     assert fault.fault.number == 702
     simulation.wait_for_state(1, after=operation.time)
+
+
+KILLED = """
+def kill(frame, event, _):
+    global lines
+    if frame.f_code.co_filename != "script":
+        return None
+    if event == "line":
+        lines -= 1
+        if lines < 0:
+            os.kill(os.getpid(), signal.SIGKILL)
+    return kill
+
+script = '''
+drive.write({"DRV.ACC": "5000rpm/s"})
+with drive.control(max_speed="600rpm", cycle="128ms") as axis:
+    axis.ack()
+    axis.run("300rpm")
+    axis.run("-300rpm", for_="200ms")
+    axis.run("300rpm")
+drive.status()
+'''
+sys.settrace(kill)
+exec(compile(script, "script", "exec"))
+"""
+
+
+def test_a_script_that_is_killed_at_any_line_leaves_its_axis_to_the_drive_which_stops(wire: Wire) -> None:
+    simulation = wire.simulate()
+    codes = []
+    for lines in range(10):
+        program = wire.python(f"lines = {lines}\n{KILLED}")
+        codes.append(program.end()[0])
+        states = [event for event in simulation.events if isinstance(event, StateChanged)]
+        if states and states[-1].new == 4:
+            simulation.wait_for_state(1, after=states[-1].time)
+        if codes[-1] == 0:
+            break
+    assert codes == [-9] * (len(codes) - 1) + [0]
+    assert len(codes) > 6
+    raised = [event.fault.number for event in simulation.events if isinstance(event, FaultRaised)]
+    assert set(raised) == {702}, "of those that were killed while it turned"
 
 
 FORGOTTEN = """

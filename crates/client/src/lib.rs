@@ -50,7 +50,7 @@ pub use authority::{AtWork, Authority, LocalControl};
 pub use bound::{BoundedDrive, SpeedBound};
 pub use client::{AxisView, Client, Connection, Link};
 pub use drive::Drive;
-pub use engine::{Driver, Engine, Wait, Wire, World};
+pub use engine::{Driver, Engine, Wait, Waiters, Wire, World};
 pub use error::{
     ChannelCause, ChannelRefusal, Error, ErrorKind, NotCarried, Refusal, Rule, WireFailure, describe,
 };

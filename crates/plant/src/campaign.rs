@@ -216,7 +216,7 @@ pub struct CampaignRun {
     pub variables: Vec<(String, toml::Value)>,
     /// What came of each expectation for each of its drives.
     pub results: Vec<ExpectationResult>,
-    /// A number that is the same for the same run, as text in hexadecimal.
+    /// [`World::digest`] at its end, as text in hexadecimal: that of the trace of the same run.
     pub digest: String,
     /// Seconds of the plant that passed.
     pub end: f64,
@@ -355,7 +355,7 @@ impl Campaign {
     }
 }
 
-/// Runs a plant in virtual time and returns what came of its expectations, and the hash of its trace.
+/// Runs a plant in virtual time and returns what came of its expectations, and the digest of the run.
 pub(crate) fn run(
     plant: &PlantSource,
     seed: u64,
@@ -368,7 +368,7 @@ pub(crate) fn run(
     })?;
     world.expect(&plan.expectations, plan.seed);
     world.run_until(Instant::ZERO + end, &mut drop);
-    Ok((world.finish_expectations(), world.trace_hash()))
+    Ok((world.finish_expectations(), world.digest()))
 }
 
 impl fmt::Display for CampaignRun {

@@ -42,6 +42,7 @@ pub struct Trace {
     drives: Vec<Kept>,
     end: Duration,
     cut: bool,
+    digest: u64,
 }
 
 /// What is kept of one drive.
@@ -100,6 +101,7 @@ impl Trace {
             drives: drives.collect(),
             end: Duration::ZERO,
             cut: false,
+            digest: 0,
         }
     }
 
@@ -142,8 +144,9 @@ impl Trace {
         self.end = now;
     }
 
-    /// Ends at `now`: nothing changed since the last tick.
-    pub(crate) fn end_at(&mut self, now: Duration) {
+    /// Ends at `now`: nothing changed since the last tick. The run has this digest until then.
+    pub(crate) const fn end_at(&mut self, now: Duration, digest: u64) {
+        self.digest = digest;
         if !self.cut {
             self.end = now;
         }
@@ -254,39 +257,11 @@ impl Trace {
         Ok(monitor.finish(self.end, name))
     }
 
-    /// Returns a number that is the same for the same run: the same plant, the same seed, and the same calls.
-    ///
-    /// It covers the events, and when each drive changed to what. It is that of this version of the library on this kind of computer.
+    /// Returns the number of the run that [`World::digest`](crate::World::digest) had when the trace was taken: that of the whole
+    /// run, whatever was [cut](Self::cut).
     #[must_use]
-    pub fn digest(&self) -> u64 {
-        // FNV-1a: no collision by an opponent is to be feared
-        let mut hash = 0xCBF2_9CE4_8422_2325_u64;
-        let mut take = |octets: &[u8]| {
-            for octet in octets {
-                hash = (hash ^ u64::from(*octet)).wrapping_mul(0x0100_0000_01B3);
-            }
-        };
-        for number in [
-            self.seed,
-            nanos(self.end),
-            self.cut.into(),
-            self.drives.len() as u64,
-        ] {
-            take(&number.to_be_bytes());
-        }
-        for event in self.events() {
-            // an event has numbers and texts only, which always serialise
-            take(&serde_json::to_vec(event).unwrap_or_default());
-        }
-        for drive in &self.drives {
-            take(drive.name.as_bytes());
-            for (tick, snapshot) in &drive.snapshots {
-                let time = self.ticks.get(*tick).copied().unwrap_or_default();
-                take(&nanos(time).to_be_bytes());
-                snapshot.digest(&mut take);
-            }
-        }
-        hash
+    pub const fn digest(&self) -> u64 {
+        self.digest
     }
 }
 
@@ -321,8 +296,4 @@ impl<'a> DriveTrace<'a> {
         let (_, snapshot) = snapshots.get(place.checked_sub(1)?)?;
         (time <= self.trace.end).then_some(snapshot)
     }
-}
-
-fn nanos(time: Duration) -> u64 {
-    u64::try_from(time.as_nanos()).unwrap_or(u64::MAX)
 }

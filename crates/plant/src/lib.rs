@@ -11,6 +11,7 @@
 
 mod campaign;
 pub mod control_socket;
+mod digest;
 mod event;
 mod expect;
 mod file;

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use profile::catalogue::Parameter;
 use profile::state::{State, Stw1, Zsw1};
 
+use crate::digest::Digest;
 use crate::expect::{Observed, Quantity};
 
 /// What a trace keeps of a drive at one moment: everything that an expectation can look at, but parameters.
@@ -60,22 +61,21 @@ impl Snapshot {
         size_of::<Self>() + own
     }
 
-    /// Calls `take` with the octets of all that is in it.
-    pub(crate) fn digest(&self, take: &mut impl FnMut(&[u8])) {
-        take(&[
+    /// Takes all that is in it into the digest of a run.
+    pub(crate) fn digest(&self, digest: &mut Digest) {
+        digest.octets(&[
             self.state.number(),
             u8::from(self.positioning),
             u8::from(self.moving),
             self.connected.map_or(2, u8::from),
         ]);
-        take(&self.stw1.0.to_be_bytes());
-        take(&self.zsw1.0.to_be_bytes());
+        digest.number(u64::from(self.stw1.0) << 16 | u64::from(self.zsw1.0));
         for list in [&self.messages.faults, &self.messages.warnings] {
-            take(&(list.len() as u64).to_be_bytes());
-            list.iter().for_each(|number| take(&number.to_be_bytes()));
+            digest.number(list.len() as u64);
+            list.iter().for_each(|number| digest.number((*number).into()));
         }
         for value in self.quantities {
-            take(&value.to_bits().to_be_bytes());
+            digest.number(value.to_bits());
         }
     }
 }

@@ -264,6 +264,55 @@ mod tests {
         assert_ne!(ride(4).1, hash);
     }
 
+    /// Its call is looked at when it is answered, not when the computer runs its thread again.
+    #[test]
+    fn a_call_takes_the_same_time_while_other_threads_wait() {
+        let one = "[[drive]]\nname = \"akd-1\"\nip = \"10.0.0.1/24\"";
+        let took = |waiting: usize| {
+            let mut network = open_plan(one.parse().unwrap()).unwrap();
+            let mut drive = network.find(&"akd-1".parse().unwrap()).wait().unwrap();
+            let wanted = ["DRV.ACC".parse().unwrap()];
+            let begin = network.now();
+            let times = std::thread::scope(|scope| {
+                for _ in 0..waiting {
+                    let mut caller = network.clone();
+                    scope.spawn(move || caller.pass(Duration::from_secs(20)).wait().unwrap());
+                }
+                let reader = async {
+                    let mut times = Vec::new();
+                    for _ in 0..50 {
+                        let begin = network.now();
+                        crate::parameters::read(&mut network, &mut drive, &wanted)
+                            .await
+                            .unwrap();
+                        times.push(network.now() - begin);
+                    }
+                    times
+                };
+                reader.wait()
+            });
+            assert!(waiting == 0 || network.now() - begin >= Duration::from_secs(20));
+            assert!(network.now() - begin < Duration::from_secs(20 * waiting as u64 + 2));
+            times
+        };
+        let alone = took(0).into_iter().max();
+        assert_eq!(took(1).into_iter().max(), alone);
+        assert_eq!(took(3).into_iter().max(), alone);
+    }
+
+    /// The thread that computes is not inside of a wait.
+    #[test]
+    fn a_thread_between_two_calls_holds_up_no_other() {
+        let one = "[[drive]]\nname = \"akd-1\"\nip = \"10.0.0.1/24\"";
+        let mut network = open_plan(one.parse().unwrap()).unwrap();
+        let mut caller = network.clone();
+        network.pass(Duration::from_millis(10)).wait().unwrap();
+        let passed = std::thread::spawn(move || caller.pass(Duration::from_secs(5)).wait());
+        passed.join().unwrap().unwrap();
+        network.pass(Duration::from_millis(10)).wait().unwrap();
+        assert!(network.now() >= profinet::Instant::from_millis(5020));
+    }
+
     #[test]
     fn something_can_happen_from_outside() {
         let mut network = open_plan(TWO.parse().unwrap()).unwrap();

@@ -137,7 +137,6 @@ impl Server {
             moves_remotely,
             name,
             read_only,
-            moves_real,
             log,
         } = settings;
         if !listen.ip().is_loopback() && tls.is_none() {
@@ -167,7 +166,6 @@ impl Server {
             tokens: Tokens::random()?,
             once: Mutex::new(Once::default()),
             read_only,
-            moves_real,
             moves_remotely,
             encrypted: tls.is_some(),
             places,

@@ -94,8 +94,6 @@ pub struct Settings {
     pub name: Option<String>,
     /// Whether no address of this server allows more than to look and to stop.
     pub read_only: bool,
-    /// Whether axes of drives on an interface may be controlled; those of a plant always may.
-    pub moves_real: bool,
     /// The folder with the log of what people did; `None` where there is none, and then nothing is changed.
     pub log: Option<PathBuf>,
 }
@@ -112,7 +110,6 @@ impl Settings {
             moves_remotely: false,
             name: None,
             read_only: false,
-            moves_real: false,
             log: state_folder().map(|folder| folder.join("workbench")),
         }
     }

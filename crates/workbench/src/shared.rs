@@ -27,8 +27,6 @@ pub(crate) struct Shared {
     pub once: Mutex<Once>,
     /// Whether looking and stopping is all that is permitted.
     pub read_only: bool,
-    /// Whether axes of real drives may be controlled.
-    pub moves_real: bool,
     /// Whether pages on other computers may control axes.
     pub moves_remotely: bool,
     /// Whether connections are encrypted.

@@ -1,11 +1,15 @@
 //! The data classes of the Python package, from the JSON schemas: events of plants and results of expectations.
 
+mod methods;
+
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 
 use serde_json::Value;
 
 use crate::Outcome;
+
+use methods::{IMPORTS, METHODS};
 
 /// The files below the workspace folder, each with the documents that it has.
 pub const FILES: [(&str, &[&str]); 3] = [
@@ -48,16 +52,6 @@ const UNSHOWN: [(&str, &str); 1] = [("ExpectationResult", "last_events")];
 
 const NOT_IN_REPR: &str = " = field(repr=False)";
 
-/// Methods of a class beside its fields.
-const METHODS: [(&str, &str); 1] = [(
-    "ExpectationResult",
-    r#"
-    def __str__(self) -> str:
-        what = f"{self.drive}: {self.name}: {self.outcome.value.replace('_', ' ')}"
-        return f"{what}: expected {self.expected}; actual: {self.actual} at {self.time} s"
-"#,
-)];
-
 /// What names the kind of a document among many.
 const TAGS: [&str; 2] = ["event", "problem"];
 
@@ -99,6 +93,11 @@ pub fn file(definitions: &Value, roots: &[&str]) -> Outcome<String> {
     let mut text = writer.text;
     if text.contains(NOT_IN_REPR) {
         text = text.replacen("import dataclass\n", "import dataclass, field\n", 1);
+    }
+    for (what, plain, more) in IMPORTS {
+        if text.contains(what) {
+            text = text.replacen(plain, more, 1);
+        }
     }
     text.push_str("\n__all__ = [\n");
     for name in names {

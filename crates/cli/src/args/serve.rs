@@ -48,9 +48,6 @@ pub struct Serve {
     /// Change nothing: each page only looks and stops
     #[arg(long)]
     pub read_only: bool,
-    /// Let pages move axes of real drives too, on an interface. How soon STOP reaches many drives is not proven yet
-    #[arg(long, conflicts_with_all = ["read_only", "demo", "plant", "ip"])]
-    pub allow_real_motion: bool,
     /// Folder for the log of what people change, in place of that in the state folder of the user
     #[arg(long, value_name = "DIR")]
     pub state_dir: Option<PathBuf>,

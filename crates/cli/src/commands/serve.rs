@@ -29,7 +29,6 @@ pub fn run(args: &Serve, interface: &Interface, output: &Output) -> Result<(), F
         moves_remotely: args.allow_remote_motion,
         name: args.name.clone(),
         read_only: args.read_only,
-        moves_real: args.allow_real_motion,
         ..Settings::new(source)
     };
     if let Some(folder) = &args.state_dir {

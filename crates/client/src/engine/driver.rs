@@ -4,7 +4,7 @@ use std::sync::{Arc, Mutex, PoisonError, TryLockError};
 
 use profinet::Instant;
 
-use super::{Engine, Wire};
+use super::{Engine, Waiters, Wire};
 use crate::WireFailure;
 
 /// Carries the bytes and the time of an [`Engine`]: a thread of its own on a real network, or the thread that waits.
@@ -12,8 +12,14 @@ pub trait Driver: Send + Sync {
     /// Returns the present time, if it is available now; else it is that of the last turn.
     fn now(&self) -> Option<Instant>;
 
-    /// Lets one thing happen. False where that happens without the caller, who then sleeps until it is woken.
+    /// Lets one thing happen. False where that happens without the caller, who then sleeps until it is woken: in a thread of its
+    /// own, or in that of another caller.
     fn turn(&self) -> bool;
+
+    /// Returns who waits for it, where they take its turns themselves.
+    fn waiters(&self) -> Option<&Waiters> {
+        None
+    }
 
     /// Wakes the driver: a caller begins to wait, or has posted work.
     fn ring(&self) {}
@@ -22,12 +28,14 @@ pub trait Driver: Send + Sync {
     fn end(&self) {}
 }
 
-/// A wire that is carried by the thread that waits: nothing happens and no time passes meanwhile. In virtual time one thread
-/// gives the same run every time.
+/// A wire that is carried by the threads that wait: nothing happens and no time passes meanwhile. In virtual time one thread
+/// gives the same run every time. Several ones take turns, and none while a call of another one can go on: time passes as their
+/// calls need it, whichever thread the computer runs. Only the order of what they do at the same time is left to it.
 #[derive(Debug)]
 pub struct World<W: Wire> {
     engine: Engine,
     wire: Mutex<W>,
+    waiters: Waiters,
 }
 
 impl<W: Wire + Send + 'static> World<W> {
@@ -35,6 +43,7 @@ impl<W: Wire + Send + 'static> World<W> {
         let world = Arc::new(Self {
             engine: engine.clone(),
             wire: Mutex::new(wire),
+            waiters: Waiters::default(),
         });
         let driver: Arc<dyn Driver> = world.clone();
         engine.driven_by(Arc::downgrade(&driver));
@@ -57,7 +66,14 @@ impl<W: Wire + Send> Driver for World<W> {
         }
     }
 
+    fn waiters(&self) -> Option<&Waiters> {
+        Some(&self.waiters)
+    }
+
     fn turn(&self) -> bool {
+        if !self.waiters.begin_turn() {
+            return false;
+        }
         let now = self.now().unwrap_or_else(|| self.engine.now());
         let until = self.engine.begin_turn(now);
         let mut wire = self.wire.lock().unwrap_or_else(PoisonError::into_inner);

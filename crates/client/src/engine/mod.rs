@@ -27,7 +27,7 @@ use crate::{Client, Error, Link, WireFailure};
 
 pub use driver::{Driver, World};
 pub(crate) use queue::{At, Queues, Turn, at};
-pub use wait::Wait;
+pub use wait::{Wait, Waiters};
 pub use wire::Wire;
 
 /// How long a driver sleeps when no call waits.
@@ -194,6 +194,7 @@ impl Engine {
 
     /// Returns the client inside, to start something; not to be held while waiting.
     pub(crate) fn client(&self) -> Touched<'_> {
+        wait::note(self.shared.driver.get());
         Touched {
             client: self.quietly(),
             touched: &self.shared.touched,
@@ -207,12 +208,14 @@ impl Engine {
 
     /// Returns the table of connections for records.
     pub(crate) fn records(&self) -> MutexGuard<'_, Records> {
+        wait::note(self.shared.driver.get());
         locked(&self.shared.records)
     }
 
     /// Returns the present time.
     #[must_use]
     pub fn now(&self) -> Instant {
+        wait::note(self.shared.driver.get());
         let last = || Instant::from_nanos(self.shared.time.load(Ordering::Relaxed));
         self.driver().and_then(|driver| driver.now()).unwrap_or_else(last)
     }

@@ -3,36 +3,67 @@
 use std::cell::{Cell, RefCell};
 use std::future::Future;
 use std::pin::{Pin, pin};
-use std::sync::{Arc, Weak};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
 use std::task::{Context, Poll, Wake, Waker};
 use std::thread::Thread;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use super::Driver;
 
 thread_local! {
     /// Who carries the calls that this thread looked at.
     static DRIVERS: RefCell<Vec<Weak<dyn Driver>>> = const { RefCell::new(Vec::new()) };
-    /// This thread turns drivers itself: it waits, or takes a turn for an executor.
-    static TURNS: Cell<bool> = const { Cell::new(false) };
+    /// What this thread does.
+    static DOES: Cell<Does> = const { Cell::new(Does::Other) };
+    /// This thread, as the others see it.
+    static OWN: Arc<Sleeper> = Arc::new(Sleeper {
+        thread: std::thread::current(),
+        looks: AtomicBool::new(true),
+        woken: AtomicBool::new(false),
+    });
 }
 
-/// Sets that this thread turns drivers, until it is dropped.
-struct Turning {
-    before: bool,
+/// What a thread does.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Does {
+    /// Neither of these.
+    Other,
+    /// It waits for a call, and turns drivers meanwhile.
+    Waits,
+    /// It takes a turn for an executor.
+    Turns,
 }
 
-impl Turning {
-    fn begin() -> Self {
+/// Sets what this thread does, until it is dropped.
+struct Doing {
+    before: Does,
+}
+
+impl Doing {
+    fn begin(does: Does) -> Self {
         Self {
-            before: TURNS.replace(true),
+            before: DOES.replace(does),
         }
     }
 }
 
-impl Drop for Turning {
+impl Drop for Doing {
     fn drop(&mut self) {
-        TURNS.set(self.before);
+        DOES.set(self.before);
+    }
+}
+
+/// Notes that the call which this thread waits for uses a driver: from its first look at the network on, not from its first wait
+/// for a turn. Time that passes in between would be missing to the call.
+pub(super) fn note(driver: Option<&Weak<dyn Driver>>) {
+    if let Some(driver) = driver.filter(|_| DOES.get() == Does::Waits) {
+        DRIVERS.with_borrow_mut(|drivers| {
+            if !drivers.iter().any(|known| known.ptr_eq(driver)) {
+                drivers.push(driver.clone());
+                join(driver);
+            }
+        });
     }
 }
 
@@ -40,18 +71,63 @@ impl Drop for Turning {
 /// memory: there each look at a pending call is a turn, after which the call is to be looked at again.
 pub(super) fn driven_by(driver: Option<&Weak<dyn Driver>>, waker: &Waker) {
     let Some(driver) = driver else { return };
-    if !TURNS.get() {
-        let _turning = Turning::begin();
-        if driver.upgrade().is_some_and(|driver| driver.turn()) {
+    if DOES.get() == Does::Other {
+        let _turning = Doing::begin(Does::Turns);
+        let turns = |driver: Arc<dyn Driver>| driver.turn() || driver.waiters().is_some();
+        if driver.upgrade().is_some_and(turns) {
             waker.wake_by_ref();
         }
         return;
     }
-    DRIVERS.with_borrow_mut(|drivers| {
-        if !drivers.iter().any(|known| known.ptr_eq(driver)) {
-            drivers.push(driver.clone());
+    note(Some(driver));
+}
+
+/// This thread waits for a driver from now on.
+fn join(driver: &Weak<dyn Driver>) {
+    if let Some(waiters) = driver.upgrade().as_ref().and_then(|driver| driver.waiters()) {
+        OWN.with(|own| locked(&waiters.threads).push(Arc::clone(own)));
+    }
+}
+
+/// It does not any more; another one takes the turns.
+fn leave(driver: &Weak<dyn Driver>) {
+    if let Some(waiters) = driver.upgrade().as_ref().and_then(|driver| driver.waiters()) {
+        let mut threads = locked(&waiters.threads);
+        let own = OWN.with(|own| threads.iter().position(|one| Arc::ptr_eq(one, own)));
+        own.map(|place| threads.swap_remove(place));
+        if let Some(next) = threads.iter().find(|one| !one.looks.load(Ordering::SeqCst)) {
+            next.thread.unpark();
         }
-    });
+    }
+}
+
+fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// The threads that wait for a network in memory. Its time passes only while all of them have nothing to do: one whose call was
+/// answered looks at the answer first, however late the computer runs it. A thread that is not inside of a wait holds nothing up.
+#[derive(Debug, Default)]
+pub struct Waiters {
+    threads: Mutex<Vec<Arc<Sleeper>>>,
+}
+
+impl Waiters {
+    /// Begins a turn of this thread. False where it is not to take one: it has to look at its call first, or another thread has,
+    /// which takes the next turn or leaves it to this one.
+    pub(super) fn begin_turn(&self) -> bool {
+        OWN.with(|own| {
+            let threads = locked(&self.threads);
+            own.looks.store(false, Ordering::SeqCst);
+            let waits = own.woken.load(Ordering::SeqCst);
+            let mut others = threads.iter().filter(|one| !Arc::ptr_eq(one, own));
+            let turns = !waits && others.all(|one| !one.looks.load(Ordering::SeqCst));
+            if waits || turns {
+                own.looks.store(true, Ordering::SeqCst);
+            }
+            turns
+        })
+    }
 }
 
 /// Waits for calls; every future has it.
@@ -88,36 +164,82 @@ fn until<F: Future>(
     every: Duration,
     mut given_up: impl FnMut() -> bool,
 ) -> Option<F::Output> {
-    let waker = Waker::from(Arc::new(Sleeper(std::thread::current())));
+    let own = OWN.with(Arc::clone);
+    let waker = Waker::from(Arc::clone(&own));
     let mut context = Context::from_waker(&waker);
-    let _turning = Turning::begin();
-    let before = DRIVERS.take();
-    let result = loop {
+    let _doing = Doing::begin(Does::Waits);
+    let _waiting = Waiting {
+        before: DRIVERS.take(),
+    };
+    let mut asked = Instant::now();
+    loop {
+        own.looks.store(true, Ordering::SeqCst);
+        own.woken.store(false, Ordering::SeqCst);
         if let Poll::Ready(result) = call.as_mut().poll(&mut context) {
-            break Some(result);
-        }
-        if given_up() {
-            break None;
+            return Some(result);
         }
         // of several calls that are one future only those are looked at that were woken: their drivers stay known
         let drivers = DRIVERS.with_borrow(Clone::clone);
+        if asked.elapsed() >= every {
+            // what it does may take long, and may wait for another thread
+            drivers.iter().for_each(leave);
+            let ends = given_up();
+            drivers.iter().for_each(join);
+            if ends {
+                return None;
+            }
+            asked = Instant::now();
+        }
         let mut turned = false;
         for driver in drivers.iter().filter_map(Weak::upgrade) {
             turned |= driver.turn();
         }
         if !turned {
-            std::thread::park_timeout(every);
+            std::thread::park_timeout(every.saturating_sub(asked.elapsed()));
         }
-    };
-    DRIVERS.set(before);
-    result
+    }
+}
+
+/// A wait of this thread, with the drivers of the one that it is inside of.
+struct Waiting {
+    before: Vec<Weak<dyn Driver>>,
+}
+
+impl Drop for Waiting {
+    fn drop(&mut self) {
+        DRIVERS.take().iter().for_each(leave);
+        if !self.before.is_empty() {
+            DRIVERS.set(std::mem::take(&mut self.before));
+            // what woke the outer call may have woken this one
+            OWN.with(|own| {
+                own.woken.store(true, Ordering::SeqCst);
+                own.thread.unpark();
+            });
+        }
+    }
 }
 
 /// A thread that waits.
-struct Sleeper(Thread);
+#[derive(Debug)]
+struct Sleeper {
+    thread: Thread,
+    /// It looks at its call or takes a turn, or is about to.
+    looks: AtomicBool,
+    /// Another thread woke it since it began to look.
+    woken: AtomicBool,
+}
 
 impl Wake for Sleeper {
     fn wake(self: Arc<Self>) {
-        self.0.unpark();
+        self.wake_by_ref();
+    }
+
+    fn wake_by_ref(self: &Arc<Self>) {
+        // it looks after its own turn anyway
+        if !OWN.try_with(|own| Arc::ptr_eq(own, self)).unwrap_or(false) {
+            self.woken.store(true, Ordering::SeqCst);
+            self.looks.store(true, Ordering::SeqCst);
+        }
+        self.thread.unpark();
     }
 }

@@ -520,6 +520,15 @@ impl Axis {
         self.look().await.map(|_| ())
     }
 
+    /// Returns whether the axis does what it was commanded: its connection is there, and there is no trouble that no call has
+    /// returned yet.
+    #[must_use]
+    pub fn goes_on(&self) -> bool {
+        let fails = |status: AxisStatus| matches!(status.view.progress, Progress::Failed(_));
+        let is_there = !self.ending.is_reported() && self.lost().is_none();
+        self.reported || is_there && self.status().is_some_and(|status| !fails(status))
+    }
+
     async fn reach(&mut self, goal: Goal) -> Result<(), Error> {
         self.stopped().await?;
         self.pursue(goal);

@@ -2,9 +2,11 @@
 
 use profinet::Instant;
 
+use crate::digest::Digest;
 use crate::event::Unit;
 use crate::expect::{Live, Monitor, Observed};
 use crate::kept::Trace;
+use crate::snapshot::Snapshot;
 use crate::trace::Event;
 
 use super::{Seat, World};
@@ -18,11 +20,14 @@ pub(super) struct Watchers {
     pub goal: Option<Box<Monitor>>,
     /// Keeps the run.
     pub trace: Option<Box<Trace>>,
+    /// Of all events.
+    pub digest: Digest,
 }
 
 impl Watchers {
     /// Shows an event of the drive of that number.
     pub fn note(&mut self, drive: usize, event: &Event) {
+        self.digest.event(drive, event);
         for monitor in [&mut self.monitor, &mut self.goal].into_iter().flatten() {
             monitor.note(drive, event);
         }
@@ -51,9 +56,9 @@ impl World {
 
     /// Returns the trace until now; `None` when none is [kept](Self::keep_trace).
     pub fn trace(&mut self) -> Option<&Trace> {
-        let now = self.now() - Instant::ZERO;
+        let (now, digest) = (self.now() - Instant::ZERO, self.digest());
         let trace = self.watchers.trace.as_mut()?;
-        trace.end_at(now);
+        trace.end_at(now, digest);
         Some(trace)
     }
 
@@ -61,6 +66,35 @@ impl World {
     pub fn take_trace(&mut self) -> Option<Trace> {
         self.trace()?;
         self.watchers.trace.take().map(|trace| *trace)
+    }
+
+    /// Returns a number that is the same for the same run: the same plant, the same seed, and the same calls until now.
+    ///
+    /// It covers the events, the frames, and what each drive is like now. It is that of this version of the library on this kind
+    /// of computer.
+    #[must_use]
+    pub fn digest(&self) -> u64 {
+        let mut digest = self.watchers.digest;
+        digest.number(self.seed);
+        digest.time(self.now() - Instant::ZERO);
+        digest.number(self.medium.segment().trace_hash());
+        for (seat, live) in self.seats() {
+            digest.octets(seat.name.as_bytes());
+            Snapshot::of(&live, None).digest(&mut digest);
+        }
+        digest.value()
+    }
+
+    /// Returns each drive in its place.
+    fn seats(&self) -> impl Iterator<Item = (&Seat, Live<'_>)> {
+        self.drives.iter().filter_map(|seat| {
+            let unit = self.medium.segment().station::<Unit>(seat.id)?;
+            let live = Live {
+                drive: unit.inner().endpoint().drive(),
+                connected: seat.connected,
+            };
+            Some((seat, live))
+        })
     }
 
     /// Shows all drives to those who watch them.
@@ -75,15 +109,10 @@ impl World {
             return watchers;
         }
         let time = self.now() - Instant::ZERO;
-        let live = |seat: &Seat| {
-            let unit = self.medium.segment().station::<Unit>(seat.id)?;
-            Some(Live {
-                drive: unit.inner().endpoint().drive(),
-                connected: seat.connected,
-            })
-        };
-        let drives: Vec<Live<'_>> = self.drives.iter().filter_map(live).collect();
-        let Watchers { monitor, goal, trace } = &mut watchers;
+        let drives: Vec<Live<'_>> = self.seats().map(|(_, live)| live).collect();
+        let Watchers {
+            monitor, goal, trace, ..
+        } = &mut watchers;
         for monitor in [monitor, goal].into_iter().flatten() {
             for (number, live) in drives.iter().enumerate() {
                 monitor.observe(number, time, live);

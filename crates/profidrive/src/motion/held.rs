@@ -662,6 +662,17 @@ impl HeldAxis {
         Ok(())
     }
 
+    /// Renews the lease while another axis is waited for that belongs together with this one. False where this one has stopped by
+    /// itself or its connection is lost: [`keep_alive`](Self::keep_alive) says why.
+    #[must_use]
+    pub fn keep_beside(&self) -> bool {
+        let goes_on = self.taken.axis.goes_on();
+        if goes_on {
+            self.taken.axis.renew();
+        }
+        goes_on
+    }
+
     /// Returns the counters of the cyclic connection; a serial line has none.
     #[must_use]
     pub fn statistics(&self) -> Option<CyclicStatistics> {

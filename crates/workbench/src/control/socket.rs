@@ -184,7 +184,6 @@ impl Page {
             (_, Role::View) => Some("view"),
             _ if self.caller.remote && !self.shared.moves_remotely => Some("remote"),
             (Source::Addresses(_), _) => Some("addresses"),
-            (Source::Interface(_), _) if !self.shared.moves_real => Some("real"),
             _ => None,
         }
     }

@@ -280,7 +280,7 @@ test("a browser that is killed while a button is held stops the axis", async ({ 
 for (const signal of ["SIGKILL", "SIGSTOP"] as const) {
   test(`a server that ends by ${signal} leaves the axis to the watchdog of the drive`, async ({ page }) => {
     const cable = wire(1);
-    const server = await serve("-i", "bench-here", "--allow-real-motion", "--listen", "127.0.0.1:0");
+    const server = await serve("-i", "bench-here", "--listen", "127.0.0.1:0");
     try {
       await page.goto(server.url);
       await expect(page.getByRole("row", { name: "axis-1" })).toContainText("no controller is connected", {

@@ -70,7 +70,7 @@ pub fn run(plant: &PlantPlan, args: &Simulate, output: &Output) -> Result<(), Fa
         took.as_secs_f64(),
         simulated.as_secs_f64() / took.as_secs_f64().max(1e-9),
         plant.seed,
-        world.trace_hash(),
+        world.digest(),
         if world.now() < end { "; ended early" } else { "" }
     ));
     let ran = Ran {

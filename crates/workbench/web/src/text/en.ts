@@ -331,7 +331,6 @@ export const en = {
   "control.addresses": "The drives were given by their addresses: control needs a network interface (serve -i).",
   "control.remote":
     "This page is on another computer. Axes are moved by the computer of the server (--allow-remote-motion permits others).",
-  "control.real": "This server was started without control of real drives (--allow-real-motion).",
   "control.taken": "Session {who} has control of this drive.",
   "control.owned": "{name} controls this drive. Release the drive there first.",
   "control.options": "Options: {purpose}, up to {limit} rpm",

@@ -1,5 +1,5 @@
 /** A cable in the namespace of the tests, virtual drives of another process at its end, and the frames on it. */
-import { type ChildProcess, execFileSync, spawn } from "node:child_process";
+import { type ChildProcess, execFileSync, spawn, spawnSync } from "node:child_process";
 import { existsSync, readFileSync, rmSync, statSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { createInterface } from "node:readline";
@@ -127,6 +127,14 @@ export function changed(frames: readonly Frame[], to: string, since: number): nu
 export function percentile(values: readonly number[], percent: number): number {
   const sorted = [...values].sort((a, b) => a - b);
   return sorted[Math.min(sorted.length - 1, Math.ceil((sorted.length * percent) / 100) - 1)] ?? Number.NaN;
+}
+
+/**
+ * Lets this process run first, where root may: it stands for the hand of a user, which does not wait for a processor. What it starts
+ * from then on does not.
+ */
+export function runFirst(): void {
+  spawnSync("chrt", ["--rr", "--reset-on-fork", "--pid", "1", String(process.pid)], { stdio: "ignore" });
 }
 
 /** The clock of the frames, in ms since 1970. */

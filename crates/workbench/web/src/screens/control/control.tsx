@@ -96,7 +96,6 @@ function obstacle(station: Station): string | null {
   if (refusal === "view" || refusal === "read_only") return t("control.view");
   if (refusal === "addresses") return t("control.addresses");
   if (refusal === "remote") return t("control.remote");
-  if (refusal === "real") return t("control.real");
   if (control.own(station.id) !== undefined || control.leases.value.has(station.id)) return null;
   const other = control.axes.value.find((axis) => axis.drive === station.id);
   if (other) return t("control.taken", { who: other.holder });

@@ -1,0 +1,171 @@
+"""Several threads, or tasks of asyncio, that use a plant in virtual time at once."""
+
+from __future__ import annotations
+
+import asyncio
+import threading
+from collections.abc import Callable, Sequence
+
+import pytest
+
+from profidrive import Plant, World, aio
+from profidrive.errors import InterruptedCall, ProfidriveError
+
+ROUNDS = 20
+
+
+def start() -> World:
+    """A plant whose drives are known to the client already."""
+    world = Plant.of("akd", "akd").start()
+    for drive in world.network.select("all"):
+        drive.read("DRV.ACC")
+    return world
+
+
+def together(*works: Callable[[], object]) -> None:
+    """Carries out each in a thread of its own, begun at the same time."""
+    begin = threading.Barrier(len(works))
+    failed: list[BaseException] = []
+
+    def carry_out(work: Callable[[], object]) -> None:
+        begin.wait(30)
+        try:
+            work()
+        except BaseException as error:
+            failed.append(error)
+
+    threads = [threading.Thread(target=carry_out, args=(work,)) for work in works]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join(60)
+        assert not thread.is_alive(), "it waits for ever"
+    assert failed == []
+
+
+def reads(world: World, drive: str) -> Callable[[], None]:
+    def work() -> None:
+        for _ in range(ROUNDS):
+            assert world.network[drive].read("DRV.ACC").value == 3000
+
+    return work
+
+
+def turning(world: World, drive: str) -> Sequence[float]:
+    """How long the drive kept a speed above 290 rpm, each time: that is inside of one call."""
+    samples = world.trace.of(drive).samples
+    times, fast = samples["t"].astype("int64") / 1e9, abs(samples["speed"]) > 290
+    changes = times[1:][fast[1:] != fast[:-1]]
+    return [float(time) for time in changes[1::2] - changes[::2]]
+
+
+def alone(work: Callable[[World], Callable[[], None]]) -> float:
+    world = start()
+    before = world.now
+    work(world)()
+    return world.now - before
+
+
+def test_two_threads_that_read_pass_the_time_of_their_reads() -> None:
+    world = start()
+    before = world.now
+    together(reads(world, "akd-1"), reads(world, "akd-2"))
+    assert world.now - before <= 2 * alone(lambda world: reads(world, "akd-1")) + 1e-9
+
+
+def test_threads_that_move_and_read_take_the_time_that_they_take_alone() -> None:
+    def moves(world: World, drive: str) -> Callable[[], None]:
+        def work() -> None:
+            for speed in (300, -600):
+                with world.network[drive].control(max_speed="1000rpm") as axis:
+                    assert axis.run(speed, for_="2s").reached
+
+        return work
+
+    one = start()
+    moves(one, "akd-1")()
+    expected = turning(one, "akd-1")
+    world = start()
+    together(moves(world, "akd-1"), moves(world, "akd-2"), reads(world, "akd-1"), lambda: world.run(for_="30s"))
+    for drive in ("akd-1", "akd-2"):
+        assert turning(world, drive) == pytest.approx(expected, abs=0.02), drive
+        assert abs(world[drive].speed) < 1
+
+
+def test_an_axis_keeps_its_connection_while_other_threads_wait_for_hours() -> None:
+    world = start()
+    stats = []
+
+    def moves() -> None:
+        with world.network["akd-1"].control(max_speed="1000rpm") as axis:
+            axis.run("300rpm", for_="20s")
+            stats.append(axis.stats)
+
+    together(moves, lambda: world.run(for_=600), lambda: world.run(for_=600))
+    [counted] = stats
+    assert counted is not None
+    assert counted.missed == 0
+    assert world.now < 700
+
+
+def test_a_thread_that_computes_holds_up_no_other() -> None:
+    world = start()
+    computed = threading.Event()
+
+    def computes() -> None:
+        world.network["akd-1"].read("DRV.ACC")
+        # it is between two calls, as long as the other one likes
+        assert computed.wait(30)
+        world.network["akd-1"].read("DRV.ACC")
+
+    def waits() -> None:
+        world.run(for_="60s")
+        computed.set()
+
+    together(computes, waits)
+    assert 60 < world.now < 62
+
+
+def test_a_world_without_a_client_is_run_by_several_threads() -> None:
+    world = Plant.of("akd").start()
+    together(*[lambda: world.run(for_="10s")] * 3, lambda: world.network["akd-1"].read("DRV.ACC"))
+    assert 10 <= world.now < 41
+
+
+def test_tasks_that_read_at_once_pass_the_time_of_their_reads() -> None:
+    world = start()
+
+    async def work() -> list[object]:
+        network = aio.network_of(world)
+        calls = [network[drive].read("DRV.ACC") for drive in ("akd-1", "akd-2") for _ in range(ROUNDS)]
+        return [reading.value for reading in await asyncio.gather(*calls)]
+
+    for _ in range(10):
+        before = world.now
+        assert asyncio.run(work()) == [3000] * 2 * ROUNDS
+        assert world.now - before <= 2 * alone(lambda world: reads(world, "akd-1")) + 1e-9
+
+
+def test_a_stop_by_another_thread_ends_what_waits() -> None:
+    world = start()
+    outcomes: list[object] = []
+    moving = threading.Event()
+
+    def moves() -> None:
+        try:
+            with world.network["akd-1"].control(max_speed="1000rpm") as axis:
+                axis.run("300rpm")
+                moving.set()
+                axis.run("300rpm", for_=10_000_000)
+        except ProfidriveError as error:
+            outcomes.append(type(error))
+
+    def stops() -> None:
+        assert moving.wait(30)
+        reads(world, "akd-2")()
+        world.network.stop_all()
+        reads(world, "akd-2")()
+
+    together(moves, stops)
+    assert outcomes == [InterruptedCall]
+    assert abs(world["akd-1"].speed) < 1
