@@ -67,7 +67,7 @@ step = [
 VARY = {
     "drive.press-1.event.1.at": uniform("3s", "27s"),
     "drive.press-1.event.2.at": uniform("2.5s", "27s"),
-    "drive.press-1.event.2.for": uniform("100ms", "3s"),
+    "drive.press-1.event.2.for": uniform("0.1s", "3s"),
     "drive.press-1.event.3.do": choice("loss=0%", "loss=0.5%", "loss=1%"),
     "drive.press-1.load.inertia": uniform(0.0005, 0.005),
     "drive.press-1.load.friction": uniform(0.02, 0.3),
