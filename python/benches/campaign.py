@@ -35,7 +35,7 @@ parameters = { "DRV.ACC" = "5000rpm/s", "DRV.DEC" = "5000rpm/s" }
 event = [
     { at = "6s", do = "load=0.2Nm", for = "2s" },
     { at = "12s", do = "cable=pulled", for = "400ms" },
-    { at = "0s", do = "loss=0%" },
+    { at = "2.3s", do = "loss=0%" },
 ]
 
 [[drive]]
@@ -64,13 +64,14 @@ step = [
 ]
 """
 
+# the friction holds the load where the motor does not, and frames are lost from after the start on
 VARY = {
     "drive.press-1.event.1.at": uniform("3s", "27s"),
     "drive.press-1.event.2.at": uniform("2.5s", "27s"),
-    "drive.press-1.event.2.for": uniform("100ms", "3s"),
+    "drive.press-1.event.2.for": uniform("0.1s", "3s"),
     "drive.press-1.event.3.do": choice("loss=0%", "loss=0.5%", "loss=1%"),
     "drive.press-1.load.inertia": uniform(0.0005, 0.005),
-    "drive.press-1.load.friction": uniform(0.02, 0.3),
+    "drive.press-1.load.friction": uniform(0.25, 0.5),
     "drive.feeder-1.event.1.do": choice("loss=1%", "loss=2%", "loss=5%"),
     "drive.feeder-1.event.2.do": choice("jitter=0ms", "jitter=1ms", "jitter=2ms"),
 }

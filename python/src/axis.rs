@@ -211,12 +211,12 @@ impl Axis {
 
     /// Keeps the axes that belong together with it; returns the first one that has failed.
     fn failed_beside(&self) -> Option<Arc<Mutex<Option<HeldAxis>>>> {
-        let beside = self.beside.get()?.iter().filter_map(Weak::upgrade);
+        let mut beside = self.beside.get()?.iter().filter_map(Weak::upgrade);
         let fails = |other: &Arc<Mutex<Option<HeldAxis>>>| {
             // one that another thread moves is kept by that
             free(other).is_some_and(|held| held.as_ref().is_some_and(|held| !held.keep_beside()))
         };
-        beside.filter(fails).next()
+        beside.find(fails)
     }
 
     /// Returns why another axis has failed; what became of the own call comes with it.
