@@ -120,6 +120,13 @@ const released = new Map<string, number>();
 /** A reading takes no longer than this, in ms: one that ended so soon after a release may have begun before it. */
 const READING = 1000;
 
+/** Notes the axes that are not among those of now. */
+function noteReleased(all: readonly Axis[]): void {
+  for (const { drive } of axes.value) {
+    if (!all.some((axis) => axis.drive === drive)) released.set(drive, performance.now());
+  }
+}
+
 /** Returns whether a drive had this server as its controller when it was read, at a time of the clock of this page in ms. */
 export function wasOwn(drive: string, read: number): boolean {
   return read < (released.get(drive) ?? Number.NEGATIVE_INFINITY) + READING;
@@ -263,6 +270,8 @@ function forget(): void {
     for (const drive of leases.value.keys()) say(drive, t("control.ended"), true);
     connected.value = false;
     leases.value = new Map();
+    // the server releases them by itself
+    noteReleased([]);
     axes.value = [];
     held.value = null;
     wanted.value = null;
@@ -327,9 +336,7 @@ function receive(message: Incoming): void {
 
 function show(all: Axis[]): void {
   batch(() => {
-    for (const { drive } of axes.value) {
-      if (!all.some((axis) => axis.drive === drive)) released.set(drive, performance.now());
-    }
+    noteReleased(all);
     axes.value = all;
     const left = [...leases.value].filter(([drive, lease]) =>
       all.some((axis) => axis.drive === drive && axis.lease === lease),
