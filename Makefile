@@ -41,12 +41,12 @@ test: setup ## everything that must pass
 	$(CARGO) fmt --all --check
 	$(CARGO) clippy -q --workspace --all-targets -- -D warnings
 	RUSTDOCFLAGS="-D warnings" $(CARGO) doc -q --workspace --no-deps
-	$(CARGO) run -q -p xtask -- gen --check
-	$(CARGO) run -q -p xtask -- arrows
-	$(CARGO) run -q -p xtask -- web --check
 	target/tools/bin/cargo-deny --locked check bans licenses sources
 	$(CARGO) clippy -q --no-default-features $(ETHERNET) -- -D warnings
 	$(CARGO) build -q --workspace --lib --bins --examples
+	target/debug/xtask gen --check
+	target/debug/xtask arrows
+	target/debug/xtask web --check
 	RUST_TEST_THREADS=$(THREADS) $(CARGO) test --workspace
 	tools/web-test
 	tools/python-test

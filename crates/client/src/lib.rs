@@ -16,6 +16,7 @@
 //! | move | [`Session::take_axis`] gives an [`Axis`], [`Axis::enable`] an [`Enabled`] one with motions; it stops when it goes |
 #![forbid(unsafe_code)]
 
+mod absent;
 mod action;
 mod address;
 mod authority;

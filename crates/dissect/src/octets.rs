@@ -1,8 +1,10 @@
 //! Decodes octets without their frame: type and contents.
 
 use profile::model::Model;
+use profinet::wire::Reader;
 use uss::Protocol;
 
+use crate::capture::contents;
 use crate::job::{self, Decoded, JobDrive, NoJob, Side};
 
 /// What octets are.
@@ -21,6 +23,18 @@ pub enum Kind {
     Serial(Protocol),
     /// Cyclic data of the telegram with this number.
     Telegram(u16),
+}
+
+/// Returns what is in a record of this index, in words; `None` where its layout is not known here.
+///
+/// ```
+/// use profidrive_dissect::octets::record;
+/// assert!(record(0xAFF0, &[0]).unwrap().starts_with("malformed"));
+/// assert_eq!(record(0x1234, &[0]), None);
+/// ```
+#[must_use]
+pub fn record(index: u16, data: &[u8]) -> Option<String> {
+    contents::describe(index, Reader::new(data)).map(|content| content.text)
 }
 
 /// Octets that are not what they were taken for.

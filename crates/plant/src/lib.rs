@@ -17,6 +17,7 @@ mod expect;
 mod file;
 pub mod host;
 mod kept;
+mod lasting;
 mod located;
 #[cfg(feature = "metrics")]
 pub mod metrics;

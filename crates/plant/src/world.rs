@@ -23,6 +23,7 @@ use keep::Watchers;
 
 use crate::event::{PlantEvent, Unit};
 use crate::expect::{Expectation, ExpectationResult, Monitor, revolutions};
+use crate::lasting::Lasting;
 use crate::plan::{DrivePlan, PlantPlan, WorldError};
 use crate::text::derived_mac;
 use crate::timeline::Timeline;
@@ -92,6 +93,7 @@ struct Seat {
     mac: MacAddress,
     model: &'static Model,
     line: Timeline,
+    lasting: Lasting,
     status: u16,
     /// Numbers of the faults that came and were not acknowledged.
     faults: Vec<u16>,
@@ -117,6 +119,7 @@ impl World {
                 mac: plan.mac,
                 model: plan.model,
                 line: Timeline::new(&plan.cues, Instant::ZERO),
+                lasting: Lasting::default(),
                 status,
                 faults: Vec::new(),
                 connected: None,
@@ -241,6 +244,25 @@ impl World {
         })
     }
 
+    /// Returns what has happened to the drive of that number and has not ended, in the order in which it happened:
+    /// [`PlantEvent::undo`] ends each.
+    ///
+    /// ```
+    /// use profidrive_plant::{PlantPlan, World};
+    /// use profinet::Instant;
+    /// let plant = "[[drive]]\nname = \"akd-1\"\nevent = [{ at = \"1s\", do = \"sto=on\", for = \"2s\" }]";
+    /// let mut world = World::new(&plant.parse::<PlantPlan>()?)?;
+    /// world.run_until(Instant::from_millis(1500), &mut |_| {});
+    /// assert_eq!(world.lasting(0).iter().map(ToString::to_string).collect::<Vec<_>>(), ["sto=on"]);
+    /// world.run_until(Instant::from_millis(3500), &mut |_| {});
+    /// assert!(world.lasting(0).is_empty());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn lasting(&self, number: usize) -> &[PlantEvent] {
+        self.drives.get(number).map_or(&[], |seat| seat.lasting.events())
+    }
+
     /// Runs from event to event until `until`; `record` receives the events.
     pub fn run_until(&mut self, until: Instant, record: &mut dyn FnMut(Event)) {
         loop {
@@ -295,6 +317,7 @@ impl World {
                 continue;
             };
             for played in seat.line.play(now, unit) {
+                seat.lasting.note(played.what);
                 let event = Event::at(now, &seat.name, played.into());
                 self.watchers.note(number, &event);
                 record(event);

@@ -90,7 +90,7 @@ impl AddressingError {
         match self {
             Self::BadName { .. } => ErrorKind::Usage,
             Self::NameTaken { .. } | Self::AddressTaken { .. } | Self::OwnAddress { .. } => {
-                ErrorKind::Unsupported
+                ErrorKind::Refused
             }
             Self::Interfaces(_) => ErrorKind::Unreachable,
             Self::Client(error) => error.kind(),

@@ -27,6 +27,7 @@
 
 use client::status::{Verdict, diagnose};
 use client::{Advice, Drive, Error, ErrorKind, Info, Session};
+use profinet::wire::block::RecordAddress;
 
 use crate::motion::leftovers;
 use crate::report::{FaultsReport, InfoReport, StatusReport, Wording};
@@ -119,6 +120,55 @@ fn miss(info: &mut Info, what: &str, error: &Error) {
 pub async fn faults(session: &mut Session, drive: &mut Drive, history: bool) -> Result<FaultsReport, Error> {
     let report = session.fault_report(drive).await?;
     Ok(FaultsReport::new(drive.label(), &report, history))
+}
+
+/// Where a record is: what a submodule has under a number.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Record {
+    /// Application process: 0, or 0x3A00 for the drive profile.
+    pub api: u32,
+    /// Slot.
+    pub slot: u16,
+    /// Subslot.
+    pub subslot: u16,
+    /// Index.
+    pub index: u16,
+}
+
+/// Reads a record of any submodule, with its content in words where its layout is known.
+///
+/// ```
+/// # #[cfg(feature = "simulate")] {
+/// use profidrive::Wait;
+/// use profidrive::inspection::{Record, record};
+///
+/// let plant = "[[drive]]\nname = \"akd-1\"\nip = \"192.168.0.11/24\"";
+/// let mut network = profidrive::open_plan(plant.parse()?)?;
+/// let mut drive = network.find(&"akd-1".parse()?).wait()?;
+/// let identity = Record { api: 0, slot: 0, subslot: 1, index: 0xAFF0 };
+/// let (octets, text) = record(&mut network, &mut drive, identity).wait()?;
+/// assert_eq!(octets[..2], [0x00, 0x20]);
+/// assert!(text.is_some_and(|text| text.contains("order number AKD")));
+/// # }
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// When the drive cannot be reached or refuses.
+pub async fn record(
+    session: &mut Session,
+    drive: &mut Drive,
+    at: Record,
+) -> Result<(Vec<u8>, Option<String>), Error> {
+    let address = RecordAddress {
+        api: at.api,
+        slot: at.slot,
+        subslot: at.subslot,
+        index: at.index,
+    };
+    let octets = session.read_record(drive, address).await?;
+    let text = dissect::octets::record(at.index, &octets);
+    Ok((octets, text))
 }
 
 #[cfg(test)]

@@ -91,6 +91,28 @@ fn a_motion_lasts_as_long_as_its_beats() {
     );
 }
 
+#[test]
+fn an_axis_that_cannot_be_enabled_names_the_fault_by_number_and_text() {
+    let plant = format!("{PLANT}event = [{{ at = \"0s\", do = \"sto=on\" }}]");
+    let mut network = open_plan(plant.parse().unwrap()).unwrap();
+    let mut drive = network.find(&"akd-1".parse().unwrap()).wait().unwrap();
+    let mut axis = motion::hold(&mut network, &mut drive, &Hold::for_speed(), &Observer::default())
+        .wait()
+        .unwrap();
+    let error = axis.enable().wait().unwrap_err();
+    assert_eq!(
+        error
+            .faults()
+            .iter()
+            .map(|fault| fault.number)
+            .collect::<Vec<_>>(),
+        [602]
+    );
+    assert!(error.to_string().contains("; F602 Safe torque off"), "{error}");
+    assert!(error.advice().is_some());
+    axis.release().wait().unwrap();
+}
+
 /// A goal that was sent before the last beat ran out must not move the axis.
 #[test]
 fn from_the_first_beat_on_a_motion_needs_one() {

@@ -11,7 +11,7 @@ use crate::axis::{Objection, Trouble};
 pub enum ErrorKind {
     /// What was requested is wrong, whatever the drive is like: a value, a unit, a name.
     Usage,
-    /// The drive or the device refused.
+    /// The drive or the device refused, or another station has what was requested: a name, an address.
     Refused,
     /// The drive or the network cannot be reached, or the permission to use it is missing.
     Unreachable,

@@ -43,6 +43,7 @@ use std::time::Duration;
 use profinet::Instant;
 use uss::ReceiverStatistics;
 
+use crate::absent::Absent;
 use crate::axis::Goal;
 use crate::engine::{Interest, NextTurn, Touched};
 use crate::{
@@ -129,6 +130,8 @@ pub struct Session {
     interest: Interest,
     /// Highest speeds of drives on their machine.
     pub(crate) bounds: Arc<[BoundedDrive]>,
+    /// What drives have reported not to have, for all callers.
+    absent: Arc<Mutex<Absent>>,
 }
 
 /// Asks the caller something, now and then while a call waits.
@@ -167,6 +170,7 @@ impl Clone for Session {
             under_control: self.under_control.clone(),
             interest: self.interest,
             bounds: Arc::clone(&self.bounds),
+            absent: Arc::clone(&self.absent),
         }
     }
 }
@@ -189,6 +193,7 @@ impl Session {
             under_control: None,
             interest: Interest::Anything,
             bounds: Arc::default(),
+            absent: Arc::default(),
         }
     }
 

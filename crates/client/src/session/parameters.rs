@@ -9,7 +9,7 @@ use profile::parameter::{
     plan_reads, split_array,
 };
 
-use super::Session;
+use super::{Session, locked};
 use crate::line::Answered;
 use crate::wide::{join, split};
 use crate::{ChannelCause, ChannelRefusal, Drive, Error, Refusal};
@@ -46,6 +46,19 @@ impl Session {
         }
         let readings = self.read_plain(drive, &split(selections)).await?;
         Ok(join(&drive.parameters, selections, readings))
+    }
+
+    /// Reads what the drive has of this; what it refuses is left out, and what it has reported not to have is not requested again.
+    pub(super) async fn read_present(
+        &mut self,
+        drive: &mut Drive,
+        selections: &[Selection],
+    ) -> Result<Vec<Reading>, Error> {
+        let now = self.now();
+        let left = locked(&self.absent).left(drive, selections, now);
+        let answers = self.read(drive, &left).await?;
+        locked(&self.absent).note(drive, &left, &answers, now);
+        Ok(answers.into_iter().flatten().collect())
     }
 
     /// The same without looking at the values that scale others first. What is [tolerated](Self::tolerate_unread) gives

@@ -194,12 +194,7 @@ impl Session {
             .iter()
             .filter_map(|&pnu| drive.parameters.select(&ParameterReference::number(pnu)).ok())
             .collect();
-        Ok(self
-            .read(drive, &selections)
-            .await?
-            .into_iter()
-            .flatten()
-            .collect())
+        self.read_present(drive, &selections).await
     }
 
     /// Returns the mode of the drive, the telegram for a purpose and the modules to connect with (none on a serial

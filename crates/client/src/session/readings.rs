@@ -48,7 +48,7 @@ impl Session {
         let wanted: Vec<(Part, Selection)> = parts.iter().flat_map(|&part| places(drive, part)).collect();
         let selections: Vec<Selection> = wanted.iter().map(|(_, selection)| *selection).collect();
         let mut rows = Vec::new();
-        for reading in self.read(drive, &selections).await?.into_iter().flatten() {
+        for reading in self.read_present(drive, &selections).await? {
             let is = |selection: &Selection| {
                 let first = selection.first;
                 let own = first..first.saturating_add(selection.count);

@@ -10,7 +10,7 @@ mod assembly;
 mod calls;
 mod channel;
 mod connect;
-mod contents;
+pub(crate) mod contents;
 mod cyclic;
 mod dcp;
 mod diagnosis;

@@ -4,18 +4,7 @@ use std::time::Duration;
 
 use profinet::Instant;
 
-use super::os;
-
-/// What is done first, where several threads are to be first.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Rank {
-    /// Answers to people: a stop that someone requests.
-    Answers,
-    /// Frames: a drive ends its connection, and stops its axis, when they are late.
-    Frames,
-    /// What measures the computer itself.
-    Clock,
-}
+use super::{Rank, os};
 
 /// How long a thread is watched before its rank is decided anew.
 const WINDOW: Duration = Duration::from_millis(100);

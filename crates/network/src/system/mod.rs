@@ -36,7 +36,7 @@ use linux as os;
 
 pub use diagnosis::{Link, Permissions, PortHolder, lateness};
 pub use error::{Error, grant_raw_ethernet};
-pub use first::{First, Rank};
+pub use first::First;
 pub use interface::InterfaceInfo;
 pub use lock::{FolderLock, LockError};
 pub use medium::{ServerPort, UdpMedium};
@@ -52,4 +52,15 @@ pub struct ThreadTime {
     pub ran: Duration,
     /// Ready to run while every processor did something else.
     pub waited: Duration,
+}
+
+/// What is done first, where several threads are to be first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Rank {
+    /// Answers to people: a stop that someone requests.
+    Answers,
+    /// Frames: a drive ends its connection, and stops its axis, when they are late.
+    Frames,
+    /// What measures the computer itself.
+    Clock,
 }

@@ -190,8 +190,15 @@ impl HeldAxis {
     /// Enables the axis (S4). It stands.
     ///
     /// # Errors
-    /// When the drive does not come into operation, or the connection is lost.
-    pub async fn enable(&mut self) -> Result<(), Error> {
+    /// When the drive does not come into operation, with the faults that it has; and when the connection is lost.
+    pub async fn enable(&mut self) -> Result<(), MotionError> {
+        let result = self.operate().await;
+        self.done(End::Open, result, MotionResult::default()).await?;
+        Ok(())
+    }
+
+    /// Enables the axis, without what the drive reports about a failure.
+    async fn operate(&mut self) -> Result<(), Error> {
         let error = match self.taken.axis.enable().await {
             Ok(enabled) => {
                 enabled.leave();
@@ -458,7 +465,7 @@ impl HeldAxis {
     pub async fn set_out(&mut self, order: &Order) -> Result<MovePlan, MotionError> {
         self.permit_move(order).await?;
         if !self.taken.axis.operates() {
-            self.enable().await?;
+            self.operate().await?;
         }
         self.start(order).await
     }
@@ -506,7 +513,7 @@ impl HeldAxis {
     pub async fn set_out_task(&mut self, number: u16) -> Result<(), MotionError> {
         self.permit_task(number).await?;
         if !self.taken.axis.operates() {
-            self.enable().await?;
+            self.operate().await?;
         }
         self.start_task(number).await
     }
@@ -572,7 +579,7 @@ impl HeldAxis {
     ) -> Result<(), Error> {
         self.taken.begin_course();
         if !self.taken.axis.operates() {
-            self.enable().await?;
+            self.operate().await?;
         }
         let mut enabled = operation(&mut self.taken)?;
         let result = motion(&mut enabled).await;

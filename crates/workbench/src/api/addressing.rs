@@ -96,8 +96,8 @@ pub(super) async fn blink(
 ), request_body(content = ref("#/components/schemas/StationName"), content_type = "application/json"), responses(
     (status = 200, description = "The name, or what a dry run has found", body = ref("#/components/schemas/Named")),
     (status = 400, description = "The name is not valid"),
-    (status = 409, description = "A controller is connected"),
-    (status = 501, description = "Another station has the name, or this server reaches drives by their addresses only"),
+    (status = 409, description = "A controller is connected, or another station has the name"),
+    (status = 501, description = "This server reaches drives by their addresses only"),
     (status = 503, description = "It cannot be logged"),
 ))]
 pub(super) async fn name(
@@ -158,8 +158,8 @@ impl Named {
 ), request_body(content = ref("#/components/schemas/StationAddress"), content_type = "application/json"), responses(
     (status = 200, description = "The address, or what a dry run has found", body = ref("#/components/schemas/Addressed")),
     (status = 400, description = "The address is not valid"),
-    (status = 409, description = "A controller is connected, or the axis is not at rest"),
-    (status = 501, description = "Another station has the address, or this server reaches drives by their addresses only"),
+    (status = 409, description = "A controller is connected, the axis is not at rest, or another station has the address"),
+    (status = 501, description = "This server reaches drives by their addresses only"),
     (status = 503, description = "It cannot be logged"),
 ))]
 pub(super) async fn ip(

@@ -66,6 +66,7 @@ fn routes() -> OpenApiRouter<Arc<Shared>> {
         .routes(routes!(drives::status))
         .routes(routes!(drives::info))
         .routes(routes!(drives::faults))
+        .routes(routes!(drives::record))
         .routes(routes!(parameters::parameters))
         .routes(routes!(parameters::describe))
         .routes(routes!(parameters::values))
@@ -149,6 +150,7 @@ pub fn openapi() -> String {
     generator.subschema_for::<inject::Possible>();
     generator.subschema_for::<inject::Inject>();
     generator.subschema_for::<inject::Injected>();
+    generator.subschema_for::<drives::RecordReport>();
     generator.subschema_for::<live::FaultsTopic>();
     generator.subschema_for::<StateMachine>();
     generator.subschema_for::<MachineTopic>();

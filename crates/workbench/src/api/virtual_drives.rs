@@ -8,6 +8,7 @@ use axum::Json;
 use axum::extract::State;
 use axum::http::StatusCode;
 use profidrive::Transport;
+use profidrive::plant::PlantEvent;
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -30,12 +31,13 @@ impl VirtualDrives {
             Self {
                 time: world.now().as_nanos() as f64 / 1e9,
                 drives: (0..)
-                    .map_while(|number| world.shaft(number))
-                    .map(|shaft| VirtualDrive {
+                    .map_while(|number| world.shaft(number).map(|shaft| (number, shaft)))
+                    .map(|(number, shaft)| VirtualDrive {
                         id: shaft.mac.to_string(),
                         name: shaft.name.to_owned(),
                         position: shaft.position,
                         speed: shaft.speed,
+                        lasting: world.lasting(number).iter().map(Lasting::of).collect(),
                     })
                     .collect(),
             }
@@ -54,6 +56,26 @@ pub(super) struct VirtualDrive {
     position: f64,
     /// Its speed in rpm.
     speed: f64,
+    /// What has happened to it and has not ended, in the order in which it happened.
+    lasting: Vec<Lasting>,
+}
+
+/// An event that has not ended.
+#[derive(Debug, Serialize, JsonSchema)]
+struct Lasting {
+    /// As in plant files: `sto=on`.
+    event: String,
+    /// What ends it: `sto=off`.
+    undo: Option<String>,
+}
+
+impl Lasting {
+    fn of(event: &PlantEvent) -> Self {
+        Self {
+            event: event.to_string(),
+            undo: event.undo().map(|undo| undo.to_string()),
+        }
+    }
 }
 
 /// Returns position and speed of the shafts of all virtual drives.

@@ -67,7 +67,8 @@ async fn hold(
         value,
         changes: Vec::new(),
     };
-    let taking = intent("take", Some(format!("for {}", purpose_name(running.purpose))));
+    let (purpose, stop) = (purpose_name(running.purpose), running.stop_by.name());
+    let taking = intent("take", Some(format!("for {purpose}, STOP by {stop}")));
     let taken = async {
         act::begin(shared, caller, &taking).await?;
         take(shared, running, wanted).await
@@ -233,7 +234,7 @@ async fn perform(axis: &mut HeldAxis, order: Order, purpose: Purpose) -> Result<
         Order::Enable => {
             // what ended the last operation is known by now: nothing is enabled from a stop under way
             match axis.stop().await {
-                Ok(()) => axis.enable().await.map_err(MotionError::from),
+                Ok(()) => axis.enable().await,
                 Err(error) => Err(error.into()),
             }
         }

@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::running::StopBy;
+
 /// What an axis is taken for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -42,6 +44,9 @@ pub(super) enum Request {
         /// Consent to an axis that nothing stops when its controller is lost.
         #[serde(default)]
         may_run_on: bool,
+        /// How STOP stops this axis.
+        #[serde(default)]
+        stop_by: StopBy,
     },
     Release {
         drive: String,

@@ -11,7 +11,7 @@ use tokio::sync::mpsc;
 
 use super::axis::turn;
 use super::ledger::{Holder, Stamp};
-use super::running::{Command, Order, Reply, Running};
+use super::running::{Command, Order, Reply, Running, StopBy};
 use super::{Control, HOLD};
 
 const MS: Duration = Duration::from_millis(1);
@@ -98,7 +98,8 @@ impl Play {
         let observer = Observer::default();
         let axis = motion::hold(&mut self.network, &mut self.drive, &hold, &observer);
         let axis = axis.wait().unwrap();
-        let (running, queue) = Running::new("a", lease, "x", hold.purpose);
+        let stop_by = [StopBy::Off3, StopBy::Off1][usize::from(lease % 2 == 0)];
+        let (running, queue) = Running::new("a", lease, "x", hold.purpose, stop_by);
         running.hold_by(&axis);
         self.silent = Duration::ZERO;
         let taken = Taken {

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use profidrive::client::axis::{Progress, Purpose};
 use profidrive::client::{AxisStatus, BeatHandle, StopHandle};
 use profidrive::motion::HeldAxis;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use tokio::sync::{mpsc, watch};
 
 use super::ledger::Stamp;
@@ -89,6 +89,27 @@ pub(super) enum Kept {
     ByPage,
 }
 
+/// How STOP stops an axis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum StopBy {
+    /// By its quick stop.
+    #[default]
+    Off3,
+    /// Along its ramp, for loads that a quick stop would damage. The engine changes to the quick stop where the ramp takes too long.
+    Off1,
+}
+
+impl StopBy {
+    /// Its name in the log.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Off3 => "OFF3",
+            Self::Off1 => "OFF1",
+        }
+    }
+}
+
 /// A command, and where its answer goes.
 #[derive(Debug)]
 pub(super) struct Command {
@@ -150,6 +171,7 @@ pub(super) struct Picture {
     /// Who has it, as in the log.
     holder: String,
     purpose: &'static str,
+    stop_by: StopBy,
     /// `taking`, `off`, `enabled`, `moving`, `stopping` or `releasing`.
     phase: &'static str,
     /// Whether a command is carried out.
@@ -183,6 +205,7 @@ pub(super) struct Running {
     pub lease: u64,
     holder: String,
     pub(super) purpose: Purpose,
+    pub(super) stop_by: StopBy,
     orders: mpsc::Sender<Command>,
     /// Once the axis is taken.
     handles: OnceLock<(StopHandle, BeatHandle)>,
@@ -201,6 +224,7 @@ impl Running {
         lease: u64,
         holder: &str,
         purpose: Purpose,
+        stop_by: StopBy,
     ) -> (Arc<Self>, mpsc::Receiver<Command>) {
         let (orders, queue) = mpsc::channel(QUEUE);
         let running = Self {
@@ -208,6 +232,7 @@ impl Running {
             lease,
             holder: holder.to_owned(),
             purpose,
+            stop_by,
             orders,
             handles: OnceLock::new(),
             motion: Mutex::new(None),
@@ -219,6 +244,7 @@ impl Running {
                 lease,
                 holder: holder.to_owned(),
                 purpose: purpose_name(purpose),
+                stop_by,
                 phase: "taking",
                 busy: true,
                 ..Picture::default()
@@ -248,12 +274,15 @@ impl Running {
         }
     }
 
-    /// Stops it by its quick stop.
+    /// Stops it by STOP.
     pub fn stop(&self) {
         *self.motion() = None;
         if let Some((stop, beat)) = self.handles.get() {
             beat.end();
-            stop.quick_stop();
+            match self.stop_by {
+                StopBy::Off3 => stop.quick_stop(),
+                StopBy::Off1 => stop.stop(),
+            }
         }
     }
 
@@ -359,6 +388,7 @@ impl Running {
             lease: self.lease,
             holder: self.holder.clone(),
             purpose: purpose_name(self.purpose),
+            stop_by: self.stop_by,
             phase,
             busy: false,
             speed: status.speed_actual,

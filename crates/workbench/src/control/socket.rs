@@ -18,7 +18,7 @@ use super::axis::attend;
 use super::fresh::Freshness;
 use super::ledger::{Denied, Holder, Stamp};
 use super::messages::{Axes, Echo, For, HeldGoal, Hello, Request, Reset, Stamped, Wanted};
-use super::running::{Command, Order, Reply, Running, conflict};
+use super::running::{Command, Order, Reply, Running, StopBy, conflict};
 use super::{HOLD, LEASE};
 use crate::access::{Caller, Role};
 use crate::act::{self, Intent};
@@ -279,6 +279,7 @@ impl Page {
                 limit,
                 set_mode,
                 may_run_on,
+                stop_by,
             } => {
                 let common = Common {
                     set_mode,
@@ -294,7 +295,7 @@ impl Page {
                         For::Position => Hold::for_position(),
                     }
                 };
-                self.take(n, &drive.to_lowercase(), hold);
+                self.take(n, &drive.to_lowercase(), hold, stop_by);
             }
             Request::Release { drive } => {
                 if let Some(running) = self.own(&drive) {
@@ -388,7 +389,7 @@ impl Page {
         });
     }
 
-    fn take(&mut self, n: u64, drive: &str, hold: Hold) {
+    fn take(&mut self, n: u64, drive: &str, hold: Hold, stop_by: StopBy) {
         let refused = |detail: &str| self.reply.refused(n, &conflict(detail));
         match self.refusal() {
             Some("addresses") => {
@@ -421,7 +422,7 @@ impl Page {
             Ok(lease) => lease,
             Err(denied) => return refused(&denied.to_string()),
         };
-        let (running, queue) = Running::new(drive, lease, &self.caller.who, hold.purpose);
+        let (running, queue) = Running::new(drive, lease, &self.caller.who, hold.purpose, stop_by);
         control.axes().insert(drive.to_owned(), Arc::clone(&running));
         self.own.push(Arc::clone(&running));
         let (shared, caller) = (Arc::clone(&self.shared), self.caller.clone());

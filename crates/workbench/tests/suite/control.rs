@@ -249,6 +249,48 @@ fn a_lease_is_of_its_socket_and_a_stop_of_everybody() {
 }
 
 #[test]
+fn a_stop_is_along_the_ramp_where_its_page_has_chosen_that() {
+    let server = Running::demo();
+    let id = known(&server, "axis-1");
+    let mut hands = Hands::of(&server, &server.control);
+    let take = json!({ "purpose": "speed", "limit": 300, "stop_by": "off1" });
+    let number = hands.send("take", &id, &take);
+    let lease = lease(&hands.answer(number));
+    hands.order("enable", &id, lease, 0, &json!({}));
+    hands.order("velocity", &id, lease, 0, &json!({ "speed": 20 }));
+    turns(&server, &mut hands, &id, &Value::Null);
+    hands.page.send(&json!({ "type": "stop" }));
+    assert_eq!(hands.page.next("stopped")["drives"], json!([id]));
+    rests(&server, &id);
+    // the state machine has a stop of its own for each
+    let machine = server
+        .ask(
+            "GET",
+            &format!("/api/v1/drives/{id}/machine"),
+            &Running::bearer(&server.view),
+            "",
+        )
+        .json();
+    let words: Vec<&str> = machine["changes"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .filter_map(|change| change["stw1"].as_str())
+        .collect();
+    assert!(
+        words.iter().all(
+            |word| u16::from_str_radix(word.trim_start_matches("0x"), 16).unwrap() & 4 != 0
+                || *word == "0x0000"
+        ),
+        "no OFF3: {words:?}"
+    );
+    server.logged(|log| {
+        log.iter()
+            .any(|record| record["value"] == "for speed, STOP by OFF1")
+    });
+}
+
+#[test]
 fn a_stop_passes_a_socket_that_takes_no_answers() {
     let server = Running::demo();
     let id = known(&server, "axis-1");

@@ -1,5 +1,7 @@
 //! What the frames of the network show.
 
+use std::cell::Cell;
+
 use profidrive_workbench::{Settings, Source};
 use serde_json::Value;
 
@@ -119,5 +121,63 @@ fn the_log_is_read_in_pages_and_as_files() {
     for method in ["POST", "PUT", "DELETE"] {
         let answer = server.ask(method, "/api/v1/audit", &Running::bearer(&server.control), "");
         assert_eq!(answer.status, 405, "{answer:?}");
+    }
+}
+
+/// A VLT has no PNU 930: what is read again and again does not request it each time.
+#[test]
+fn what_a_drive_does_not_have_is_not_read_again() {
+    let server = Running::demo();
+    known(&server, "pump-1");
+    let refusals = || {
+        let report = server.ask("GET", "/api/v1/troubles", &bearer(&server), "").json();
+        let all = report["troubles"].as_array().unwrap().iter();
+        let own = all.filter(|one| one["from"] == "pump-1" && one["text"].as_str().unwrap().contains("0x00"));
+        own.map(|one| one["count"].as_u64().unwrap()).sum::<u64>()
+    };
+    // identities are read each five seconds, the status each second: all of it is read again when a search ends
+    let searched = || {
+        let before = Cell::new(f64::NEG_INFINITY);
+        eventually(&server, "/api/v1/stations", |report| {
+            let age = report["age"].as_f64().unwrap_or(f64::INFINITY);
+            age < before.replace(age)
+        });
+    };
+    searched();
+    let first = refusals();
+    searched();
+    assert_eq!(refusals(), first);
+}
+
+#[test]
+fn a_record_is_read_and_explained() {
+    let server = Running::demo();
+    let id = known(&server, "axis-1");
+    let read = |query: &str| {
+        server.ask(
+            "GET",
+            &format!("/api/v1/drives/{id}/record?{query}"),
+            &bearer(&server),
+            "",
+        )
+    };
+    let identity = read("slot=0&subslot=1&index=45040");
+    assert_eq!(identity.status, 200, "{identity:?}");
+    let record = identity.json();
+    assert!(
+        record["octets"].as_str().unwrap().starts_with("00 20 00 38"),
+        "{record}"
+    );
+    assert!(
+        record["text"].as_str().unwrap().contains("order number AKD"),
+        "{record}"
+    );
+    assert_eq!(read("slot=9&subslot=1&index=45040").json()["kind"], "refused");
+    for wrong in [
+        "slot=0&subslot=1",
+        "slot=65536&subslot=1&index=1",
+        "slot=x&subslot=1&index=1",
+    ] {
+        assert_eq!(read(wrong).status, 400, "{wrong}");
     }
 }

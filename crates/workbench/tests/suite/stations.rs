@@ -83,10 +83,7 @@ fn a_station_is_named_once_and_the_log_has_old_and_new() {
     assert_eq!(answer.json()["report"]["name"], "axis-3");
     station(&server, &id, |station| station["name"] == "axis-3");
     let twice = named("axis-1");
-    assert_eq!(
-        (twice.status, &twice.json()["kind"]),
-        (501, &"unsupported".into())
-    );
+    assert_eq!((twice.status, &twice.json()["kind"]), (409, &"refused".into()));
     let records = logged(&server, "name", 4);
     let change = "none -> axis-3, kept over power-off".to_owned();
     assert_eq!(

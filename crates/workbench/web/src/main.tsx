@@ -1,5 +1,6 @@
 import { render } from "preact";
 import { App } from "./app/App";
+import { keepFocus } from "./app/focus";
 import { enter } from "./store/live";
 import "uplot/dist/uPlot.min.css";
 import "./style/base.css";
@@ -8,5 +9,6 @@ import "./style/pages.css";
 const root = document.getElementById("app");
 if (root) {
   render(<App />, root);
+  keepFocus();
   void enter();
 }

@@ -154,7 +154,7 @@ for (const theme of ["light", "dark"] as const) {
 }
 
 test("the keyboard reaches everything, with a visible focus", async ({ entered: page }) => {
-  const wanted = await page.locator("a:visible, button:visible, select:visible").count();
+  const wanted = await page.locator("a:visible, button:enabled:visible, select:visible, input:enabled:visible").count();
   const reached = new Set<string>();
   for (let press = 0; press < wanted + 6; press += 1) {
     await page.keyboard.press("Tab");
@@ -162,7 +162,8 @@ test("the keyboard reaches everything, with a visible focus", async ({ entered: 
       const now = document.activeElement;
       if (!(now instanceof HTMLElement) || now === document.body) return null;
       const { outlineStyle, outlineWidth } = getComputedStyle(now);
-      return { name: `${now.tagName} ${now.textContent}`, ring: outlineStyle !== "none" && outlineWidth !== "0px" };
+      const label = now.getAttribute("aria-label") ?? now.textContent;
+      return { name: `${now.tagName} ${label}`, ring: outlineStyle !== "none" && outlineWidth !== "0px" };
     });
     if (seen) {
       expect(seen.ring, seen.name).toBe(true);
@@ -177,6 +178,31 @@ test("the keyboard reaches everything, with a visible focus", async ({ entered: 
   await page.keyboard.press("g");
   await page.keyboard.press("n");
   await expect(page.getByRole("heading", { name: "Network" })).toBeVisible();
+  // the list of keys switches them off, but for STOP
+  await page.keyboard.press("?");
+  const keys = page.getByRole("dialog", { name: "Keys" });
+  await expect(keys.getByRole("row", { name: "g n Network" })).toBeVisible();
+  await keys.getByRole("checkbox").uncheck();
+  await page.keyboard.press("Escape");
+  await expect(keys).toHaveCount(0);
+  await page.keyboard.press("Control+k");
+  await page.keyboard.press("g");
+  await page.keyboard.press("l");
+  await expect(page.getByRole("heading", { level: 1, name: "Network" })).toBeVisible();
+  await page.getByRole("button", { name: "Keys ?" }).press("Enter");
+  await keys.getByRole("checkbox").check();
+  await keys.getByRole("button", { name: "Close" }).click();
+  await page.keyboard.press("Control+k");
+  await page.keyboard.type("axis-1");
+  await expect(page.getByRole("option", { name: "axis-1: Overview" })).toHaveAttribute("aria-selected", "true");
+  await page.keyboard.press("Enter");
+  await expect(page.locator(".why-not")).toBeVisible();
+  await page.keyboard.press("Control+k");
+  await page.keyboard.type("log");
+  await page.keyboard.press("Enter");
+  await expect(page.getByRole("heading", { level: 1, name: "Log" })).toBeVisible();
+  await page.keyboard.press("/");
+  await expect(page.getByRole("searchbox", { name: "Search" })).toBeFocused();
 });
 
 test("a lost workbench is said, old values are dashes, and it comes back by itself", async ({ page }) => {

@@ -33,6 +33,18 @@ test("a simulation shows how to make a motor turn", async ({ entered: page }) =>
   await expect(page.getByRole("button", { name: "Take control" })).toBeInViewport();
 });
 
+test("the drives that are selected are saved, and two of them compared", async ({ entered: page }) => {
+  await page.getByRole("checkbox", { name: "Select pump-1" }).check();
+  await expect(page.getByRole("button", { name: "Compare two" })).toBeDisabled();
+  await page.getByRole("checkbox", { name: "Select fan-1" }).check();
+  await page.getByRole("button", { name: "Back up 2" }).click();
+  const said = page.getByRole("status").filter({ hasText: "Settings of 2 of 2 drives were saved" });
+  await expect(said).toContainText(/pump-1-.*\.backup/, { timeout: 30_000 });
+  await page.getByRole("button", { name: "Compare two" }).click();
+  await expect(page.getByRole("heading", { level: 1, name: /^Compare/ })).toBeVisible();
+  await expect(page.getByRole("combobox", { name: "Right" })).toHaveValue(/^drive /);
+});
+
 test("a search can be requested", async ({ entered: page }) => {
   const [answer] = await Promise.all([
     page.waitForResponse((response) => response.url().endsWith("/stations/scan")),

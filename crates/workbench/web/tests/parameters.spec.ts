@@ -1,3 +1,4 @@
+import { readFileSync } from "node:fs";
 import type { Page } from "@playwright/test";
 import { end, expect, idOf, type Running, rows, serve, test, watch } from "./bench";
 
@@ -42,12 +43,20 @@ test("a value is reviewed, written, verified, saved, and seen by a second page",
     await expect(seen).toContainText("3000");
     await review.getByRole("button", { name: "Apply 1" }).click();
     await expect(review).toContainText("written and verified");
+    // the button is gone, and the focus is where it was
+    await expect(review).toBeFocused();
+    await expect(page.getByRole("row", { name: "DRV.ACC p2108" })).toContainText("to be saved");
+    await page.getByRole("combobox", { name: "Show" }).selectOption("unsaved");
+    await expect(page.locator("[data-key]")).toHaveCount(1);
+    await expect(page.locator("p", { hasText: "Last change by this server" })).toContainText("3000");
     await expect(review).toContainText("lost at the next power cycle");
     await expect(seen).toContainText("8000", { timeout: 3000 });
     await expect(field).toHaveValue("8000");
     await review.getByRole("button", { name: "Save in the drive" }).click();
     await review.getByRole("button", { name: "Apply 1" }).click();
     await expect(review).toContainText("saved in the drive");
+    await expect(page.getByText("No matching parameters.")).toBeVisible();
+    await page.getByRole("combobox", { name: "Show" }).selectOption("all");
     await expect(review).not.toContainText("lost at the next power cycle");
     await field.fill("4000");
     await review.getByRole("button", { name: "Apply 1" }).click();
@@ -124,6 +133,15 @@ test("parameters are found by their words and reached by keys", async ({ entered
   await expect(page.getByText(/^\d+ of \d+$/)).toBeVisible();
   await page.getByRole("searchbox").fill("nothing like it");
   await expect(page.getByText("No matching parameters.")).toBeVisible();
+  expect(new URL(page.url()).hash).toBe("#q=nothing+like+it");
+  await page.getByRole("searchbox").fill("");
+  await page.getByRole("combobox", { name: "Group" }).selectOption("DRV");
+  await page.getByRole("button", { name: "Favourite DRV.ACC", exact: true }).click();
+  await page.getByRole("combobox", { name: "Group" }).selectOption("All groups");
+  await page.getByRole("combobox", { name: "Show" }).selectOption("favourites");
+  await expect(page.locator("[data-key]")).toHaveCount(1);
+  await page.getByRole("button", { name: "Favourite DRV.ACC", exact: true }).click();
+  await page.getByRole("combobox", { name: "Show" }).selectOption("all");
   await page.getByRole("searchbox").fill("");
   await page.getByRole("region", { name: "Parameters" }).focus();
   const first = await page.locator("[data-key]").first().getAttribute("data-key");
@@ -155,6 +173,14 @@ test("settings are backed up, compared, restored as a plan, and downloaded", asy
     await page.getByRole("link", { name: "Compare" }).click();
     await compare.click();
     await expect(page.getByText("Differences: 1")).toBeVisible();
+    const csv = page.waitForEvent("download");
+    await page.getByRole("button", { name: "Export CSV" }).click();
+    expect(readFileSync(await (await csv).path(), "utf8")).toMatch(/^Number,Name,pump-1,pump-1-.*\r\n3-41,/);
+    // with the file as base the drive is what was changed
+    await page.getByRole("combobox", { name: "Base" }).selectOption(await right.inputValue());
+    await compare.click();
+    await expect(page.getByRole("cell", { name: "changed on the left" })).toBeVisible();
+    await page.getByRole("combobox", { name: "Base" }).selectOption("");
     await page.getByRole("checkbox", { name: /^Take .* from the file/ }).check();
     await page.getByRole("button", { name: "Plan to restore 1 from the file" }).click();
     const review = page.getByRole("region", { name: "Changes" });

@@ -161,6 +161,12 @@ test("a file is opened with the same numbers after the page was loaded again", a
     await page.getByRole("textbox", { name: "Parameter" }).fill("VBUS.VALUE");
     await page.getByRole("button", { name: "Add" }).click();
     await expect(page.getByRole("row", { name: "VBUS.VALUE" })).toBeVisible();
+    // a difference of two signals is a signal, of what is recorded too
+    await page.getByRole("region", { name: "Difference" }).getByRole("button", { name: "Calculate" }).click();
+    const difference = page.getByRole("row", { name: / - / });
+    await expect(difference).toContainText(/\d/);
+    await page.getByRole("button", { name: /^Remove .* - / }).click();
+    await expect(difference).toHaveCount(0);
     await page.getByRole("textbox", { name: "Parameter" }).fill("NO.SUCH");
     await page.getByRole("button", { name: "Add" }).click();
     await expect(page.getByRole("listitem").filter({ hasText: "NO.SUCH" })).toContainText(/no|not/);

@@ -17,10 +17,16 @@ test("what happens to a virtual drive shows on its other screens at once", async
     await expect(page.locator(".why-not")).toHaveAttribute("data-cause", "sto");
     await page.goto(`${server.origin}/virtual`);
     await page.getByRole("button", { name: "Select axis-1" }).click();
-    await page.getByRole("button", { name: "STO off" }).click();
+    // what lasts is named in its row, and has a button that ends it
+    const row = page.getByRole("row", { name: "axis-1" });
+    await expect(row).toContainText("sto=on");
+    await page.getByRole("button", { name: "End sto=on" }).click();
+    await expect(row).not.toContainText("sto=on");
+    await expect(page.getByText("Nothing that was injected lasts.")).toBeVisible();
     await page.getByRole("combobox", { name: /^Fault/ }).selectOption("439");
     await page.getByRole("button", { name: "Until its cause is cleared" }).click();
-    await expect(page.getByRole("row", { name: "axis-1" })).toContainText("F439");
+    await expect(row).toContainText("F439");
+    await expect(row).toContainText("fault=439!");
     await page.getByLabel("Any event").fill("load=0.2Nm");
     await page.getByRole("button", { name: "Inject" }).click();
     await expect(page.getByText("axis-1: load=0.2Nm").first()).toBeVisible();
@@ -60,6 +66,8 @@ test("what was let happen becomes a plant file in which it happens again", async
           .first(),
       ).toBeVisible();
     }
+    await page.getByText("Plant file, with what was injected").click();
+    await expect(page.locator("pre")).toContainText('do = "cable=plugged"');
     const [download] = await Promise.all([
       page.waitForEvent("download"),
       page.getByRole("link", { name: "Save 4 events" }).click(),

@@ -363,3 +363,47 @@ fn cyclic_data_without_an_event_is_decoded_without_allocation() {
     });
     assert_eq!((events, made), (0, 0));
 }
+
+/// Device and interface have no data: what stands for them in the cyclic data is their status.
+#[test]
+fn the_octets_of_submodules_without_data_are_named_by_their_status() {
+    let mut asked = connect::request(profinet::wire::Reader::new(&connect_blocks(9))).expect("a connect");
+    for iocr in &mut asked.iocrs {
+        let object = |slot, subslot, offset| FrameObject {
+            slot,
+            subslot,
+            offset,
+        };
+        iocr.apis[0].data.extend([object(0, 1, 5), object(0, 0x8000, 6)]);
+        iocr.apis[0].status.push(object(1, 1, 7));
+    }
+    let mut blocks = Vec::new();
+    asked.ar.as_ref().expect("an AR").encode(&mut blocks);
+    asked.iocrs.iter().for_each(|iocr| iocr.encode(&mut blocks));
+    ExpectedModule::encode_block(&asked.modules, &mut blocks);
+    let mut capture = Capture::default();
+    let call = Call::new(operation::CONNECT);
+    capture.at(0, &call.request(&blocks));
+    capture.at(1, &call.response(0, &connected_blocks(9, None)));
+    let data = [&STW1[..], &[0x80, 0x80, 0x80]].concat();
+    let frame = cyclic(DRIVE, PLC, INPUTS, &data, 1, GOOD);
+    let tree = capture.walker.tree(&frame);
+    let begin = 16;
+    for (octet, name) in [
+        (4, "IOPS of slot 1/1"),
+        (5, "IOPS of slot 0/1"),
+        (6, "IOPS of slot 0/0x8000"),
+        (7, "IOCS of slot 1/1"),
+    ] {
+        let path = tree.path(begin + octet);
+        let field = path.last().expect("a field");
+        assert_eq!(
+            (field.name.as_str(), field.octets()),
+            (name, begin + octet..begin + octet + 1)
+        );
+        assert!(
+            field.children.is_empty() && field.value.contains("good"),
+            "{field:?}"
+        );
+    }
+}

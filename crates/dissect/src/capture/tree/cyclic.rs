@@ -24,20 +24,20 @@ pub fn data<'a>(walker: &Walker, frame: &Frame<'a>, notes: &mut Notes<'a>) {
         .and_then(|_| trailer.u8("TransferStatus"));
     let Some(stream) = stream else { return };
     for object in stream.objects() {
-        let place = format!("slot {}/{}", object.slot, object.subslot);
+        let place = place(object.slot, object.subslot);
         let Some(part) = octets.get(object.octets()) else {
             continue;
         };
         let Some((data, status)) = part.split_at_checked(object.length) else {
             continue;
         };
-        if object.consumer {
-            notes.add(format!("IOCS of {place}"), status, iops(status));
-            continue;
+        let kind = if object.consumer { "IOCS" } else { "IOPS" };
+        // a submodule without data in this direction has its status alone
+        if !data.is_empty() {
+            notes.add(place.clone(), part, "");
+            notes.add("data", data, "");
         }
-        notes.add(place.clone(), part, "");
-        notes.add(format!("IOPS of {place}"), status, iops(status));
-        notes.add("data", data, "");
+        notes.add(format!("{kind} of {place}"), status, iops(status));
     }
     let drive = walker.names.drives.known(stream.device());
     for (data_of, data) in stream.telegrams(octets) {
@@ -49,5 +49,14 @@ pub fn data<'a>(walker: &Walker, frame: &Frame<'a>, notes: &mut Notes<'a>) {
         for part in half.parts(data) {
             notes.add_part(data, part);
         }
+    }
+}
+
+/// Returns a place in words: subslots of interfaces and ports are written in hexadecimal.
+fn place(slot: u16, subslot: u16) -> String {
+    if subslot < 0x8000 {
+        format!("slot {slot}/{subslot}")
+    } else {
+        format!("slot {slot}/0x{subslot:04X}")
     }
 }

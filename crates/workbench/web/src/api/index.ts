@@ -33,6 +33,7 @@ export type Captures = Schemas["CapturesReport"];
 export type EventPage = Schemas["EventPage"];
 export type FramePage = Schemas["FramePage"];
 export type FrameReport = Schemas["FrameReport"];
+export type RecordReport = Schemas["RecordReport"];
 type Problem = Schemas["Problem"];
 
 /** Time for an answer, in ms. */

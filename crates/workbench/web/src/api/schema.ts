@@ -319,6 +319,23 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/drives/{id}/record": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** Reads a record of any submodule. Nothing is written. */
+        get: operations["record"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/drives/{id}/status": {
         parameters: {
             query?: never;
@@ -1486,6 +1503,13 @@ export interface components {
              */
             vendor_id: number;
         };
+        /** @description An event that has not ended. */
+        Lasting: {
+            /** @description As in plant files: `sto=on`. */
+            event: string;
+            /** @description What ends it: `sto=off`. */
+            undo: string | null;
+        };
         /** @description The parameters of a drive. */
         ListReport: {
             /** @description The drive. */
@@ -2081,6 +2105,13 @@ export interface components {
              */
             value: number;
         };
+        /** @description A record of a drive. */
+        RecordReport: {
+            /** @description Its octets in hexadecimal, with blanks between them. */
+            octets: string;
+            /** @description What it has, where its layout is known. */
+            text: string | null;
+        };
         /** @description A value that cannot be written. */
         Refusal: {
             /** @description Why. */
@@ -2596,6 +2627,8 @@ export interface components {
         VirtualDrive: {
             /** @description What it is called in paths: its MAC address. */
             id: string;
+            /** @description What has happened to it and has not ended, in the order in which it happened. */
+            lasting: components["schemas"]["Lasting"][];
             /** @description What the plant calls it. */
             name: string;
             /**
@@ -3873,6 +3906,83 @@ export interface operations {
             };
         };
     };
+    record: {
+        parameters: {
+            query: {
+                /** @description Application process: 0 where it is not given, 14848 (0x3A00) for the drive profile */
+                api?: number;
+                /** @description Slot */
+                slot: number;
+                /** @description Subslot */
+                subslot: number;
+                /** @description Index: 45040 (0xAFF0) is the identity */
+                index: number;
+            };
+            header?: never;
+            path: {
+                /** @description MAC address, or `ip-` with the IP address */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description The record */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["RecordReport"];
+                };
+            };
+            /** @description A number that is not valid, or none */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description No session */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description No such drive has answered */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The drive refuses */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The drive does not answer */
+            504: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
     status: {
         parameters: {
             query?: never;
@@ -4935,7 +5045,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description A controller is connected, or the axis is not at rest */
+            /** @description A controller is connected, the axis is not at rest, or another station has the address */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -4944,7 +5054,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Another station has the address, or this server reaches drives by their addresses only */
+            /** @description This server reaches drives by their addresses only */
             501: {
                 headers: {
                     [name: string]: unknown;
@@ -5037,7 +5147,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description A controller is connected */
+            /** @description A controller is connected, or another station has the name */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -5046,7 +5156,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Another station has the name, or this server reaches drives by their addresses only */
+            /** @description This server reaches drives by their addresses only */
             501: {
                 headers: {
                     [name: string]: unknown;

@@ -7,7 +7,9 @@ import { access, server, silent } from "../store/store";
 import { t } from "../text";
 import { Frame } from "./Frame";
 import { useKeys } from "./keys";
+import { Overlay } from "./Palette";
 import { address, recent, remember, screenOf } from "./selected";
+import { shown } from "./shortcuts";
 import { type Theme, theme } from "./theme";
 
 const Overview = lazy(() => import("../screens/screens").then((screens) => screens.Overview));
@@ -52,6 +54,15 @@ function Navigation() {
       <Link href="/capture" icon="capture" text={t("nav.capture")} />
       <Link href="/log" icon="log" text={t("nav.log")} />
       {server.value?.simulation && <Link href="/virtual" icon="virtual" text={t("nav.virtual")} />}
+      <button
+        type="button"
+        class="plain help"
+        onClick={() => {
+          shown.value = "keys";
+        }}
+      >
+        {t("keys.title")} <kbd>?</kbd>
+      </button>
       <label class="theme">
         <span>{t("theme.label")}</span>
         <select
@@ -86,6 +97,7 @@ function Shell() {
         {t("nav.skip")}
       </a>
       <Frame />
+      <Overlay />
       <div class="body">
         <Navigation />
         <main id="content" tabIndex={-1}>

@@ -135,7 +135,7 @@ function Stop({ station }: { station: Station | undefined }) {
     silent.value !== null
       ? t("stop.why.unreachable")
       : count > 0
-        ? t("stop.why.own")
+        ? t(axes.value.some(({ stop_by }) => stop_by === "off1") ? "stop.why.chosen" : "stop.why.own")
         : name !== null
           ? t("stop.why.owner", { name })
           : t("stop.why.none");
@@ -180,7 +180,7 @@ function Reset() {
   useEffect(() => {
     // STOP disables the button that had the focus. Only with an axis: then the space bar is STOP here, too
     const focus = document.activeElement;
-    const none = focus === null || focus === document.body || focus.matches(":disabled");
+    const none = !(focus instanceof HTMLElement) || focus.tabIndex < 0 || focus.matches(":disabled");
     if (leases.value.size > 0 && none) button.current?.focus({ preventScroll: true });
   }, []);
   return (

@@ -2,20 +2,15 @@ import { useEffect } from "preact/hooks";
 import { useLocation } from "preact-iso";
 import { leases } from "../store/control";
 import { server } from "../store/store";
+import { LETTERS, pathOf, screens } from "./commands";
 import { pressStop } from "./Frame";
-import { address, recent } from "./selected";
+import { recent } from "./selected";
+import { isShortcut, shortcuts, shown, takesText } from "./shortcuts";
 
 /** Two keys of a sequence come within this time, in ms. */
 const SEQUENCE = 1000;
 
-/** Returns whether letters typed there are text, or select an entry of a list. Boxes and sliders take no letters. */
-export function takesText(target: EventTarget | null): boolean {
-  const fields =
-    "input:not([type=checkbox]):not([type=radio]):not([type=range]):not([type=file]), textarea, select, [contenteditable]";
-  return target instanceof HTMLElement && target.matches(fields);
-}
-
-/** `g` and a letter open screens; Ctrl+Space and twice Escape are STOP everywhere. */
+/** Ctrl+Space and twice Escape are STOP everywhere. `g` and a letter open screens, `/` the search, Ctrl+K the palette, `?` a list. */
 export function useKeys(): void {
   const { path, route } = useLocation();
   useEffect(() => {
@@ -32,32 +27,29 @@ export function useKeys(): void {
         return;
       }
       // while this page has an axis the space bar is STOP, except in a field for text and in a list
-      const typing = takesText(event.target);
-      if (event.code === "Space" && leases.value.size > 0 && !typing) {
+      if (event.code === "Space" && leases.value.size > 0 && !takesText(event.target)) {
         event.preventDefault();
         void pressStop();
         return;
       }
-      if (typing || event.ctrlKey || event.altKey || event.metaKey || last !== "g") {
+      if (shortcuts.value && event.ctrlKey && event.key.toLowerCase() === "k") {
+        event.preventDefault();
+        shown.value = shown.value === "palette" ? "" : "palette";
         return;
       }
-      const id = recent(path);
-      const screen = {
-        n: "/network",
-        o: address(id, "overview"),
-        c: address(id, "control"),
-        p: address(id, "parameters"),
-        s: address(id, "scope"),
-        f: address(id, "faults"),
-        d: address(id, "compare"),
-        m: address(id, "machine"),
-        t: address(id, "telegram"),
-        e: "/capture",
-        l: "/log",
-        v: "/virtual",
-      }[event.key];
-      if (screen !== undefined && (event.key !== "v" || server.value?.simulation)) {
-        route(screen + location.search);
+      if (!isShortcut(event)) {
+        return;
+      }
+      if (last === "g") {
+        const screen = screens(server.value?.simulation ?? false).find((one) => LETTERS[one] === event.key);
+        if (screen !== undefined) route(pathOf(screen, recent(path)) + location.search);
+      } else if (event.key === "?") {
+        shown.value = shown.value === "keys" ? "" : "keys";
+      } else if (event.key === "/") {
+        const field = document.querySelector<HTMLInputElement>("#content input[type=search]");
+        if (field === null) return;
+        event.preventDefault();
+        field.focus();
       }
     };
     addEventListener("keydown", press);

@@ -15,6 +15,7 @@ const PATHS = {
   telegram: "M2 4h12v8H2zM5 4v8M8 4v8M11 4v8",
   capture: "M2 3h8M2 6h6M2 9h4M11 8a3 3 0 1 0 0 5A3 3 0 1 0 11 8zM13 13l2 2",
   log: "M3 2h10v12H3zM5.5 5h5M5.5 8h5M5.5 11h3",
+  star: "M8 2l1.8 3.9 4.2.5-3.1 2.9.8 4.2L8 11.4l-3.7 2.1.8-4.2L2 6.4l4.2-.5z",
   live: "M3 3l5 5-5 5M8 3l5 5-5 5",
 } as const;
 

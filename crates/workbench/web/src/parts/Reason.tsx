@@ -1,7 +1,8 @@
 import type { Station } from "../api";
-import { heldAxis, own, session } from "../store/control";
+import { heldAxis, own, session, wasOwn } from "../store/control";
+import { received } from "../store/store";
 import { age, t } from "../text";
-import { foreign, urgency } from "./format";
+import { faultText, foreign, urgency } from "./format";
 import { Icon, type IconName } from "./Icon";
 
 /** What is to be said about a station beside its status. */
@@ -38,7 +39,7 @@ export function reason(station: Station): string {
   const found = findings(station);
   if (station.lost !== null) return found.join(", ");
   const fault = status?.faults[0];
-  if (fault) return foreign(`F${fault.number} ${fault.meaning ?? ""}`);
+  if (fault) return faultText(fault);
   if (error) return foreign(error.message);
   if (status) return foreign(status.sentence);
   if (found.length > 0) return found.join(", ");
@@ -74,8 +75,8 @@ export function State({ station, short }: { station: Station; short?: boolean })
 export function owner(station: Station): string {
   const controller = station.status?.controller ?? station.info?.controller;
   if (!controller) return t("frame.owner.unknown");
-  if (!controller.connected) return t("frame.owner.none");
-  return t("frame.owner", { name: ownerName(station) ?? "" });
+  const name = ownerName(station);
+  return name === null ? t("frame.owner.none") : t("frame.owner", { name });
 }
 
 /** Returns who did something, in words. */
@@ -94,6 +95,7 @@ export function ownerName(station: Station | undefined): string | null {
   const axis = station && heldAxis(station.id);
   if (axis) return own(axis.drive) ? t("owner.self") : t("owner.session", { who: axis.holder });
   const controller = station?.status?.controller ?? station?.info?.controller;
-  if (!controller?.connected) return null;
+  // what was read before this server released the drive names this server
+  if (!station || !controller?.connected || wasOwn(station.id, received.value - (station.age ?? 0) * 1000)) return null;
   return controller.name === null ? t("frame.owner.unnamed") : foreign(controller.name);
 }

@@ -1,5 +1,5 @@
 /** How values are shown. */
-import type { Quantity, Station } from "../api";
+import type { Fault, Quantity, Station } from "../api";
 import { t } from "../text";
 
 /** The longest text of a drive that is shown whole: of a name, and of a sentence with names in it. */
@@ -40,6 +40,11 @@ export function label(station: Station): string {
 export function product({ vendor, type }: Station): string {
   const named = vendor === null || type.toLowerCase().startsWith(vendor.toLowerCase());
   return foreign(named ? type : `${vendor} ${type}`);
+}
+
+/** Returns a fault by its number and what it means. */
+export function faultText({ number, meaning }: Pick<Fault, "number" | "meaning">): string {
+  return foreign(`F${number} ${meaning ?? ""}`).trim();
 }
 
 /** How much a station needs attention: the lowest first. */

@@ -1,5 +1,6 @@
 /** What is recorded and what of it is shown: running, stopped, or waiting for a trigger. No socket, no clock of its own. */
-import type { Block, Header } from "./block";
+import { type Block, columnOf, type Header } from "./block";
+import { type Derived, type Difference, derived, difference } from "./maths";
 import { Ring } from "./ring";
 import { type Condition, Watch } from "./trigger";
 
@@ -27,7 +28,12 @@ const AUTO = 1e6;
 const PAUSE = 5;
 
 export class Acquisition {
+  /** What is recorded: the columns that come, and those that are calculated. */
   header: Header | null = null;
+  /** The same without what is calculated. */
+  private plain: Header | null = null;
+  private maths: readonly Difference[] = [];
+  private derived: Derived[] = [];
   /** The stream that is recorded now; blocks of another one are not. */
   private stream: number | null = null;
   ring: Ring | null = null;
@@ -58,8 +64,8 @@ export class Acquisition {
       return;
     }
     this.pending = null;
-    const same = this.header !== null && JSON.stringify(this.header.columns) === JSON.stringify(header.columns);
-    this.header = header;
+    const same = this.plain !== null && JSON.stringify(this.plain.columns) === JSON.stringify(header.columns);
+    this.takeOver(header);
     this.stream = header.id;
     if (same && this.ring !== null) {
       this.breaks = true;
@@ -72,9 +78,34 @@ export class Acquisition {
     this.zero = null;
     if (header.columns.length > 0) {
       const rows = header.period_us > 0 ? BUFFER / header.period_us : BUFFER;
-      this.ring = new Ring(header.columns, Math.min(rows, BUFFER / 1000));
+      this.ring = new Ring(this.header?.columns ?? [], Math.min(rows, BUFFER / 1000));
     }
     this.arm();
+  }
+
+  /** Notes what comes, and what is calculated of it. */
+  private takeOver(header: Header): void {
+    this.plain = header;
+    this.derived = derived(header.columns, this.maths);
+    this.header = { ...header, columns: [...header.columns, ...this.derived.map(({ column }) => column)] };
+  }
+
+  private calculated(cells: readonly ArrayLike<number>[]): Float64Array[] {
+    return this.derived.map((one) => difference(this.plain?.columns ?? [], cells, one));
+  }
+
+  /** Calculates these signals from now on, and of what is recorded. */
+  calculate(maths: readonly Difference[]): void {
+    this.maths = maths;
+    const { plain, ring } = this;
+    if (plain === null) return;
+    this.takeOver(plain);
+    if (ring === null) return;
+    const columns = this.header?.columns ?? [];
+    if (JSON.stringify(columns) === JSON.stringify(ring.columns)) return;
+    // rows are numbered from the first one that is kept: what watches them begins anew
+    this.ring = ring.with(columns, plain.columns.length, (cells) => this.calculated(cells));
+    if (this.running) this.arm();
   }
 
   /** Takes a block; returns whether something was recorded. */
@@ -87,13 +118,15 @@ export class Acquisition {
     if (!this.running || ring === null || block.stream !== this.stream || block.rows === 0) return false;
     const last = ring.next === 0 ? 0 : ring.time(ring.next - 1);
     // columns that are others, or a time that runs backwards: of another stream than it says
-    if (block.columns !== ring.columns.length || (block.times[0] ?? 0) < last) {
+    const plain = this.plain?.columns ?? [];
+    if (block.columns !== plain.length || (block.times[0] ?? 0) < last) {
       this.dropped += 1;
       return false;
     }
     const paused = this.breaks && (block.times[0] ?? 0) - last > PAUSE * Math.max(block.period, 1);
     if (ring.next > 0) this.lost += block.lost;
-    ring.append({ ...block, gap: block.gap || paused });
+    const cells = plain.map((column, place) => columnOf(block, place, column.type));
+    ring.add(block.times, [...cells, ...this.calculated(cells)], block.gap || paused, block.lost);
     this.breaks = false;
     this.look();
     return true;
@@ -180,10 +213,13 @@ export class Acquisition {
 
   /** Shows what a file has. */
   open(header: Header, ring: Ring): void {
+    this.plain = header;
     this.header = header;
+    this.derived = [];
     this.stream = null;
     this.ring = ring;
     this.running = false;
+    this.calculate(this.maths);
     this.lost = ring.gaps.reduce((sum, gap) => sum + gap.lost, 0);
     this.zero = null;
     this.shown = { from: ring.time(ring.first), to: this.latest };
@@ -191,7 +227,7 @@ export class Acquisition {
 
   /** Forgets everything, as for another drive. */
   clear(): void {
-    Object.assign(this, new Acquisition(), { trigger: this.trigger, span: this.span });
+    Object.assign(this, new Acquisition(), { trigger: this.trigger, span: this.span, maths: this.maths });
   }
 
   /** What a picture shows. */

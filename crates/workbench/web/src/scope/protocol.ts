@@ -2,6 +2,7 @@
 
 import type { Span, Trigger } from "./acquisition";
 import type { Header } from "./block";
+import type { Difference } from "./maths";
 import type { Statistics } from "./statistics";
 
 /** Which source is wanted: the best there is, or readings of parameters. */
@@ -22,6 +23,8 @@ export type ToWorker =
   | { type: "stop" }
   | { type: "single"; trigger: Trigger }
   | { type: "trigger"; trigger: Trigger }
+  /** Calculates these signals, of what is recorded too. */
+  | { type: "calculate"; maths: Difference[] }
   /** Wants everything as a file, or what is between the cursors. */
   | { type: "save"; between: boolean; drive: string }
   | { type: "load"; text: string; name: string }

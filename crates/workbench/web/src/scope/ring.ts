@@ -1,5 +1,5 @@
 /** The samples of one stream: rings with a pyramid of extremes above them, so that one sample of a spike stays visible. */
-import { type Block, type Column, columnOf, type Kind, NO_INTEGER, NO_WORD } from "./block";
+import { type Column, type Kind, NO_INTEGER, NO_WORD } from "./block";
 
 /** Rows under one entry of each level of the pyramid. */
 export const LEVELS = [16, 256, 4096] as const;
@@ -67,14 +67,6 @@ export class Ring {
   get octets(): number {
     const all = [this.times, ...this.cells, ...this.levels.flat(2)];
     return all.reduce((sum, buffer) => sum + buffer.byteLength, 0);
-  }
-
-  /** Adds the rows of a block; false where its columns are others. */
-  append(block: Block): boolean {
-    if (block.columns !== this.columns.length) return false;
-    const columns = this.columns.map((column, place) => columnOf(block, place, column.type));
-    this.add(block.times, columns, block.gap, block.lost);
-    return true;
   }
 
   /** Adds rows, with what is missing before them. */
@@ -208,6 +200,18 @@ export class Ring {
     return found;
   }
 
+  /** Returns the same rows with other columns behind the first `kept` of them: `more` makes those of the cells of a row. */
+  with(columns: readonly Column[], kept: number, more: (cells: number[][]) => ArrayLike<number>[]): Ring {
+    const copy = new Ring(columns, this.capacity - (LEVELS[LEVELS.length - 1] ?? 0));
+    const gaps = new Map(this.gaps.map((gap) => [gap.row, gap.lost]));
+    for (let row = this.first; row < this.next; row += 1) {
+      const cells = this.cells.slice(0, kept).map((all) => [all[row % this.capacity] ?? 0]);
+      const lost = gaps.get(row);
+      copy.add([this.time(row)], [...cells, ...more(cells)], lost !== undefined, lost ?? 0);
+    }
+    return copy;
+  }
+
   /** Returns what lies between two rows as a ring of its own. */
   slice(from: number, to: number): Ring {
     const begin = Math.max(from, this.first);
@@ -222,7 +226,8 @@ export class Ring {
   }
 }
 
-function isNothing(kind: Kind, value: number): boolean {
+/** Returns whether a cell of a column has no value. */
+export function isNothing(kind: Kind, value: number): boolean {
   if (kind === "f32" || kind === "f64") return Number.isNaN(value);
   return value === (kind === "i32" ? NO_INTEGER : NO_WORD);
 }

@@ -1,8 +1,9 @@
 import { readFileSync } from "node:fs";
 import { describe, expect, test } from "vitest";
 import { Acquisition } from "./acquisition";
-import { type Block, type Column, columnOf, decode, type Header, type Kind } from "./block";
+import { type Block, type Column, columnOf, decode, type Header, type Kind, NO_INTEGER } from "./block";
 import { read, shortest, write } from "./csv";
+import { derived } from "./maths";
 import { picture, Ring } from "./ring";
 import { nearest, statistics } from "./statistics";
 import { Watch } from "./trigger";
@@ -365,5 +366,69 @@ describe("files", () => {
     ] as const) {
       expect(() => read(text, []), text).toThrow(reason);
     }
+  });
+});
+
+describe("differences", () => {
+  const columns = [
+    column("set", "f32", { unit: "rpm" }),
+    column("actual", "i32", { unit: "rpm", scale: 0.5 }),
+    column("word", "u32"),
+    column("position", "f32", { unit: "rev" }),
+  ];
+  const maths = [
+    { key: "one", a: "set", b: "actual" },
+    { key: "units", a: "set", b: "position" },
+    { key: "word", a: "word", b: "set" },
+    { key: "missing", a: "set", b: "nothing" },
+  ];
+
+  function rows(acquisition: Acquisition): Acquisition {
+    const ring = new Ring(columns, 100);
+    ring.add(
+      [0, 1, 2],
+      [
+        [1, 2, 3],
+        [4, NO_INTEGER, 8],
+        [1, 2, 3],
+        [0, 0, 0],
+      ],
+      false,
+      0,
+    );
+    ring.add([10], [[5], [2], [4], [0]], true, 7);
+    acquisition.open(header(columns, 1), ring);
+    return acquisition;
+  }
+
+  test("only of numbers that are there, in one unit", () => {
+    expect(derived(columns, maths).map(({ column }) => [column.name, column.unit, column.role])).toEqual([
+      ["set - actual", "rpm", "one"],
+    ]);
+    // a file that has the difference already
+    expect(derived([...columns, column("set - actual")], maths)).toEqual([]);
+  });
+
+  test("what is recorded has them too, with its gaps and what is missing", () => {
+    const acquisition = rows(new Acquisition());
+    acquisition.calculate(maths);
+    const { ring } = acquisition;
+    expect(ring?.columns.map(({ name }) => name)).toEqual(["set", "actual", "word", "position", "set - actual"]);
+    expect([0, 1, 2, 3].map((row) => ring?.value(4, row))).toEqual([-1, Number.NaN, -1, 4]);
+    expect(ring?.gaps).toEqual([{ row: 3, lost: 7 }]);
+    acquisition.calculate([]);
+    expect(acquisition.ring?.columns).toHaveLength(4);
+    expect(acquisition.header?.columns).toHaveLength(4);
+  });
+
+  test("what comes has them, and a file as well", () => {
+    const acquisition = new Acquisition();
+    acquisition.calculate([{ key: "d", a: "a", b: "b" }]);
+    acquisition.begin(header([column("a"), column("b", "i32"), column("c", "u32")], golden[0]?.stream ?? 0));
+    expect(acquisition.take(decode(octets(golden[0]?.hex ?? "")))).toBe(true);
+    expect(acquisition.ring?.value(3, 1)).toBe(19.75 + 16_777_217);
+    const opened = new Acquisition();
+    opened.calculate(maths);
+    expect(rows(opened).ring?.value(4, 0)).toBe(-1);
   });
 });

@@ -297,6 +297,9 @@ function obey(message: ToWorker): void {
     case "trigger":
       acquisition.set(message.trigger);
       return;
+    case "calculate":
+      acquisition.calculate(message.maths);
+      return;
     case "save":
       save(message.between, message.drive);
       return;

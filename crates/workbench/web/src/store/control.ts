@@ -17,12 +17,16 @@ const LONGEST = 5000;
 /** Speeds that are kept for the small plot, in ms. */
 const TRACK = 5000;
 
+/** How STOP stops an axis: by its quick stop, or along its ramp. */
+export type StopBy = "off3" | "off1";
+
 /** How an axis is that a page has. */
 export interface Axis {
   drive: string;
   lease: number;
   holder: string;
   purpose: "speed" | "position";
+  stop_by: StopBy;
   phase: "taking" | "off" | "enabled" | "moving" | "stopping" | "releasing";
   busy: boolean;
   speed: number | null;
@@ -111,6 +115,16 @@ export function heldAxis(drive: string): Axis | undefined {
   return axes.value.find((axis) => axis.drive === drive && axis.phase !== "taking");
 }
 
+/** When this server released a drive last, by the clock of this page in ms. */
+const released = new Map<string, number>();
+/** A reading takes no longer than this, in ms: one that ended so soon after a release may have begun before it. */
+const READING = 1000;
+
+/** Returns whether a drive had this server as its controller when it was read, at a time of the clock of this page in ms. */
+export function wasOwn(drive: string, read: number): boolean {
+  return read < (released.get(drive) ?? Number.NEGATIVE_INFINITY) + READING;
+}
+
 function say(drive: string, text: string, failed: boolean): void {
   said.value = new Map(said.value).set(drive, { text, failed });
 }
@@ -155,8 +169,18 @@ function command(type: string, drive: string, more: object = {}): number {
   return number;
 }
 
-export function take(drive: string, purpose: "speed" | "position", limit: number, mode: boolean, runs: boolean): void {
-  command("take", drive, { purpose, limit, set_mode: mode, may_run_on: runs });
+/** How an axis is taken. */
+export interface Taking {
+  purpose: "speed" | "position";
+  /** Highest speed, rpm. */
+  limit: number;
+  set_mode: boolean;
+  may_run_on: boolean;
+  stop_by: StopBy;
+}
+
+export function take(drive: string, how: Taking): void {
+  command("take", drive, how);
 }
 
 export function release(drive: string): void {
@@ -303,6 +327,9 @@ function receive(message: Incoming): void {
 
 function show(all: Axis[]): void {
   batch(() => {
+    for (const { drive } of axes.value) {
+      if (!all.some((axis) => axis.drive === drive)) released.set(drive, performance.now());
+    }
     axes.value = all;
     const left = [...leases.value].filter(([drive, lease]) =>
       all.some((axis) => axis.drive === drive && axis.lease === lease),

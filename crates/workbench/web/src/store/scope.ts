@@ -1,5 +1,6 @@
 /** The worker of the Scope: what it records, and what it shows. Views read the signals and call the functions. */
 import { batch, effect, signal } from "@preact/signals";
+import { download } from "../parts/download";
 import type { Trigger } from "../scope/acquisition";
 import type { Header } from "../scope/block";
 import type { Frame, FromWorker, Status, ToWorker, Wanted } from "../scope/protocol";
@@ -15,6 +16,8 @@ export interface Layout {
   trigger: Trigger;
   /** What is read beside words and speeds. */
   parameters: string[];
+  /** Signals that are the difference of two others, as they are kept in a layout. */
+  maths: { a: string; b: string }[];
   wanted: Wanted;
   /** Whether a hidden page records. */
   background: boolean;
@@ -28,6 +31,7 @@ const USUAL: Layout = {
   span: 10e6,
   trigger: { mode: "off", condition: { kind: "edge", signal: "@speed", edge: "rising", level: 10 }, pre: 0.2 },
   parameters: [],
+  maths: [],
   wanted: "auto",
   background: false,
 };
@@ -103,6 +107,7 @@ function receive(message: FromWorker): void {
       status.value = message;
       if (JSON.stringify(before?.header) !== JSON.stringify(message.header)) {
         if (other && chosen().length === 0) chooseFirst();
+        calculate();
         show();
       }
       const waited = step.value;
@@ -144,13 +149,44 @@ function chooseFirst(): void {
 const key = (id: string) => `profidrive.scope.${id}`;
 
 function stored(id: string): Layout {
+  return parseLayout(localStorage.getItem(key(id)) ?? "{}") ?? USUAL;
+}
+
+/** Reads a layout that this page or a person has written; nothing where it is none. */
+export function parseLayout(text: string): Layout | null {
   try {
-    const found = JSON.parse(localStorage.getItem(key(id)) ?? "{}") as Partial<Layout>;
-    const whole = { ...USUAL, ...found };
-    return Array.isArray(whole.signals) && Array.isArray(whole.parameters) ? whole : USUAL;
+    const found: unknown = JSON.parse(text);
+    if (typeof found !== "object" || found === null || Array.isArray(found)) return null;
+    const whole = { ...USUAL, ...(found as Partial<Layout>) };
+    const { signals, parameters, maths, span, trigger } = whole;
+    const texts = (list: unknown) => Array.isArray(list) && list.every((one) => typeof one === "string");
+    const pairs = Array.isArray(maths) && maths.every((one) => typeof one?.a === "string" && typeof one.b === "string");
+    const fits = texts(signals) && texts(parameters) && pairs && SPANS.includes(span);
+    return fits && typeof trigger?.condition?.kind === "string" && typeof trigger.pre === "number" ? whole : null;
   } catch {
-    return USUAL;
+    return null;
   }
+}
+
+/** How a difference is kept in a layout. */
+export function differenceKey({ a, b }: Layout["maths"][number]): string {
+  return `@${a}-${b}`;
+}
+
+/** What the worker calculates, as it was sent last. */
+let calculated = "";
+
+/** Lets the worker calculate what the layout has, of the columns that come. */
+function calculate(): void {
+  const header = status.value?.header ?? null;
+  const maths = layout.value.maths.flatMap((one) => {
+    const [a, b] = [find(header, one.a), find(header, one.b)];
+    return a && b ? [{ key: differenceKey(one).slice(1), a: a.column.name, b: b.column.name }] : [];
+  });
+  const text = JSON.stringify(maths);
+  if (text === calculated) return;
+  calculated = text;
+  send({ type: "calculate", maths });
 }
 
 /** A signal of a layout in what comes: its column, and its bit. */
@@ -223,6 +259,7 @@ export function change(more: Partial<Layout>): void {
     other = false;
     subscribe();
   }
+  if (more.maths) calculate();
   if (more.trigger) send({ type: "trigger", trigger: trigger() });
   if (more.background !== undefined) visible();
   show();
@@ -359,16 +396,6 @@ export async function load(file: File): Promise<void> {
   said.value = { text: t("scope.file.opened", { name: file.name }), failed: false };
 }
 
-/** Lets the browser save a file. */
-export function download(content: Blob, name: string): void {
-  const address = URL.createObjectURL(content);
-  const link = document.createElement("a");
-  link.href = address;
-  link.download = name;
-  link.click();
-  setTimeout(() => URL.revokeObjectURL(address), 10_000);
-}
-
 /** The name of a file of a drive, with the time of day. */
 export function fileName(label: string, ending: string): string {
   const time = new Date()
@@ -378,7 +405,21 @@ export function fileName(label: string, ending: string): string {
   return `${label.replace(/[^\w.-]+/g, "-")}-${time}.${ending}`;
 }
 
+/** Writes the layout to a file, for another drive or browser. */
+export function saveLayout(label: string): void {
+  const text = `${JSON.stringify(layout.value, null, 2)}\n`;
+  download(`${label.replace(/[^\w.-]+/g, "-")}-layout.json`, new Blob([text], { type: "application/json" }));
+}
+
+/** Takes the layout of a file. */
+export async function loadLayout(file: File): Promise<void> {
+  const found = file.size < 100_000 ? parseLayout(await file.text()) : null;
+  const text = t(found === null ? "scope.layout.wrong" : "scope.layout.opened", { name: file.name });
+  said.value = { text, failed: found === null };
+  if (found !== null) change(found);
+}
+
 export function save(label: string, between: boolean): void {
-  saved = (text) => download(new Blob([text], { type: "text/csv" }), fileName(label, "csv"));
+  saved = (text) => download(fileName(label, "csv"), new Blob([text], { type: "text/csv" }));
   send({ type: "save", between, drive: label });
 }

@@ -1,7 +1,7 @@
 import { signal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import { useLocation } from "preact-iso";
-import { type Backups, type Difference, type Job, post, request } from "../../api";
+import { type Backups, type Job, post, request } from "../../api";
 import { selected, selectedId } from "../../app/selected";
 import { foreign, label, sentence } from "../../parts/format";
 import { Nothing } from "../../parts/Nothing";
@@ -9,17 +9,13 @@ import { Plan } from "../../parts/Plan";
 import { follow, reason } from "../../store/jobs";
 import { server, silent, stations } from "../../store/store";
 import { t } from "../../text";
+import { Differences } from "./Differences";
+import { merge } from "./merge";
+import { base, compared, left, picked, plan, right, save } from "./state";
 
 const files = signal<Backups["files"]>([]);
-/** Both sides: `drive ID` or `file NAME`. */
-const left = signal("");
-const right = signal("");
 /** What is worked on, in words, and how far that is. */
 const work = signal<{ text: string; done: number; total: number } | null>(null);
-const compared = signal<{ job: Job; left: string; right: string } | null>(null);
-const plan = signal<Job | null>(null);
-const picked = signal<ReadonlySet<string>>(new Set());
-const save = signal(false);
 const failure = signal("");
 
 async function list(): Promise<void> {
@@ -60,8 +56,15 @@ async function compare(): Promise<void> {
   const sides = { left: left.value, right: right.value };
   plan.value = null;
   await working(t("compare.comparing"), async (show) => {
-    const begun = await post<Job>("compare", { left: source(sides.left), right: source(sides.right) });
-    compared.value = { job: await follow(begun, show), ...sides };
+    const of = async (left: string, right: string) =>
+      follow(await post<Job>("compare", { left: source(left), right: source(right) }), show);
+    const third = base.value;
+    const job = await of(sides.left, sides.right);
+    const differences = async (side: string) =>
+      third === side ? [] : ((await of(third, side)).differences?.differences ?? []);
+    const beside = third === "" ? null : { left: await differences(sides.left), right: await differences(sides.right) };
+    const rows = merge(job.differences?.differences ?? [], beside);
+    compared.value = { job, ...sides, rows, base: third };
     picked.value = new Set();
   });
 }
@@ -93,7 +96,7 @@ async function upload(file: File): Promise<void> {
   });
 }
 
-function Side({ title, side }: { title: string; side: typeof left }) {
+function Side({ title, side, none }: { title: string; side: typeof left; none?: string }) {
   const file = side.value.startsWith("file ") ? side.value.slice(5) : null;
   return (
     <div class="side">
@@ -105,8 +108,8 @@ function Side({ title, side }: { title: string; side: typeof left }) {
             side.value = event.currentTarget.value;
           }}
         >
-          <option value="" disabled hidden>
-            {t("compare.choose")}
+          <option value="" disabled={none === undefined} hidden={none === undefined}>
+            {none ?? t("compare.choose")}
           </option>
           <optgroup label={t("compare.drives")}>
             {(stations.value ?? []).map((station) => (
@@ -130,116 +133,6 @@ function Side({ title, side }: { title: string; side: typeof left }) {
         </a>
       )}
     </div>
-  );
-}
-
-function shown(parameter: Difference["left"]): string {
-  if (parameter === null) return "\u2013";
-  return foreign(parameter.error?.meaning ?? `${parameter.text ?? ""} ${parameter.unit}`.trim());
-}
-
-function key(one: Difference): string {
-  const number = one.left?.number ?? one.right?.number ?? String(one.pnu);
-  return number;
-}
-
-/** Returns the drive and the file where one side is each. */
-function restorable(sides: { left: string; right: string }): { id: string; file: string } | null {
-  const all = [sides.left, sides.right];
-  const id = all.find((side) => side.startsWith("drive "))?.slice(6);
-  const file = all.find((side) => side.startsWith("file "))?.slice(5);
-  return id === undefined || file === undefined ? null : { id, file };
-}
-
-function Differences({ job, left, right }: { job: Job; left: string; right: string }) {
-  const report = job.differences;
-  if (report === null) return null;
-  const may = restorable({ left, right });
-  const control = server.value?.role === "control";
-  const usable = work.value === null && silent.value === null;
-  const tasks = report.tasks.length;
-  return (
-    <section>
-      <h2>{t("compare.result", { count: report.differences.length + tasks })}</h2>
-      {job.remarks.map((remark) => (
-        <p key={remark} class="warn">
-          <bdi>{sentence(remark)}</bdi>
-        </p>
-      ))}
-      {report.differences.length + tasks === 0 && <p>{t("compare.same")}</p>}
-      {report.differences.length > 0 && (
-        // biome-ignore lint/a11y/noNoninteractiveTabindex: a region that scrolls is reached by keys
-        <section class="scroll differences" tabIndex={0} aria-label={t("compare.title")}>
-          <table>
-            <caption class="unseen">{t("compare.title")}</caption>
-            <thead>
-              <tr>
-                {may && control && <th scope="col">{t("compare.take")}</th>}
-                <th scope="col">{t("parameters.name")}</th>
-                <th scope="col">{t("parameters.number")}</th>
-                <th scope="col">{foreign(report.left)}</th>
-                <th scope="col">{foreign(report.right)}</th>
-                <th scope="col">{t("compare.kind")}</th>
-              </tr>
-            </thead>
-            <tbody>
-              {report.differences.map((one) => (
-                <tr key={key(one)}>
-                  {may && control && (
-                    <td>
-                      <input
-                        type="checkbox"
-                        aria-label={t("compare.take.one", { name: one.name ?? key(one) })}
-                        checked={picked.value.has(key(one))}
-                        disabled={one.connection}
-                        onChange={(event) => {
-                          const next = new Set(picked.value);
-                          if (event.currentTarget.checked) next.add(key(one));
-                          else next.delete(key(one));
-                          picked.value = next;
-                          plan.value = null;
-                        }}
-                      />
-                    </td>
-                  )}
-                  <th scope="row">
-                    <bdi>{foreign(one.name ?? "")}</bdi>
-                  </th>
-                  <td class="number">{key(one)}</td>
-                  <td class="number">
-                    <bdi>{shown(one.left)}</bdi>
-                  </td>
-                  <td class="number">
-                    <bdi>{shown(one.right)}</bdi>
-                  </td>
-                  <td class="muted small">{one.connection ? t("compare.connection") : ""}</td>
-                </tr>
-              ))}
-            </tbody>
-          </table>
-        </section>
-      )}
-      {tasks > 0 && <p>{t("compare.tasks", { list: report.tasks.map(({ number }) => number).join(", ") })}</p>}
-      {may && control && report.differences.length + tasks > 0 && (
-        <p class="buttons">
-          <button type="button" disabled={!usable} onClick={() => void makePlan(may.id, may.file)}>
-            {picked.value.size === 0 ? t("compare.plan.all") : t("compare.plan", { count: picked.value.size })}
-          </button>
-          <label class="check">
-            <input
-              type="checkbox"
-              checked={save.value}
-              onChange={(event) => {
-                save.value = event.currentTarget.checked;
-                plan.value = null;
-              }}
-            />
-            <span>{t("plan.save")}</span>
-          </label>
-        </p>
-      )}
-      {!may && <p class="muted">{t("compare.unrestorable")}</p>}
-    </section>
   );
 }
 
@@ -289,6 +182,7 @@ export function Compare() {
       <div class="sides">
         <Side title={t("compare.left")} side={left} />
         <Side title={t("compare.right")} side={right} />
+        <Side title={t("compare.base")} side={base} none={t("compare.base.none")} />
         {control && (
           <button
             type="button"
@@ -313,7 +207,13 @@ export function Compare() {
         </p>
       )}
       {compared.value === null && work.value === null && <p class="muted">{t("compare.empty")}</p>}
-      {compared.value && <Differences {...compared.value} />}
+      {compared.value && (
+        <Differences
+          {...compared.value}
+          usable={work.value === null && silent.value === null}
+          makePlan={(id, file) => void makePlan(id, file)}
+        />
+      )}
       {planned && (
         <section class="review" aria-label={t("plan.title")}>
           <h2>{t(planned.phase === "planned" ? "plan.title" : "compare.restored")}</h2>

@@ -3,7 +3,7 @@ import { useEffect } from "preact/hooks";
 import { useLocation } from "preact-iso";
 import type { Station } from "../../api";
 import { address, selected, selectedId } from "../../app/selected";
-import { foreign, label, sentence } from "../../parts/format";
+import { faultText, foreign, label, sentence } from "../../parts/format";
 import { Nothing } from "../../parts/Nothing";
 import { otherOwner, owner } from "../../parts/Reason";
 import { Shaft } from "../../parts/Shaft";
@@ -26,6 +26,20 @@ const relative = signal(true);
 const number = signal("1");
 
 const dash = "\u2013";
+
+/** What is kept of a drive in this browser: how STOP stops it. */
+const STOP_BY = "profidrive.stop.";
+const chosenStops = signal<ReadonlyMap<string, control.StopBy>>(new Map());
+
+function stopBy(id: string): control.StopBy {
+  return chosenStops.value.get(id) ?? (localStorage.getItem(STOP_BY + id) === "off1" ? "off1" : "off3");
+}
+
+function chooseStop(id: string, by: string): void {
+  const chosen = by === "off1" ? "off1" : "off3";
+  localStorage.setItem(STOP_BY + id, chosen);
+  chosenStops.value = new Map(chosenStops.value).set(id, chosen);
+}
 
 /** Reads a number with a decimal point or comma. `1,000` is none: it may be a thousand. */
 function numberOf(text: string): number | null {
@@ -102,6 +116,7 @@ function Take({ station }: { station: Station }) {
     return (
       <>
         <p>{t(axis.purpose === "speed" ? "control.held.speed" : "control.held.position")}</p>
+        <p class="muted">{t(`control.stop.is.${axis.stop_by}`)}</p>
         {by !== null && (
           <p class="warn" role="status">
             {t("control.wanted", { who: by })}
@@ -141,6 +156,13 @@ function Take({ station }: { station: Station }) {
           </select>
         </label>
         <Field title={t("control.limit")} value={limit} unit="rpm" />
+        <label class="field">
+          <span>{t("control.stop")}</span>
+          <select value={stopBy(station.id)} onChange={(event) => chooseStop(station.id, event.currentTarget.value)}>
+            <option value="off3">{t("control.stop.off3")}</option>
+            <option value="off1">{t("control.stop.off1")}</option>
+          </select>
+        </label>
         <Check
           title={t("control.mode")}
           checked={mode.value}
@@ -171,7 +193,15 @@ function Take({ station }: { station: Station }) {
         type="button"
         class="primary"
         disabled={why !== null || !ready || waits || highest === null || highest <= 0}
-        onClick={() => control.take(station.id, purpose.value, highest ?? 0, mode.value, runs.value)}
+        onClick={() =>
+          control.take(station.id, {
+            purpose: purpose.value,
+            limit: highest ?? 0,
+            set_mode: mode.value,
+            may_run_on: runs.value,
+            stop_by: stopBy(station.id),
+          })
+        }
       >
         {t(waits ? "control.taking" : "control.take")}
       </button>
@@ -195,13 +225,14 @@ function Enable({ station }: { station: Station }) {
   const free = axis !== undefined && !axis.busy && axis.phase !== "releasing";
   const other = axis === undefined ? control.heldAxis(station.id) : undefined;
   const phase = (axis ?? other)?.phase ?? "none";
+  const faults = station.status?.faults ?? [];
   return (
     <>
       {other && <p>{t("control.taken", { who: other.holder })}</p>}
       <p class={on ? "state live" : "muted"}>{t(`control.phase.${phase}`)}</p>
       {axis?.trouble && (
         <p class="warn">
-          <bdi>{sentence(axis.trouble)}</bdi>
+          <bdi>{sentence([axis.trouble, ...faults.map(faultText)].join("; "))}</bdi>
         </p>
       )}
       <p class="buttons">
@@ -216,7 +247,7 @@ function Enable({ station }: { station: Station }) {
         <button type="button" disabled={axis === undefined || !on} onClick={() => control.disable(station.id)}>
           {t("control.disable")}
         </button>
-        {station.status && station.status.faults.length > 0 && (
+        {faults.length > 0 && (
           <button type="button" disabled={!free || on} onClick={() => control.acknowledge(station.id)}>
             {t("faults.acknowledge")}
           </button>

@@ -1,9 +1,11 @@
 import { useEffect } from "preact/hooks";
 import { useLocation } from "preact-iso";
 import type { Fault, FaultsTopic, Station } from "../../api";
-import { selected, selectedId } from "../../app/selected";
+import { address, selected, selectedId } from "../../app/selected";
 import { Acknowledge } from "../../parts/Acknowledge";
-import { foreign, label, sentence } from "../../parts/format";
+import { Command } from "../../parts/Command";
+import { downloadText } from "../../parts/download";
+import { cell, digits, foreign, label, sentence } from "../../parts/format";
 import { Icon } from "../../parts/Icon";
 import { Nothing } from "../../parts/Nothing";
 import { want } from "../../store/live";
@@ -14,11 +16,17 @@ import { history } from "./history";
 /** Values older than this are grey, in s. */
 const STALE = 3;
 
-/** When this page saw a fault first, by drive and number; forgotten when it goes. */
-const seen = new Map<string, Date>();
+/** When this page saw a fault first, and what the drive was like then. */
+interface Seen {
+  time: Date;
+  status: Station["status"];
+}
 
-function firstSeen(id: string, present: readonly Fault[]): Map<number, Date> {
-  const found = new Map<number, Date>();
+/** By drive and number; forgotten when the fault goes. */
+const seen = new Map<string, Seen>();
+
+function firstSeen(id: string, present: readonly Fault[], status: Station["status"]): Map<number, Seen> {
+  const found = new Map<number, Seen>();
   const numbers = new Set(present.map(({ number }) => number));
   for (const key of [...seen.keys()]) {
     const [of, number] = key.split(" ");
@@ -26,16 +34,30 @@ function firstSeen(id: string, present: readonly Fault[]): Map<number, Date> {
   }
   for (const number of numbers) {
     const key = `${id} ${number}`;
-    const time = seen.get(key) ?? new Date();
-    seen.set(key, time);
-    found.set(number, time);
+    const first = seen.get(key) ?? { time: new Date(), status };
+    seen.set(key, first);
+    found.set(number, first);
   }
   return found;
 }
 
+/** What a drive was like when a fault was seen first, in words. */
+function moment(status: Station["status"]): string {
+  const { stw1, zsw1, speed_actual: speed } = status ?? {};
+  const parts = [
+    stw1 ? `STW1 ${stw1.hex}` : "",
+    zsw1 ? `ZSW1 ${zsw1.hex}` : "",
+    speed ? `${digits(speed)} ${speed.unit}` : "",
+  ];
+  return parts
+    .filter(Boolean)
+    .map((part) => ` \u00b7 ${part}`)
+    .join("");
+}
+
 function Present({ id, report, station }: { id: string; report: FaultsTopic["report"]; station: Station }) {
   const present = report?.faults.filter((fault) => !fault.acknowledged) ?? [];
-  const times = firstSeen(id, present);
+  const first = firstSeen(id, present, station.status);
   const warnings = report?.warnings ?? [];
   return (
     <section>
@@ -54,7 +76,8 @@ function Present({ id, report, station }: { id: string; report: FaultsTopic["rep
               <b>F{fault.number}</b> <bdi>{foreign(fault.meaning ?? t("faults.unknown"))}</bdi>
             </p>
             <p class="muted small number">
-              {t("faults.seen", { time: utc(times.get(fault.number) ?? new Date()) })}
+              {t("faults.seen", { time: utc(first.get(fault.number)?.time ?? new Date()) })}
+              {moment(first.get(fault.number)?.status ?? null)}
               {fault.value !== null && ` · ${t("faults.value", { value: fault.value })}`}
               {fault.time !== null && ` · ${t("faults.time", { time: fault.time })}`}
             </p>
@@ -117,6 +140,35 @@ function Before({ report }: { report: NonNullable<FaultsTopic["report"]> }) {
   );
 }
 
+/** Writes the faults and warnings to a file of the browser: those that are present, and those of before. */
+function exportFaults(station: Station, report: NonNullable<FaultsTopic["report"]>): void {
+  const head = ["drive", "kind", "situation", "number", "meaning", "value", "time of the drive", "remedy"];
+  const name = label(station);
+  const rows = [
+    ...report.faults.map((fault) => [
+      name,
+      fault.acknowledged ? "acknowledged fault" : "fault",
+      String(fault.situation ?? ""),
+      String(fault.number),
+      fault.meaning ?? "",
+      String(fault.value ?? ""),
+      String(fault.time ?? ""),
+      fault.remedy ?? "",
+    ]),
+    ...(report.warnings ?? []).map(({ number, meaning, remedy }) => [
+      name,
+      "warning",
+      "",
+      String(number),
+      meaning ?? "",
+      "",
+      "",
+      remedy ?? "",
+    ]),
+  ];
+  downloadText("faults.csv", "text/csv", [head, ...rows].map((row) => `${row.map(cell).join(",")}\r\n`).join(""));
+}
+
 /** The faults of the selected drive, with their remedies. */
 export function Faults() {
   const { path } = useLocation();
@@ -145,6 +197,17 @@ export function Faults() {
       {!report && !error && <p class="muted">{t("overview.loading")}</p>}
       {report && <Present id={id} report={report} station={station} />}
       {report && <Before report={report} />}
+      {report && (
+        <p class="buttons">
+          <button type="button" onClick={() => exportFaults(station, report)}>
+            {t("network.export")}
+          </button>
+          <a href={address(id, "machine") + location.search}>{t("nav.machine")}</a>
+          <a href={address(id, "scope") + location.search}>{t("nav.scope")}</a>
+          <a href={address(id, "parameters") + location.search}>{t("nav.parameters")}</a>
+        </p>
+      )}
+      <Command verb="faults" station={station} more={["--history"]} />
     </article>
   );
 }

@@ -5,8 +5,7 @@ import { foreign, label, sentence } from "../../parts/format";
 import { want } from "../../store/live";
 import { server, silent, stations, topics } from "../../store/store";
 import { t } from "../../text";
-
-type Record = LogPage["records"][number];
+import { type Record, rows } from "./rows";
 
 /** Records of a page. */
 const MOST = 100;
@@ -71,6 +70,15 @@ function day(iso: string): string {
   return iso.replace("T", " ").replace("Z", "");
 }
 
+/** Shorter times from a request to its result are not shown, in ms. */
+const LONG = 1000;
+
+/** How long something took, where that was long. */
+function took(requested: string | null, ended: string): string {
+  const time = requested === null ? 0 : Date.parse(ended) - Date.parse(requested);
+  return time < LONG ? "" : t("log.took", { seconds: (time / 1000).toFixed(1) });
+}
+
 function Records() {
   return (
     // biome-ignore lint/a11y/noNoninteractiveTabindex: a region that scrolls is reached by keys
@@ -95,9 +103,9 @@ function Records() {
               </td>
             </tr>
           )}
-          {records.value.map((record, number) => (
+          {rows(records.value).map(({ record, requested }, number) => (
             <tr key={`${record.time}${number}`} data-action={record.action}>
-              <td class="number">{day(record.time)}</td>
+              <td class="number">{day(requested ?? record.time)}</td>
               <td>{who(record)}</td>
               <td>
                 <bdi>{foreign(record.name ?? record.drive ?? "\u2013")}</bdi>
@@ -111,6 +119,9 @@ function Records() {
                   <span class="muted">{t("log.intent")}</span>
                 ) : (
                   <bdi>{sentence(record.result)}</bdi>
+                )}
+                {took(requested, record.time) !== "" && (
+                  <span class="muted small"> {took(requested, record.time)}</span>
                 )}
               </td>
             </tr>

@@ -147,7 +147,7 @@ function Next({ station, topic }: { station: Station; topic: MachineTopic }) {
   // a fault stands in the sentence already
   const fault = t("condition.fault");
   const against = station.status
-    ? conditions(station.status).filter(({ met, name }) => met === false && !(held && name === fault))
+    ? conditions(station.status, null).filter(({ met, name }) => met === false && !(held && name === fault))
     : [];
   if (awaited === null) return <p class="muted">{t("machine.none")}</p>;
   return (

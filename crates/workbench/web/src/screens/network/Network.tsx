@@ -1,5 +1,8 @@
+import { useLocation } from "preact-iso";
 import type { Station } from "../../api";
 import { address } from "../../app/selected";
+import { Command } from "../../parts/Command";
+import { downloadText } from "../../parts/download";
 import { cell, foreign, label, product, sentence, sorted } from "../../parts/format";
 import { findings, owner, ownerName, Reason, reason, State } from "../../parts/Reason";
 import { Shaft } from "../../parts/Shaft";
@@ -7,8 +10,10 @@ import { leases } from "../../store/control";
 import { searchNow } from "../../store/live";
 import { aged, failure, searched, searching, server, silent, stations } from "../../store/store";
 import { age, t } from "../../text";
+import { right } from "../compare/state";
 import { AddressDialog, Blink } from "./AddressDialog";
 import { said, shown } from "./address";
+import { backUp, choose, chosen, isReadable, saved, saving } from "./selection";
 
 const dash = "\u2013";
 
@@ -23,6 +28,17 @@ function Row({ station, simulation, changes }: { station: Station; simulation: b
   const found = findings(station);
   return (
     <tr data-id={station.id} class={station.lost === null && silent.value === null ? "" : "stale"}>
+      {changes && (
+        <td class="choose">
+          <input
+            type="checkbox"
+            aria-label={t("network.choose", { name: label(station) })}
+            checked={chosen.value.has(station.id)}
+            disabled={!isReadable(station)}
+            onChange={(event) => choose(station.id, event.currentTarget.checked)}
+          />
+        </td>
+      )}
       <td class="why">
         <Reason station={station} />
       </td>
@@ -72,6 +88,35 @@ function Row({ station, simulation, changes }: { station: Station; simulation: b
   );
 }
 
+/** What is done with the stations that are selected. */
+function Chosen({ all }: { all: Station[] }) {
+  const { route } = useLocation();
+  const selected = all.filter(({ id }) => chosen.value.has(id));
+  const [one, other] = selected;
+  return (
+    <>
+      <button
+        type="button"
+        disabled={selected.length === 0 || saving.value || silent.value !== null}
+        onClick={() => void backUp(selected)}
+      >
+        {t("network.backup", { count: selected.length })}
+      </button>
+      <button
+        type="button"
+        disabled={selected.length !== 2}
+        onClick={() => {
+          if (!one || !other) return;
+          right.value = `drive ${other.id}`;
+          route(address(one.id, "compare") + location.search);
+        }}
+      >
+        {t("network.compare")}
+      </button>
+    </>
+  );
+}
+
 /** Writes the table to a file of the browser. */
 function exportTable(all: Station[]): void {
   const head = ["name", "ip", "mac", "vendor and type", "firmware", "serial number", "state", "controller", "status"];
@@ -87,12 +132,7 @@ function exportTable(all: Station[]): void {
     reason(station),
   ]);
   const text = [head, ...rows].map((row) => row.map(cell).join(",")).join("\r\n");
-  const file = URL.createObjectURL(new Blob([`${text}\r\n`], { type: "text/csv" }));
-  const link = document.createElement("a");
-  link.href = file;
-  link.download = "network.csv";
-  link.click();
-  URL.revokeObjectURL(file);
+  downloadText("network.csv", "text/csv", `${text}\r\n`);
 }
 
 function place(): string {
@@ -130,6 +170,7 @@ export function Network() {
   const waiting = stations.value === null || searched.value === null;
   const since = aged(searched.value);
   const changes = searches && server.value?.role === "control";
+  const readable = all.filter(isReadable);
   const named = changes ? all.find((station) => station.id === shown.value) : undefined;
   return (
     <section class="network">
@@ -144,7 +185,13 @@ export function Network() {
         <button type="button" disabled={all.length === 0} onClick={() => exportTable(all)}>
           {t("network.export")}
         </button>
+        {changes && <Chosen all={readable} />}
       </div>
+      {saved.value !== null && (
+        <p class={`hint ${saved.value.failed ? "fault" : ""}`} role="status">
+          <bdi>{sentence(saved.value.text)}</bdi>
+        </p>
+      )}
       {!searches && <p class="hint">{t("network.addresses")}</p>}
       {failure.value !== null && (
         <p class="hint fault">
@@ -163,6 +210,18 @@ export function Network() {
           <caption class="unseen">{t("network.caption")}</caption>
           <thead>
             <tr>
+              {changes && (
+                <th scope="col" class="choose">
+                  <input
+                    type="checkbox"
+                    aria-label={t("network.choose.all")}
+                    checked={readable.length > 0 && readable.every(({ id }) => chosen.value.has(id))}
+                    onChange={(event) => {
+                      chosen.value = new Set(event.currentTarget.checked ? readable.map(({ id }) => id) : []);
+                    }}
+                  />
+                </th>
+              )}
               <th scope="col">{t("network.why")}</th>
               {simulation && <th scope="col">{t("network.shaft")}</th>}
               <th scope="col">{t("network.name")}</th>
@@ -182,7 +241,7 @@ export function Network() {
             ))}
             {all.length === 0 && (
               <tr>
-                <td class="empty" colSpan={11}>
+                <td class="empty" colSpan={12}>
                   {waiting
                     ? t("network.searching")
                     : searches
@@ -195,6 +254,7 @@ export function Network() {
         </table>
       </section>
       {simulation && <FirstMotion all={all} />}
+      {searches && <Command verb="scan" station={null} />}
     </section>
   );
 }

@@ -23,7 +23,7 @@ function word(name: string, sources: Word | null): Condition[] {
 }
 
 /** Returns the conditions that a drive reports; what it does not report is left out. */
-export function conditions(status: Status): Condition[] {
+export function conditions(status: Status, owner: string | null): Condition[] {
   const all: Condition[] = [];
   const faults = status.faults.map((fault) => t("condition.fault.is", { number: fault.number }));
   const met = faults.length === 0;
@@ -50,9 +50,11 @@ export function conditions(status: Status): Condition[] {
     });
   }
   if (status.controller !== null) {
-    const { connected, name } = status.controller;
-    const value = connected ? (name ?? t("condition.yes")) : t("condition.no");
-    all.push({ name: t("condition.controller"), met: connected ? true : null, value });
+    all.push({
+      name: t("condition.controller"),
+      met: owner === null ? null : true,
+      value: owner ?? t("condition.no"),
+    });
   }
   if (status.command_source !== null) {
     const { meaning, number } = status.command_source;

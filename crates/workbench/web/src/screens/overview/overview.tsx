@@ -9,16 +9,18 @@ import {
   type Status,
   type Values as ValuesReport,
 } from "../../api";
-import { selected, selectedId } from "../../app/selected";
+import { address, selected, selectedId } from "../../app/selected";
 import { Acknowledge } from "../../parts/Acknowledge";
+import { Command } from "../../parts/Command";
 import { digits, foreign, label, sentence } from "../../parts/format";
 import { Icon } from "../../parts/Icon";
 import { Nothing } from "../../parts/Nothing";
-import { findings, otherOwner, sign } from "../../parts/Reason";
+import { findings, otherOwner, ownerName, sign } from "../../parts/Reason";
 import { Shaft } from "../../parts/Shaft";
 import { Spark } from "../../parts/Spark";
 import { aged, events, server, silent, stations } from "../../store/store";
 import { age, ageLong, t, utc } from "../../text";
+import { right } from "../compare/state";
 import { conditions } from "./conditions";
 
 /** Values older than this are grey; older than the second are dashes. In s. */
@@ -65,12 +67,12 @@ function Why({ station }: { station: Station }) {
   );
 }
 
-function Conditions({ status }: { status: Status }) {
+function Conditions({ station, status }: { station: Station; status: Status }) {
   return (
     <section>
       <h2>{t("overview.conditions")}</h2>
       <ul class="conditions">
-        {conditions(status).map(({ name, met, value }) => (
+        {conditions(status, ownerName(station)).map(({ name, met, value }) => (
           <li key={name}>
             <Icon name={met === null ? "dash" : met ? "tick" : "square"} tone={met === false ? "accent" : "muted"} />
             <span class="unseen">
@@ -198,8 +200,8 @@ const extras = signal<ReadonlyMap<string, Extras>>(new Map());
 
 interface Extras {
   rights: { name: string; value: string }[];
-  /** When the last backup was made, in s since 1970; `null` where there is none. */
-  backup: number | null;
+  /** The last backup; `null` where there is none. */
+  backup: Backups["files"][number] | null;
 }
 
 async function readExtras({ id, name }: Station): Promise<void> {
@@ -217,8 +219,8 @@ async function readExtras({ id, name }: Station): Promise<void> {
     (report) => report.files,
     () => [],
   );
-  const times = files.filter((file) => file.drive === name && !file.before).map((file) => file.time);
-  const backup = times.length > 0 ? Math.max(...times) : null;
+  // the newest is the first
+  const backup = files.find((file) => file.drive === name && !file.before) ?? null;
   extras.value = new Map(extras.value).set(id, { rights, backup });
 }
 
@@ -229,14 +231,28 @@ function Care({ station }: { station: Station }) {
   }, [station.id, readable]);
   const known = extras.value.get(station.id);
   if (known === undefined) return null;
-  const since = known.backup === null ? null : Date.now() / 1000 - known.backup;
+  const { backup } = known;
   return (
     <section>
       <h2>{t("overview.care")}</h2>
       <dl class="pairs">
         <div>
           <dt>{t("overview.backup")}</dt>
-          <dd>{since === null ? t("overview.backup.none") : t("overview.backup.age", { age: ageLong(since) })}</dd>
+          <dd>
+            {backup === null
+              ? t("overview.backup.none")
+              : t("overview.backup.age", { age: ageLong(Date.now() / 1000 - backup.time) })}{" "}
+            {backup !== null && (
+              <a
+                href={address(station.id, "compare") + location.search}
+                onClick={() => {
+                  right.value = `file ${backup.file}`;
+                }}
+              >
+                {t("overview.backup.compare")}
+              </a>
+            )}
+          </dd>
         </div>
         {known.rights.map(({ name, value }) => (
           <div key={name}>
@@ -288,8 +304,9 @@ export function Overview() {
           <bdi>{label(station)}</bdi>
         </h1>
         <Why station={station} />
-        {station.status && <Conditions status={station.status} />}
+        {station.status && <Conditions station={station} status={station.status} />}
         {station.status && <Faults status={station.status} />}
+        <Command verb="status" station={station} />
       </div>
       <div>
         <Values station={station} />

@@ -1,6 +1,15 @@
 /** What is edited of a drive: values that were typed, the plan of them, and what became of it. */
-import { signal } from "@preact/signals";
-import { type Description, type Job, type List, post, request, type Value, type Values } from "../../api";
+import { computed, signal } from "@preact/signals";
+import {
+  type Description,
+  type Job,
+  type List,
+  post,
+  request,
+  type SettingChange,
+  type Value,
+  type Values,
+} from "../../api";
 import { follow, reason } from "../../store/jobs";
 
 /** One row: a parameter, or one element of it. */
@@ -43,6 +52,27 @@ export const applied = signal<Job | null>(null);
 /** Why the last request failed. */
 export const refused = signal("");
 export const busy = signal(false);
+/** The rows that this page wrote and no drive has saved, by drive. */
+const written = signal<ReadonlyMap<string, ReadonlySet<string>>>(new Map());
+/** Those of the drive that is shown. */
+export const unsaved = computed(() => written.value.get(drive.value) ?? new Set<string>());
+
+/** The rows of a change that was written, as requests name them. */
+function keyOf({ index, new: { number } }: SettingChange): string {
+  return index === null || number.includes("[") ? number : `${number}[${index}]`;
+}
+
+/** Notes which rows the drive would lose at its next power cycle. */
+export function noteWritten(before: ReadonlySet<string>, done: Job): ReadonlySet<string> {
+  const next = new Set(before);
+  for (const change of done.plan?.changes ?? []) {
+    const { step } = change;
+    const key = keyOf(change);
+    if (done.plan?.saves) next.delete(key);
+    else if (done.phase === "applied" && (step === "read back" || step === "written")) next.add(key);
+  }
+  return next;
+}
 
 function linesOf(list: List): Line[] {
   const known = list.parameters.flatMap((of): Line[] => {
@@ -102,6 +132,14 @@ export async function open(id: string): Promise<void> {
   } catch (error) {
     if (drive.value === id) failure.value = reason(error);
   }
+}
+
+/** The number with which a drive says that it does not have a parameter. */
+const ABSENT = 0;
+
+/** Returns whether the drive has said that it does not have this: it is not asked again and again. */
+export function isAbsent(key: string): boolean {
+  return values.value.get(key)?.value.error?.number === ABSENT;
 }
 
 /** Reads these rows. */
@@ -177,7 +215,10 @@ export async function apply(): Promise<void> {
   if (planned === null || busy.value) return;
   busy.value = true;
   try {
-    applied.value = await follow(await post<Job>(`plans/${planned.id}/apply`, {}), () => {});
+    const id = drive.value;
+    const done = await follow(await post<Job>(`plans/${planned.id}/apply`, {}), () => {});
+    written.value = new Map(written.value).set(id, noteWritten(written.value.get(id) ?? new Set(), done));
+    applied.value = done;
     discard();
   } catch (error) {
     // the drive has changed: the plan is made again, and its old values are those of now
@@ -208,11 +249,7 @@ export function keep(): void {
   edits.value = new Map(
     done.map((change) => {
       const text = change.new.text ?? "";
-      const key =
-        change.index === null || change.new.number.includes("[")
-          ? change.new.number
-          : `${change.new.number}[${change.index}]`;
-      return [key, change.new.unit === "" ? text : `${text} ${change.new.unit}`];
+      return [keyOf(change), change.new.unit === "" ? text : `${text} ${change.new.unit}`];
     }),
   );
   save.value = true;

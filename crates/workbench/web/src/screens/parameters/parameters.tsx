@@ -1,15 +1,18 @@
-import { signal } from "@preact/signals";
+import { effect, signal } from "@preact/signals";
 import { useEffect, useRef, useState } from "preact/hooks";
 import { useLocation } from "preact-iso";
-import { takesText } from "../../app/keys";
 import { selected, selectedId } from "../../app/selected";
 import { foreign, label, sentence } from "../../parts/format";
+import { groupOf, groups } from "../../parts/group";
+import { Icon } from "../../parts/Icon";
 import { Nothing } from "../../parts/Nothing";
-import { Plan } from "../../parts/Plan";
 import { otherOwner } from "../../parts/Reason";
 import { now, server, silent } from "../../store/store";
 import { t } from "../../text";
+import { Details } from "./Details";
 import * as edit from "./edit";
+import { isFavourite, openFavourites, toggleFavourite } from "./favourites";
+import { Review } from "./Review";
 
 /** Height of a row, in px, as in the style; rows that are out of sight are not made. */
 const ROW = matchMedia("(pointer: coarse)").matches ? 44 : 28;
@@ -22,7 +25,12 @@ const STALE = 3000;
 
 const search = signal("");
 const chosen = signal<string | null>(null);
-const only = signal<"all" | "edited" | "changed">("all");
+const ONLY = ["all", "favourites", "edited", "unsaved", "changed"] as const;
+const only = signal<(typeof ONLY)[number]>("all");
+const group = signal<string | null>(null);
+
+/** In the list of groups, what selects all: no group is called so. */
+const ALL = " ";
 
 /** Returns whether a row differs from the value as delivered; nothing where that is not known. */
 function isChanged(line: edit.Line): boolean {
@@ -35,6 +43,9 @@ function found(all: readonly edit.Line[]): edit.Line[] {
   const words = search.value.toLowerCase().split(/\s+/).filter(Boolean);
   return all.filter((line) => {
     if (only.value === "edited" && !edit.edits.value.has(line.key)) return false;
+    if (only.value === "unsaved" && !edit.unsaved.value.has(line.key)) return false;
+    if (only.value === "favourites" && !isFavourite(line.of.number)) return false;
+    if (group.value !== null && groupOf(line.of) !== group.value) return false;
     if (only.value === "changed" && !isChanged(line)) return false;
     return words.every((word) => line.words.includes(word));
   });
@@ -107,6 +118,15 @@ function Row({ line }: { line: edit.Line }) {
       <th scope="row">
         <button
           type="button"
+          class="plain star"
+          aria-pressed={isFavourite(line.of.number)}
+          aria-label={t("parameters.favourite", { name: line.of.name || line.key })}
+          onClick={() => toggleFavourite(line.of.number)}
+        >
+          <Icon name="star" />
+        </button>
+        <button
+          type="button"
           class="plain"
           title={line.of.description}
           onClick={() => {
@@ -136,7 +156,11 @@ function Row({ line }: { line: edit.Line }) {
       <td class="number spare">{line.of.default ?? ""}</td>
       <td class="number spare">{limits(line)}</td>
       <td class="muted small">
-        {t(line.of.access === "read" ? "parameters.read" : line.of.saved ? "parameters.saved" : "parameters.volatile")}
+        {edit.unsaved.value.has(line.key) ? (
+          <span class="warn">{t("parameters.unsaved")}</span>
+        ) : (
+          t(line.of.access === "read" ? "parameters.read" : line.of.saved ? "parameters.saved" : "parameters.volatile")
+        )}
       </td>
     </tr>
   );
@@ -170,10 +194,11 @@ function Table({ rows }: { rows: readonly edit.Line[] }) {
   useEffect(() => {
     let going = false;
     const look = () => {
-      if (going || document.hidden || wanted === "") return;
+      const keys = wanted.split(",").filter((key) => key !== "" && !edit.isAbsent(key));
+      if (going || document.hidden || keys.length === 0) return;
       going = true;
       edit
-        .read(wanted.split(","))
+        .read(keys)
         .catch(() => {})
         .finally(() => {
           going = false;
@@ -238,130 +263,33 @@ function Table({ rows }: { rows: readonly edit.Line[] }) {
   );
 }
 
-function Details({ line }: { line: edit.Line }) {
-  const { of } = line;
-  const word = edit.values.value.get(line.key)?.value.word;
-  return (
-    <section class="details">
-      <h2>
-        <bdi>{foreign(of.name || line.key)}</bdi>
-      </h2>
-      <p>
-        <bdi>{sentence(of.description)}</bdi>
-      </p>
-      {of.common_names.length > 0 && <p class="muted small">{of.common_names.join(", ")}</p>}
-      {of.bits.length > 0 && (
-        <ul class="small">
-          {of.bits.map((bit) => (
-            <li key={bit.value}>
-              {bit.value}: <bdi>{foreign(bit.text)}</bdi>
-            </li>
-          ))}
-        </ul>
-      )}
-      {word && <p class="small">{word.bits.join(", ")}</p>}
-      {of.source !== "" && <p class="muted small">{of.source}</p>}
-    </section>
-  );
-}
-
-function Review() {
-  const planned = edit.plan.value;
-  const count = edit.edits.value.size;
-  const done = edit.applied.value;
-  const usable = !edit.busy.value && silent.value === null;
-  return (
-    <section class="review" aria-label={t("plan.title")}>
-      <h2>{t("plan.title")}</h2>
-      {count === 0 && done === null && <p class="muted">{t("plan.empty")}</p>}
-      {edit.refused.value !== "" && (
-        <p class="fault" role="alert">
-          <bdi>{sentence(edit.refused.value)}</bdi>
-        </p>
-      )}
-      {count > 0 && planned === null && edit.refused.value === "" && (
-        <p class="muted" role="status">
-          {t("plan.checking")}
-        </p>
-      )}
-      {count > 0 && planned !== null && <Plan job={planned} />}
-      {count > 0 && (
-        <>
-          <label class="check">
-            <input
-              type="checkbox"
-              checked={edit.save.value}
-              onChange={(event) => edit.choose(event.currentTarget.checked)}
-            />
-            <span>{t("plan.save")}</span>
-          </label>
-          <p class="buttons">
-            <button
-              type="button"
-              class="primary"
-              disabled={!usable || planned?.plan?.ready !== true}
-              onClick={() => void edit.apply()}
-            >
-              {t(edit.busy.value ? "plan.applying" : "plan.apply", { count })}
-            </button>
-            <button type="button" disabled={edit.busy.value} onClick={() => edit.discard()}>
-              {t("plan.discard")}
-            </button>
-          </p>
-          {planned?.plan && planned.plan.refusals.length > 0 && <p class="fault">{t("plan.blocked")}</p>}
-          {planned?.plan && !planned.plan.ready && planned.plan.refusals.length === 0 && (
-            <p class="muted">{t("plan.nothing")}</p>
-          )}
-        </>
-      )}
-      {count === 0 && done !== null && (
-        <>
-          <p role="status">
-            {t(done.phase === "undone" ? "plan.undone" : "plan.done", { summary: done.plan?.summary ?? "" })}
-          </p>
-          <Plan job={done} />
-          <p class="buttons">
-            {done.phase === "applied" && done.plan?.undo && (
-              <button type="button" disabled={!usable} onClick={() => void edit.undo()}>
-                {t("plan.undo")}
-              </button>
-            )}
-            {done.phase === "applied" && !done.plan?.saves && (
-              <button type="button" disabled={!usable} onClick={() => edit.keep()}>
-                {t("plan.keep")}
-              </button>
-            )}
-          </p>
-        </>
-      )}
-    </section>
-  );
-}
-
 /** All parameters of the selected drive: their values, and changes that are reviewed before anything is written. */
 export function Parameters() {
   const { path } = useLocation();
   const id = selectedId(path);
   const station = selected(path);
-  const field = useRef<HTMLInputElement>(null);
   useEffect(() => {
     if (id !== null) void edit.open(id);
+    group.value = null;
   }, [id]);
+  useEffect(() => openFavourites(station?.type ?? ""), [station?.type]);
+  useEffect(() => {
+    // a link to this screen has what is looked for
+    const kept = new URLSearchParams(location.hash.slice(1));
+    search.value = kept.get("q") ?? search.value;
+    only.value = ONLY.find((one) => one === kept.get("only")) ?? only.value;
+    return effect(() => {
+      const all = { q: search.value, only: only.value === "all" ? "" : only.value };
+      const hash = new URLSearchParams(Object.entries(all).filter(([, value]) => value !== "")).toString();
+      history.replaceState(history.state, "", location.pathname + location.search + (hash && `#${hash}`));
+    });
+  }, []);
   useEffect(() => {
     const warn = (event: BeforeUnloadEvent) => {
       if (edit.edits.value.size > 0) event.preventDefault();
     };
-    const find = (event: KeyboardEvent) => {
-      if (event.key !== "/" || takesText(event.target)) return;
-      event.preventDefault();
-      field.current?.focus();
-    };
     addEventListener("beforeunload", warn);
-    addEventListener("keydown", find);
-    return () => {
-      removeEventListener("beforeunload", warn);
-      removeEventListener("keydown", find);
-    };
+    return () => removeEventListener("beforeunload", warn);
   }, []);
   if (id === null || !station) {
     return <Nothing title={t("parameters.title")} text={t(id === null ? "parameters.select" : "overview.unknown")} />;
@@ -380,7 +308,6 @@ export function Parameters() {
           <span class="unseen">{t("parameters.search")}</span>
           <input
             type="search"
-            ref={field}
             placeholder={t("parameters.search")}
             value={search.value}
             onInput={(event) => {
@@ -401,9 +328,27 @@ export function Parameters() {
               }
             }}
           >
-            <option value="all">{t("parameters.only.all")}</option>
-            <option value="edited">{t("parameters.only.edited")}</option>
-            <option value="changed">{t("parameters.only.changed")}</option>
+            {ONLY.map((one) => (
+              <option key={one} value={one}>
+                {t(`parameters.only.${one}`)}
+              </option>
+            ))}
+          </select>
+        </label>
+        <label>
+          <span class="unseen">{t("parameters.group")}</span>
+          <select
+            value={group.value ?? ALL}
+            onChange={(event) => {
+              group.value = event.currentTarget.value === ALL ? null : event.currentTarget.value;
+            }}
+          >
+            <option value={ALL}>{t("parameters.group.all")}</option>
+            {groups((all ?? []).map(({ of }) => of)).map((one) => (
+              <option key={one} value={one}>
+                {one === "" ? t("parameters.group.other") : foreign(one)}
+              </option>
+            ))}
           </select>
         </label>
         <span class="muted">{all && t("parameters.count", { count: rows.length, all: all.length })}</span>
@@ -420,7 +365,7 @@ export function Parameters() {
           <Table rows={rows} />
           <aside>
             {server.value?.role === "control" ? <Review /> : <p class="muted">{t("parameters.view")}</p>}
-            {line && <Details line={line} />}
+            {line && <Details line={line} station={station} />}
           </aside>
         </div>
       )}

@@ -1,7 +1,8 @@
 import { useEffect } from "preact/hooks";
 import { useLocation } from "preact-iso";
-import { takesText } from "../../app/keys";
 import { selected, selectedId } from "../../app/selected";
+import { isShortcut } from "../../app/shortcuts";
+import { download } from "../../parts/download";
 import { foreign, label, sentence } from "../../parts/format";
 import { Nothing } from "../../parts/Nothing";
 import { owner } from "../../parts/Reason";
@@ -9,6 +10,7 @@ import type { Header } from "../../scope/block";
 import * as scope from "../../store/scope";
 import { silent } from "../../store/store";
 import { t } from "../../text";
+import { Keep, Maths } from "./Maths";
 import { Cursors, Measures, Position, summary } from "./Measures";
 import { Plot, png } from "./Plot";
 import { Check, dash, Select, time } from "./parts";
@@ -51,8 +53,7 @@ function useScopeKeys(): void {
     const press = (event: KeyboardEvent) => {
       const last = performance.now() - before.time < SEQUENCE ? before.key : "";
       before = { key: event.key, time: performance.now() };
-      if (takesText(event.target) || event.repeat || event.ctrlKey || event.altKey || event.metaKey || last === "g")
-        return;
+      if (event.repeat || last === "g" || !isShortcut(event)) return;
       const act = { r: runOrStop, s: scope.single, c: toggleCursors }[event.key.toLowerCase()];
       act?.();
     };
@@ -116,7 +117,7 @@ function Tools({ name }: { name: string }) {
         onClick={() => {
           const title = `${name}, ${sourceText(status?.header ?? null, status?.rate ?? null)}, ${new Date().toISOString()}`;
           void png(title).then((picture) => {
-            if (picture !== null) scope.download(picture, scope.fileName(name, "png"));
+            if (picture !== null) download(scope.fileName(name, "png"), picture);
           });
         }}
       >
@@ -220,7 +221,9 @@ export function Scope() {
         </div>
         <aside aria-label={t("scope.settings")}>
           <Signals header={header} />
+          <Maths header={header} />
           <TriggerChoice header={header} />
+          <Keep name={label(station)} />
         </aside>
       </div>
     </article>

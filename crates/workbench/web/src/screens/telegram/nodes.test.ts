@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import type { FrameNode } from "../../api";
-import { bits, leaves, telegramOctets } from "./nodes";
+import { bits, leaves, telegramOctets, wholeNumber } from "./nodes";
 
 function node(name: string, start: number, end: number, children: FrameNode[] = []): FrameNode {
   return { name, value: "", start, end, weight: "normal", children };
@@ -27,4 +27,10 @@ test("the octets of the telegram are those of the data with the control word", (
 test("words are shown as bits, longer fields are not", () => {
   expect(bits(["04", "7F"])).toBe("0000 0100 0111 1111");
   expect(bits(["00", "00", "00", "00"])).toBe("");
+});
+
+test("numbers of records are decimal or hexadecimal", () => {
+  const of = (text: string) => wholeNumber(text, 0xffff);
+  expect([of("1"), of(" 0xAFF0 "), of("65535")]).toEqual([1, 0xaff0, 65535]);
+  expect([of(""), of("65536"), of("-1"), of("1.5"), of("AFF0"), of("0x")]).toEqual(Array(6).fill(null));
 });

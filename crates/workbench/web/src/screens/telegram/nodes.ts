@@ -41,3 +41,11 @@ export function bits(all: string[]): string {
   const digits = all.join("").split("");
   return digits.map((digit) => Number.parseInt(digit, 16).toString(2).padStart(4, "0")).join(" ");
 }
+
+/** Reads a whole number, decimal or `0x` hexadecimal, up to a bound; nothing where it is none. */
+export function wholeNumber(text: string, most: number): number | null {
+  const plain = text.trim();
+  if (!/^(\d+|0x[0-9a-f]+)$/i.test(plain)) return null;
+  const number = Number(plain);
+  return number <= most ? number : null;
+}

@@ -3,12 +3,14 @@ import { useEffect, useRef } from "preact/hooks";
 import { useLocation } from "preact-iso";
 import type { Station, TelegramTopic } from "../../api";
 import { selected, selectedId } from "../../app/selected";
+import { Line } from "../../parts/Command";
 import { foreign, label } from "../../parts/format";
 import { Nothing } from "../../parts/Nothing";
 import { want } from "../../store/live";
 import { now, silent, topics } from "../../store/store";
 import { age, t, utc } from "../../text";
 import { bits, leaves, octets, telegramOctets } from "./nodes";
+import { ReadRecord } from "./ReadRecord";
 
 /** Values older than this are grey, in s. */
 const STALE = 3;
@@ -17,7 +19,6 @@ type Half = TelegramTopic["halves"][number];
 
 /** The field under the pointer or with the focus: its direction and its octets. */
 const marked = signal<{ direction: string; start: number; end: number } | null>(null);
-const copied = signal("");
 
 function isMarked(direction: string, start: number, end: number): boolean {
   const mark = marked.value;
@@ -166,22 +167,7 @@ function Direction({ half, telegram, station }: { half: Half; telegram: number |
           </tbody>
         </table>
       </section>
-      {line !== null && (
-        <p class="command">
-          <code>{line}</code>
-          <button
-            type="button"
-            onClick={() => {
-              void navigator.clipboard?.writeText(line).then(() => {
-                copied.value = half.direction;
-              });
-            }}
-          >
-            {t("telegram.copy")}
-          </button>
-          <span role="status">{copied.value === half.direction ? t("telegram.copied") : ""}</span>
-        </p>
-      )}
+      {line !== null && <Line text={line} />}
       <Timing half={half} />
     </section>
   );
@@ -208,6 +194,7 @@ function Of({ station }: { station: Station }) {
       {topic?.halves.map((half) => (
         <Direction key={half.direction} half={half} telegram={topic.telegram} station={station} />
       ))}
+      <ReadRecord key={id} id={id} />
     </article>
   );
 }

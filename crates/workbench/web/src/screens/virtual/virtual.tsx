@@ -1,8 +1,8 @@
 import { signal } from "@preact/signals";
 import { useEffect, useState } from "preact/hooks";
 import { type Possible, post, request, type Shaft as ShaftState, type Station } from "../../api";
-import { foreign, sentence } from "../../parts/format";
-import { State } from "../../parts/Reason";
+import { foreign, product, sentence } from "../../parts/format";
+import { ownerName, State } from "../../parts/Reason";
 import { Shaft } from "../../parts/Shaft";
 import { server, shafts, silent, stations } from "../../store/store";
 import { t } from "../../text";
@@ -40,6 +40,27 @@ function Recording() {
   );
 }
 
+/** The plant as a file, with what was injected so far. */
+function PlantFile() {
+  const [text, setText] = useState("");
+  return (
+    <details
+      onToggle={(event) => {
+        if (!event.currentTarget.open) return;
+        fetch("/api/v1/plant/scenario")
+          .then((answer) => answer.text())
+          .then(setText, (error: unknown) => setText(String(error)));
+      }}
+    >
+      <summary>{t("virtual.plant")}</summary>
+      {/* biome-ignore lint/a11y/noNoninteractiveTabindex: a region that scrolls is reached by keys */}
+      <pre class="scroll number" tabIndex={0}>
+        {text}
+      </pre>
+    </details>
+  );
+}
+
 /** What can be done by one button: the event, and how it is called. */
 const BUTTONS = [
   ["sto=on", "virtual.sto.on"],
@@ -74,8 +95,17 @@ function Row({ shaft, station, chosen }: { shaft: ShaftState; station: Station |
       </td>
       <td class="number">{live ? shaft.position.toFixed(3) : dash}</td>
       <td class="number">{live ? shaft.speed.toFixed(1) : dash}</td>
-      <td>{live && station ? <State station={station} /> : dash}</td>
+      <td>
+        <bdi>{station ? product(station) : dash}</bdi>
+      </td>
+      <td>{live && station ? <State station={station} short /> : dash}</td>
+      <td>
+        <bdi>{(live && ownerName(station)) || dash}</bdi>
+      </td>
       <td>{present.length > 0 ? present.map(({ number }) => `F${number}`).join(", ") : dash}</td>
+      <td class={shaft.lasting.length > 0 ? "warn" : ""}>
+        {shaft.lasting.length > 0 ? shaft.lasting.map(({ event }) => event).join(", ") : dash}
+      </td>
       <td>
         <button
           type="button"
@@ -88,6 +118,48 @@ function Row({ shaft, station, chosen }: { shaft: ShaftState; station: Station |
         </button>
       </td>
     </tr>
+  );
+}
+
+/** What was injected and has not ended, each with what ends it. */
+function Lasting({ shaft, may }: { shaft: ShaftState; may: boolean }) {
+  if (shaft.lasting.length === 0) return <p class="muted">{t("virtual.lasting.none")}</p>;
+  return (
+    <ul class="lasting" aria-label={t("virtual.lasting.of", { name: foreign(shaft.name) })}>
+      {shaft.lasting.map(({ event, undo }) => (
+        <li key={event}>
+          <span class="warn number">{event}</span>
+          {undo !== null && (
+            <button type="button" disabled={!may} onClick={() => void inject(shaft.id, undo, null)}>
+              {t("virtual.lasting.end", { event })}
+            </button>
+          )}
+        </li>
+      ))}
+    </ul>
+  );
+}
+
+/** The load of a virtual drive that the slider sets, in Nm. */
+const HEAVIEST = 5;
+
+/** A torque against the shaft. */
+function Load({ shaft, may }: { shaft: ShaftState; may: boolean }) {
+  const present = shaft.lasting.find(({ event }) => event.startsWith("load="))?.event ?? "load=0Nm";
+  const torque = Number.parseFloat(present.slice("load=".length));
+  return (
+    <label>
+      <span>{t("virtual.load", { torque: torque.toFixed(1) })}</span>
+      <input
+        type="range"
+        min={-HEAVIEST}
+        max={HEAVIEST}
+        step={0.1}
+        value={torque}
+        disabled={!may}
+        onChange={(change) => void inject(shaft.id, `load=${change.currentTarget.value}Nm`, null)}
+      />
+    </label>
   );
 }
 
@@ -104,12 +176,15 @@ function Happen({ shaft }: { shaft: ShaftState }) {
   }, [shaft.id]);
   const time = seconds.trim() === "" ? null : Number(seconds);
   const wrong = time !== null && !(time > 0 && time <= 86_400);
-  const may = server.value?.role === "control" && silent.value === null && !wrong;
+  const control = server.value?.role === "control";
+  const live = silent.value === null;
+  const may = control && live && !wrong;
   const go = (what: string) => void inject(shaft.id, what, time);
   return (
     <section class="happen">
       <h2>{t("virtual.happen", { name: foreign(shaft.name) })}</h2>
-      {server.value?.role !== "control" && <p class="muted">{t("virtual.view")}</p>}
+      {!control && <p class="muted">{t("virtual.view")}</p>}
+      <Lasting shaft={shaft} may={control && live} />
       <p class="buttons">
         {BUTTONS.map(([what, key]) => (
           <button key={what} type="button" disabled={!may} onClick={() => go(what)}>
@@ -117,6 +192,7 @@ function Happen({ shaft }: { shaft: ShaftState }) {
           </button>
         ))}
       </p>
+      <Load shaft={shaft} may={control && live} />
       <label>
         <span>{t("virtual.fault")}</span>
         <select value={fault} onChange={(change) => setFault(change.currentTarget.value)}>
@@ -206,8 +282,11 @@ export function Virtual() {
               <th scope="col">{t("network.shaft")}</th>
               <th scope="col">{t("virtual.position")}</th>
               <th scope="col">{t("virtual.speed")}</th>
+              <th scope="col">{t("network.product")}</th>
               <th scope="col">{t("network.state")}</th>
+              <th scope="col">{t("network.owner")}</th>
               <th scope="col">{t("faults.title")}</th>
+              <th scope="col">{t("virtual.lasting")}</th>
               <th scope="col">{t("virtual.choose.title")}</th>
             </tr>
           </thead>
@@ -220,6 +299,7 @@ export function Virtual() {
       </section>
       {one && <Happen shaft={one} />}
       <Recording />
+      <PlantFile />
     </article>
   );
 }

@@ -1,0 +1,92 @@
+//! What a drive has reported not to have.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::net::Ipv4Addr;
+use std::time::Duration;
+
+use profile::parameter::ErrorNumber;
+use profile::value::{Reading, Selection};
+use profinet::{Instant, MacAddress};
+
+use crate::{Drive, Refusal};
+
+/// After this time a drive is asked once more: it may have another firmware by now.
+const AGE: Duration = Duration::from_secs(600);
+
+/// The station, and what it is: another one may take its place.
+type Key = (MacAddress, Ipv4Addr, u16, u16);
+
+/// Parameters that drives refused as not there. Whoever leaves out what a drive does not have does not read them again.
+#[derive(Debug, Default)]
+pub(crate) struct Absent(BTreeMap<Key, OfDrive>);
+
+#[derive(Debug)]
+struct OfDrive {
+    /// Number, first element and count, as they were requested.
+    selections: BTreeSet<(u16, u16, u16)>,
+    /// When the first one was noted.
+    since: Instant,
+}
+
+fn of(drive: &Drive) -> Key {
+    let station = &drive.station;
+    (
+        station.mac,
+        station.ip.address,
+        station.vendor_id,
+        station.device_id,
+    )
+}
+
+const fn key(selection: &Selection) -> (u16, u16, u16) {
+    (selection.pnu, selection.first, selection.count)
+}
+
+impl Absent {
+    /// Returns what of this may be there.
+    pub fn left(&mut self, drive: &Drive, selections: &[Selection], now: Instant) -> Vec<Selection> {
+        self.0.retain(|_, known| now.saturating_since(known.since) < AGE);
+        let known = self.0.get(&of(drive));
+        let may_be_there =
+            |selection: &&Selection| known.is_none_or(|known| !known.selections.contains(&key(selection)));
+        selections.iter().filter(may_be_there).copied().collect()
+    }
+
+    /// Notes what was refused as not there. A drive that refuses everything has another reason than that.
+    pub fn note(
+        &mut self,
+        drive: &Drive,
+        selections: &[Selection],
+        answers: &[Result<Reading, Refusal>],
+        now: Instant,
+    ) {
+        if answers.iter().all(Result::is_err) {
+            return;
+        }
+        for selection in selections {
+            let own = selection.first..selection.first.saturating_add(selection.count);
+            let is = |pnu, index: Option<u16>| {
+                selection.pnu == pnu && own.contains(&index.unwrap_or(selection.first))
+            };
+            let there = answers
+                .iter()
+                .flatten()
+                .any(|reading| is(reading.pnu, reading.index));
+            let refused = answers
+                .iter()
+                .filter_map(|answer| answer.as_ref().err())
+                .any(|refusal| {
+                    refusal.channel.is_none()
+                        && refusal.number == ErrorNumber::UNKNOWN_PARAMETER
+                        && is(refusal.shown.pnu, refusal.shown.index)
+                });
+            if refused && !there {
+                let known = self.0.entry(of(drive)).or_insert_with(|| OfDrive {
+                    selections: BTreeSet::new(),
+                    since: now,
+                });
+                known.selections.insert(key(selection));
+            }
+        }
+    }
+}

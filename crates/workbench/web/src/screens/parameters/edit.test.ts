@@ -1,0 +1,51 @@
+import { beforeAll, expect, test, vi } from "vitest";
+import type { Job, LogPage } from "../../api";
+import { lastChange } from "./lastChange";
+
+vi.stubGlobal("location", { search: "" });
+vi.stubGlobal("localStorage", { getItem: () => null, setItem: () => {} });
+let edit: typeof import("./edit");
+let favourites: typeof import("./favourites");
+beforeAll(async () => {
+  edit = await import("./edit");
+  favourites = await import("./favourites");
+});
+
+function job(phase: string, saves: boolean, changes: [string, number | null, string][]): Job {
+  const all = changes.map(([number, index, step]) => ({ index, step, new: { number } }));
+  return { phase, plan: { saves, changes: all } } as unknown as Job;
+}
+
+test("what was written is lost at the next power cycle until it is saved", () => {
+  const done = job("applied", false, [
+    ["p2108", null, "read back"],
+    ["p0915", 3, "written"],
+    ["p2109", null, "refused"],
+    ["p2110", null, "same"],
+  ]);
+  const after = edit.noteWritten(new Set(["p1000"]), done);
+  expect([...after].sort()).toEqual(["p0915[3]", "p1000", "p2108"]);
+  const saved = job("applied", true, [
+    ["p2108", null, "same"],
+    ["p0915", 3, "read back"],
+  ]);
+  expect([...edit.noteWritten(after, saved)]).toEqual(["p1000"]);
+});
+
+test("the last change is that of this parameter, and was carried out", () => {
+  const record = (time: string, result: string | null, changes: string[]) => ({ time, result, changes });
+  const records = [
+    record("4", null, ["DRV.ACC (p2108): 3000 -> 9000"]),
+    record("3", "1 of 1 written", ["DRV.ACCZERO (p3333): 1 -> 2"]),
+    record("2", "1 of 1 written", ["DRV.DEC (p2109): 1 -> 2", "DRV.ACC (p2108): 3000 -> 8000 rpm/s, verified"]),
+    record("1", "1 of 1 written", ["DRV.ACC (p2108): 1 -> 3000"]),
+  ] as unknown as LogPage["records"];
+  expect(lastChange(records, "DRV.ACC")?.record.time).toBe("2");
+  expect(lastChange(records, "DRV.ACC")?.change).toContain("8000");
+  expect(lastChange(records, "3-41")).toBe(null);
+});
+
+test("favourites that are no list of texts are none", () => {
+  expect([...favourites.parsed('["p2108", 3, "p1"]')]).toEqual(["p2108", "p1"]);
+  for (const text of [null, "{", "{}", "3"]) expect(favourites.parsed(text).size).toBe(0);
+});
