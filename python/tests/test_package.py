@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import json
 import re
 import subprocess
 import sys
+import tarfile
 from pathlib import Path
 
 import pytest
@@ -49,6 +51,28 @@ except ImportError:
     alone = subprocess.run([sys.executable, "-I", "-S", "-c", program], capture_output=True, text=True, check=False, timeout=60)
     assert alone.stderr == ""
     assert alone.stdout.splitlines() == ['pip install "profidrive[numpy]"', 'pip install "profidrive[plot]"', "alone"]
+
+
+def test_the_source_distribution_has_what_its_build_needs(tmp_path: Path) -> None:
+    subprocess.run(["maturin", "sdist", "--out", tmp_path], check=True, capture_output=True, timeout=60, cwd=ROOT / "python")
+    [archive] = tmp_path.glob("profidrive-*.tar.gz")
+    with tarfile.open(archive) as file:
+        file.extractall(tmp_path, filter="data")
+    [folder] = [path for path in tmp_path.iterdir() if path.is_dir()]
+    metadata = subprocess.run(
+        ["cargo", "metadata", "--offline", "--no-deps", "--format-version", "1"],
+        capture_output=True,
+        check=True,
+        timeout=60,
+        cwd=folder,
+    )
+    packages = {package["name"]: package for package in json.loads(metadata.stdout)["packages"]}
+    own = packages["profidrive-python"]["dependencies"]
+    needed = {dependency["name"] for dependency in own if dependency.get("path")}
+    assert needed <= set(packages)
+    assert {"profidrive", "profidrive-plant"} <= needed
+    sources = {path.name for path in (ROOT / "python" / "profidrive").iterdir() if path.suffix in (".py", ".pyi", ".typed")}
+    assert {path.name for path in (folder / "profidrive").iterdir()} == sources | {"py.typed"}
 
 
 def test_the_binding_has_no_unsafe_code() -> None:

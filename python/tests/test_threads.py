@@ -9,7 +9,8 @@ from collections.abc import Callable, Sequence
 import pytest
 
 from profidrive import Plant, World, aio
-from profidrive.errors import InterruptedCall, ProfidriveError
+from profidrive.errors import InterruptedCall, ProfidriveError, SafetyError
+from profidrive.events import ConnectionLost
 
 ROUNDS = 20
 
@@ -169,3 +170,23 @@ def test_a_stop_by_another_thread_ends_what_waits() -> None:
     together(moves, stops)
     assert outcomes == [InterruptedCall]
     assert abs(world["akd-1"].speed) < 1
+
+
+def test_threads_that_take_the_same_axis_do_not_end_each_others_connection() -> None:
+    for _ in range(10):
+        world = start()
+        taken: list[str] = []
+
+        def takes(world: World = world, taken: list[str] = taken) -> None:
+            try:
+                with world.network["akd-1"].control(max_speed="1000rpm") as axis:
+                    taken.append("begins")
+                    axis.run("300rpm", for_="500ms")
+                    taken.append("ends")
+            except SafetyError as error:
+                assert error.rule == "control"
+
+        together(takes, takes, takes)
+        assert taken[:2] == ["begins", "ends"]
+        assert taken in (["begins", "ends"], ["begins", "ends"] * 2, ["begins", "ends"] * 3)
+        assert world.trace.only(ConnectionLost) == ()

@@ -300,6 +300,27 @@ mod tests {
         assert_eq!(took(3).into_iter().max(), alone);
     }
 
+    /// Both find it free; the second connection would end the first one.
+    #[test]
+    fn of_two_callers_that_take_an_axis_at_once_one_has_it() {
+        let one = "[[drive]]\nname = \"akd-1\"\nip = \"10.0.0.1/24\"";
+        let mut network = open_plan(one.parse().unwrap()).unwrap();
+        let mut drives = [(), ()].map(|()| network.find(&"akd-1".parse().unwrap()).wait().unwrap());
+        let mut callers = [network.clone(), network.clone()];
+        let taken = callers.iter_mut().zip(&mut drives);
+        let taken = taken.map(|(caller, drive)| caller.take_axis(drive, AxisSettings::default()));
+        let taken = futures::future::join_all(taken).wait();
+        let [Ok(axis), Err(error)] = &taken[..] else {
+            panic!("{taken:?}");
+        };
+        assert_eq!(
+            error.to_string(),
+            "akd-1: this program has its axis under control already"
+        );
+        network.pass(Duration::from_secs(1)).wait().unwrap();
+        assert!(axis.lost().is_none());
+    }
+
     /// The thread that computes is not inside of a wait.
     #[test]
     fn a_thread_between_two_calls_holds_up_no_other() {

@@ -13,7 +13,7 @@ use super::Session;
 use super::axis::Place;
 use super::route::{Routes, is_no_service, refusal};
 use super::temporary::Work;
-use crate::engine::{Queues, Turn};
+use crate::engine::{At, Queues, Turn, at};
 use crate::line::Answered;
 use crate::{Client, Connection, Drive, Error, Link, Route, RouteNotice};
 
@@ -40,6 +40,8 @@ pub(crate) struct Records {
     pub(super) reference: u8,
     /// The axes that were taken.
     pub(super) axes: Vec<Place>,
+    /// Where drives are whose axes are being taken.
+    taking: Vec<At>,
     /// Settings that are changed for some piece of work.
     pub(super) temporary: Vec<Arc<Work>>,
     /// Queued callers of each drive.
@@ -75,6 +77,20 @@ impl Records {
         self.forget_ended();
         let mut own = self.axes.iter().filter(|axis| axis.is_of(drive));
         own.find_map(Place::held)
+    }
+
+    /// Notes that the axis of this drive is being taken. False where that is so already, or this program has the axis.
+    pub(super) fn begin_taking(&mut self, drive: &Drive) -> bool {
+        let is_free = self.own_axis(drive).is_none() && !self.taking.contains(&at(drive));
+        if is_free {
+            self.taking.push(at(drive));
+        }
+        is_free
+    }
+
+    /// Ends that.
+    pub(super) fn end_taking(&mut self, place: At) {
+        self.taking.retain(|one| *one != place);
     }
 
     fn forget_ended(&mut self) {

@@ -9,7 +9,7 @@ use profinet::controller::{ArId, ConnectConfig, Misuse, Resolve, Target};
 use super::rest::{Closer, Ending, Place};
 use super::{Axis, AxisPlan, AxisSettings, Session, speed_setpoint};
 use crate::axis::{AxisControl, Cycle, Limits, Purpose, SpeedScale, Wiring};
-use crate::engine::Interest;
+use crate::engine::{At, Engine, Interest, at};
 use crate::learn::device_of;
 use crate::session::plugged::Layout;
 use crate::session::prepare::{Prepared, ownerless};
@@ -24,6 +24,31 @@ const MEASURED: Duration = Duration::from_millis(200);
 const WAIT: Duration = Duration::from_millis(1);
 /// Shortest time a drive has for accepting a task.
 const ACCEPT: Duration = Duration::from_secs(2);
+
+/// The axis of a drive is being taken: no other caller of this program takes it meanwhile, which would end the connection that is
+/// opened here.
+struct Taking {
+    engine: Engine,
+    place: At,
+}
+
+impl Taking {
+    fn begin(engine: &Engine, drive: &Drive) -> Result<Self, Error> {
+        if !engine.records().begin_taking(drive) {
+            return Err(Error::UnderControl { drive: drive.label() });
+        }
+        Ok(Self {
+            engine: engine.clone(),
+            place: at(drive),
+        })
+    }
+}
+
+impl Drop for Taking {
+    fn drop(&mut self) {
+        self.engine.records().end_taking(self.place);
+    }
+}
 
 impl Session {
     /// Checks that a speed is representable with the present scale of the drive: the setpoint has steps, and the
@@ -90,9 +115,10 @@ impl Session {
         self.check_carrier(drive)?;
         self.ended(drive).await?;
         // what stops a drive takes the control word from whoever has it
-        if settings.purpose != Purpose::Control && self.engine.records().own_axis(drive).is_some() {
-            return Err(Error::UnderControl { drive: drive.label() });
-        }
+        let _taking = match settings.purpose {
+            Purpose::Control => None,
+            _ => Some(Taking::begin(&self.engine, drive)?),
+        };
         self.read_scaling(drive).await?;
         let Prepared {
             mode,
