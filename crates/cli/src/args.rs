@@ -52,7 +52,7 @@ pub use stations::{Blink, Ip, Name, Network, Reset, ResetMode, Scan};
     it is also a list (akd-1,akd-2), a pattern (akd-*), model=vlt, vendor=danfoss, a group of the machine file (@line1), or all.\n\
     PARAM is a name (DRV.ACC) or a number (930, p930, r947[0], 947[0..7], 0x3A2), as the vendor writes it \
     (VLT: 1-20, Vacon: ID103).\n\
-    Exit codes: 0 ok, 1 failed (also an incomplete backup), 2 usage, 3 refused by the drive, 4 not reachable, \
+    Exit codes: 0 ok, 1 failed (also an incomplete backup), 2 usage, 3 refused, 4 not reachable, \
     5 difference found, 6 stopped by a safety rule."
 )]
 pub struct Cli {

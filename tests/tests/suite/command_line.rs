@@ -92,7 +92,7 @@ fn errors_are_printed() {
         (&["read", "akd-1", "DRV.AC"], 2, "DRV.ACC"),
         (&["write", "akd-1", "DRV.ACC=1e9rpm/s"], 2, "rpm/s"),
         (&["write", "akd-1", "p964[0]=1"], 2, "read"),
-        (&["ip", "akd-1", "192.168.77.11/24"], 1, "this machine's own"),
+        (&["ip", "akd-1", "192.168.77.11/24"], 3, "this machine's own"),
         (
             &["run", "akd-1", "--velocity", "60rpm", "--cycle", "5ms"],
             2,

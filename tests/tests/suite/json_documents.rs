@@ -52,7 +52,7 @@ const OF_DRIVES: &[Call] = &[
     ("blink --for 1ms", &[0]),
     ("name other-1 --dry-run", &[0]),
     ("name Not_Valid", &[2]),
-    ("name DOUBLE", &[1]),
+    ("name DOUBLE", &[3]),
     ("ip 192.168.77.60/24 --dry-run", &[0]),
     ("ip 192.168.77.50/24 --gateway 192.168.77.1 --force", &[0]),
     ("read", &[2]),
