@@ -13,6 +13,9 @@ use crate::{Drive, Refusal};
 /// After this time a drive is asked once more: it may have another firmware by now.
 const AGE: Duration = Duration::from_secs(600);
 
+/// Drives that are known at most: stations that are not there can be reported by anyone on the network.
+const DRIVES: usize = 1024;
+
 /// The station, and what it is: another one may take its place.
 type Key = (MacAddress, Ipv4Addr, u16, u16);
 
@@ -81,12 +84,46 @@ impl Absent {
                         && is(refusal.shown.pnu, refusal.shown.index)
                 });
             if refused && !there {
-                let known = self.0.entry(of(drive)).or_insert_with(|| OfDrive {
-                    selections: BTreeSet::new(),
-                    since: now,
-                });
-                known.selections.insert(key(selection));
+                self.known(of(drive), now).selections.insert(key(selection));
             }
         }
+    }
+
+    /// Returns what is known of a drive; the one that is known for the longest time makes room for it.
+    fn known(&mut self, drive: Key, now: Instant) -> &mut OfDrive {
+        if self.0.len() >= DRIVES && !self.0.contains_key(&drive) {
+            let oldest = self.0.iter().min_by_key(|(_, known)| known.since);
+            let oldest = oldest.map(|(key, _)| *key);
+            oldest.map(|key| self.0.remove(&key));
+        }
+        self.0.entry(drive).or_insert_with(|| OfDrive {
+            selections: BTreeSet::new(),
+            since: now,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_drive_known_longest_makes_room() {
+        let mut absent = Absent::default();
+        let station = |number: usize| {
+            let address = Ipv4Addr::from(u32::try_from(number).unwrap());
+            (MacAddress([2, 0, 0, 0, 0, 1]), address, 1, 2)
+        };
+        for number in 0..=DRIVES {
+            absent.known(
+                station(number),
+                Instant::ZERO + Duration::from_secs(number as u64),
+            );
+        }
+        assert_eq!(absent.0.len(), DRIVES);
+        assert!(!absent.0.contains_key(&station(0)));
+        // one that is known already needs no room
+        absent.known(station(1), Instant::ZERO);
+        assert!(absent.0.contains_key(&station(1)) && absent.0.len() == DRIVES);
     }
 }
