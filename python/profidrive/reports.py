@@ -319,6 +319,8 @@ class Fault:
     """What the drive does about it."""
     remedy: str | None
     """What to do."""
+    parameters: tuple[str, ...]
+    """The parameters that the remedy names, by name or number as their vendor writes them."""
     cleared: str | None
     """What ends it once the cause is gone."""
     needs_restart: bool | None
@@ -341,6 +343,7 @@ class Fault:
             meaning=data["meaning"],
             reaction=data["reaction"],
             remedy=data["remedy"],
+            parameters=tuple(item for item in data["parameters"]),
             cleared=data["cleared"],
             needs_restart=data["needs_restart"],
             situation=data["situation"],
@@ -361,6 +364,8 @@ class Warning:
     """What it means."""
     remedy: str | None
     """What to do."""
+    parameters: tuple[str, ...]
+    """The parameters that the remedy names, by name or number as their vendor writes them."""
 
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> Warning:
@@ -368,6 +373,7 @@ class Warning:
             number=data["number"],
             meaning=data["meaning"],
             remedy=data["remedy"],
+            parameters=tuple(item for item in data["parameters"]),
         )
 
 
@@ -431,6 +437,14 @@ class StatusReport:
     """Software limits that are reached: bits 0 and 1."""
     bus_voltage: Quantity | None
     """Voltage of the DC bus."""
+    current: Quantity | None
+    """Current of the motor."""
+    torque: Quantity | None
+    """Torque of the motor; in `%` of its nominal torque where the drive does not report it in `Nm`."""
+    temperature: Quantity | None
+    """Temperature of the power stage, at the hottest of its sensors."""
+    motor_temperature: Quantity | None
+    """Temperature of the motor."""
     speed_set: Quantity | None
     """Speed that is commanded."""
     speed_actual: Quantity | None
@@ -479,6 +493,10 @@ class StatusReport:
             positive_switch=data["positive_switch"],
             software_limits=data["software_limits"],
             bus_voltage=None if data["bus_voltage"] is None else Quantity._of(data["bus_voltage"]),
+            current=None if data["current"] is None else Quantity._of(data["current"]),
+            torque=None if data["torque"] is None else Quantity._of(data["torque"]),
+            temperature=None if data["temperature"] is None else Quantity._of(data["temperature"]),
+            motor_temperature=None if data["motor_temperature"] is None else Quantity._of(data["motor_temperature"]),
             speed_set=None if data["speed_set"] is None else Quantity._of(data["speed_set"]),
             speed_actual=None if data["speed_actual"] is None else Quantity._of(data["speed_actual"]),
             position=None if data["position"] is None else Quantity._of(data["position"]),
@@ -537,6 +555,8 @@ class FaultsReport:
     """Fault message counter (PNU 944)."""
     counts: str
     """What that counts: `changes` of the fault buffer or fault `situations`."""
+    situation_counter: int | None
+    """Fault situations that the drive has counted (PNU 952); null where it has no such counter."""
     situations: int
     """Situations of the fault buffer."""
     faults_per_situation: int
@@ -562,6 +582,7 @@ class FaultsReport:
             drive=data["drive"],
             counter=data["counter"],
             counts=data["counts"],
+            situation_counter=data["situation_counter"],
             situations=data["situations"],
             faults_per_situation=data["faults_per_situation"],
             fault_bit=data["fault_bit"],

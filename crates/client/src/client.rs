@@ -18,7 +18,7 @@ use profile::parameter::DecodeError;
 use profile::pkw::JobError;
 use uss::{ReceiverStatistics, SlaveId};
 
-use crate::axis::{AxisControl, Goal, Octets, Sample, SampleQueue, Wiring};
+use crate::axis::{AxisControl, Goal, Octets, Sample, SampleQueue, StopKind, Wiring};
 use crate::line::{Answered, Bridge, Line, LineConfig};
 use crate::mapper::{Mapper, QueryId, Registered};
 use axis::AxisLink;
@@ -368,23 +368,21 @@ impl Client {
         }
     }
 
-    /// Turns a ramp stop under way into a quick stop (OFF3).
-    pub fn hurry(&mut self, now: Instant, link: impl Into<Link>) {
+    /// Turns a stop under way into a quick stop (OFF3) or a coast stop (OFF2).
+    pub fn hurry(&mut self, now: Instant, link: impl Into<Link>, way: StopKind) {
         let link = link.into();
         if let Some(axis) = self.axes.iter_mut().find(|axis| axis.link == link) {
-            axis.control.hurry(now);
+            axis.control.hurry(now, way);
         }
         self.work(now);
     }
 
-    /// Stops an axis that is in operation, or all of them: along its ramp, or at once (OFF3).
-    pub fn stop_now(&mut self, now: Instant, link: Option<Link>, quick: bool) {
+    /// Stops an axis that is in operation, or all of them.
+    pub fn stop_now(&mut self, now: Instant, link: Option<Link>, way: StopKind) {
         let wanted = |axis: &&mut AxisLink| link.is_none_or(|link| axis.link == link);
         for axis in self.axes.iter_mut().filter(wanted) {
             axis.control.stop_now(now);
-            if quick {
-                axis.control.hurry(now);
-            }
+            axis.control.hurry(now, way);
         }
         self.work(now);
     }

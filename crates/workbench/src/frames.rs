@@ -84,6 +84,13 @@ pub(crate) struct TelegramTopic {
     halves: Vec<TelegramHalf>,
 }
 
+/// How regular the cyclic frames of a drive are, as this computer receives them.
+#[derive(Debug, Serialize, JsonSchema)]
+pub(crate) struct LinkTopic {
+    /// The frames from the drive; null where it has no cyclic connection whose frames reach this computer.
+    timing: Option<StreamSummary>,
+}
+
 /// Something that went wrong on the network.
 #[derive(Debug, Clone, Serialize, JsonSchema)]
 pub(crate) struct NetworkTrouble {
@@ -303,6 +310,19 @@ impl Frames {
         }
     }
 
+    /// Returns how regular the frames of the present connection of a drive are.
+    pub fn link(&self, id: &str) -> LinkTopic {
+        let watch = locked(&self.watch);
+        let drive = id.parse::<MacAddress>().ok();
+        // without words the connection has ended
+        let drive = drive.filter(|drive| watch.words(*drive).is_some());
+        let summary = drive.and_then(|drive| watch.summary(drive));
+        let mut streams = summary.into_iter().flat_map(|summary| summary.streams);
+        LinkTopic {
+            timing: streams.find(|stream| stream.direction == "input"),
+        }
+    }
+
     fn count(&self, id: &str) -> u64 {
         locked(&self.states).get(id).map_or(0, |states| states.count)
     }
@@ -316,8 +336,10 @@ pub(crate) async fn follow(shared: Arc<Shared>) {
     turn.set_missed_tick_behavior(MissedTickBehavior::Delay);
     // what was sent of each drive: the number of its changes, and before how many looks
     let mut sent: BTreeMap<String, (u64, u32)> = BTreeMap::new();
+    let mut looks: u32 = 0;
     loop {
         turn.tick().await;
+        looks = looks.wrapping_add(1);
         frames.catch_up();
         if changes.has_changed().unwrap_or(false) {
             changes.mark_unchanged();
@@ -337,6 +359,10 @@ pub(crate) async fn follow(shared: Arc<Shared>) {
                     } else {
                         sent.insert(id.clone(), (before, looks.saturating_add(1)));
                     }
+                }
+                // its figures change slowly
+                Topic::Link(id) if looks.is_multiple_of(AGAIN) => {
+                    shared.hub.publish(&topic, &frames.link(id));
                 }
                 Topic::Telegram(id) => shared.hub.publish(&topic, &frames.telegram(id)),
                 _ => {}

@@ -156,6 +156,11 @@ fn lines(report: &FaultsReport) -> Vec<Line> {
             "{counted} counted by the drive: {} (PNU 944)",
             report.counter
         )));
+        if let Some(situations) = report.situation_counter {
+            lines.push(Line::Plain(format!(
+                "fault situations counted by the drive: {situations} (PNU 952)"
+            )));
+        }
     }
     lines
 }
@@ -218,6 +223,7 @@ mod tests {
         FaultReport {
             counting: Counting::Changes,
             counter: 3,
+            situations: Some(2),
             shape: Shape::EIGHT_BY_EIGHT,
             faults,
             warnings: Some(Vec::new()),

@@ -143,11 +143,16 @@ fn lines(report: &StatusReport, named: &dyn Fn(Part) -> Option<String>) -> Vec<S
         }
     };
     let words = &report.words;
-    let number = |quantity: &Option<Quantity>, digits: usize| {
+    let percent = |quantity: &Option<Quantity>, digits: usize, of: &str| {
         let Quantity { value, unit, .. } = quantity.as_ref()?;
-        let of = if unit == "%" { " of its reference" } else { "" };
+        let of = if unit == "%" {
+            format!(" of {of}")
+        } else {
+            String::new()
+        };
         Some(format!("{value:.digits$} {unit}{of}"))
     };
+    let number = |quantity: &Option<Quantity>, digits| percent(quantity, digits, "its reference");
     let with_load = |motor: Option<String>, load: fn(&LoadStatus) -> &Option<Quantity>| {
         let load = report.load.as_ref().and_then(|found| number(load(found), 3));
         let load = load.map_or_else(String::new, |load| format!(", {load} of the load"));
@@ -181,6 +186,9 @@ fn lines(report: &StatusReport, named: &dyn Fn(Part) -> Option<String>) -> Vec<S
     line("disabled by", set(&report.disable_sources));
     line("motion held", set(&report.motion_disable_sources));
     line("DC bus", number(&report.bus_voltage, 0));
+    line("current", number(&report.current, 2));
+    line("torque", percent(&report.torque, 1, "the nominal torque"));
+    line("temperature", temperatures(report));
     line("limits", limits(report, named));
     let homed = |homed| {
         if homed {
@@ -217,6 +225,19 @@ fn lines(report: &StatusReport, named: &dyn Fn(Part) -> Option<String>) -> Vec<S
         line("warning", Some(format!("n{} {meaning}", warning.number)));
     }
     lines
+}
+
+fn temperatures(report: &StatusReport) -> Option<String> {
+    let of = |quantity: &Option<Quantity>, what: &str| {
+        let Quantity { value, unit, .. } = quantity.as_ref()?;
+        Some(format!("{value:.0} {unit} ({what})"))
+    };
+    let all = [
+        of(&report.temperature, "power stage"),
+        of(&report.motor_temperature, "motor"),
+    ];
+    let all: Vec<String> = all.into_iter().flatten().collect();
+    (!all.is_empty()).then(|| all.join(", "))
 }
 
 fn owner(controller: &Controller) -> String {

@@ -8,12 +8,14 @@ use profile::state::{Mode, State, Stw1};
 use profinet::Instant;
 
 use super::command::{Command, Traverse};
-use super::goal::{Goal, Jog, Limits, Progress, Trouble};
+use super::goal::{Goal, Jog, Limits, Progress, StopKind, Trouble};
 use super::seen::Seen;
 use position::Phase;
 
 /// Quick stop (OFF3) with OFF: once it is over, nothing switches on again.
 const QUICK_STOP: Stw1 = Stw1::READY.without(Stw1::NO_QUICK_STOP);
+/// Coast stop (OFF2) with OFF: the pulses are off at once.
+const COAST_STOP: Stw1 = Stw1::READY.without(Stw1::NO_COAST_STOP);
 /// Operation with the ramp generator's input at zero: brakes along the ramp, stays enabled.
 const INPUT_ZERO: Stw1 = Stw1::RUN.without(Stw1::ENABLE_SETPOINT);
 /// Operation with the setpoint channel closed: jogging is permitted.
@@ -52,9 +54,11 @@ pub struct AxisControl {
     /// Since when the drive is controlled.
     controlled_since: Instant,
     was_in_operation: bool,
-    quick: bool,
-    /// The quick stop was requested, so it is no sign of a ramp stop that failed.
+    way: StopKind,
+    /// The quick or coast stop was requested, so it is no sign of a ramp stop that failed.
     hurried: bool,
+    /// Since when a coasting axis stands.
+    standing: Option<Instant>,
     /// ON was sent and the drive has not reported since that the pulses are off.
     may_turn: bool,
     /// First trouble since the last goal set by the caller.
@@ -98,8 +102,9 @@ impl AxisControl {
             command: Command::default(),
             controlled_since: Instant::ZERO,
             was_in_operation: false,
-            quick: false,
+            way: StopKind::Ramp,
             hurried: false,
+            standing: None,
             may_turn: false,
             trouble: None,
             phase: Phase::Begin,
@@ -143,8 +148,8 @@ impl AxisControl {
         }
         // a new setpoint while running is not a new start
         let same_motion = matches!((self.goal, goal), (Goal::Run { .. }, Goal::Run { .. }));
-        // a quick stop under way is not taken back
-        let same_stop = self.quick && (self.goal, goal) == (Goal::Stop, Goal::Stop);
+        // a quick or coast stop under way is not taken back
+        let same_stop = self.way > StopKind::Ramp && (self.goal, goal) == (Goal::Stop, Goal::Stop);
         let goes_on = self.goal.operates() && goal.operates();
         self.keep_task(now, goal);
         self.goal = goal;
@@ -157,7 +162,7 @@ impl AxisControl {
         self.was_in_operation &= goes_on;
         if !same_stop {
             self.since = now;
-            self.quick = false;
+            self.way = StopKind::Ramp;
             self.hurried = false;
         }
     }
@@ -169,15 +174,16 @@ impl AxisControl {
         }
     }
 
-    /// Turns a ramp stop under way into a quick stop (OFF3).
-    pub fn hurry(&mut self, now: Instant) {
-        if self.goal != Goal::Stop || self.progress != Progress::Pursuing {
+    /// Turns a stop under way into this one. A coast stop stays one.
+    pub fn hurry(&mut self, now: Instant, way: StopKind) {
+        if self.goal != Goal::Stop || self.progress != Progress::Pursuing || way == StopKind::Ramp {
             return;
         }
         self.hurried = true;
-        if !self.quick {
-            self.quick = true;
+        if self.way < way {
+            self.way = way;
             self.since = now;
+            self.standing = None;
         }
     }
 
@@ -248,7 +254,9 @@ impl AxisControl {
 
     /// Evaluates what the drive reports and chooses what to send.
     pub fn step(&mut self, now: Instant, seen: Seen) -> Command {
-        let off = seen.pulses_off() && !self.command.stw1.has(Stw1::ON) && self.stood(now);
+        // a coasting axis turns with its pulses off
+        let coasts = self.way == StopKind::Coast && self.progress == Progress::Pursuing;
+        let off = seen.pulses_off() && !self.command.stw1.has(Stw1::ON) && self.stood(now) && !coasts;
         self.may_turn &= !off;
         let mut next = self.choose(now, seen);
         if next.traverse == Traverse::default() {
@@ -308,11 +316,11 @@ impl AxisControl {
     /// Nothing says that the axis stands: the stops get all the time they may take.
     fn stop_blind(&mut self, now: Instant) -> Command {
         if self.may_turn {
-            self.stop_in_time(now);
+            self.stop_in_time(now, false);
         } else {
             self.progress = Progress::Reached;
         }
-        word(if self.quick { QUICK_STOP } else { Stw1::READY })
+        self.stop_word()
     }
 
     /// A motion has failed: what remains is to stop.
@@ -323,7 +331,7 @@ impl AxisControl {
         self.braking = false;
         self.progress = Progress::Pursuing;
         self.since = now;
-        self.quick = false;
+        self.way = StopKind::Ramp;
         self.hurried = false;
     }
 
@@ -488,15 +496,42 @@ impl AxisControl {
     }
 
     fn stop(&mut self, now: Instant, seen: Seen) -> Command {
-        if seen.pulses_off() {
+        if self.way == StopKind::Coast {
+            self.coast(now, seen);
+        } else if seen.pulses_off() {
             // the word must have reached the drive: what it reports may be older than the command
             if !self.command.stw1.has(Stw1::ON) && self.stood(now) {
                 self.progress = Progress::Reached;
             }
         } else {
-            self.stop_in_time(now);
+            self.stop_in_time(now, false);
         }
-        word(if self.quick { QUICK_STOP } else { Stw1::READY })
+        self.stop_word()
+    }
+
+    /// Waits until a coasting axis rests. Pulses that are off are no proof of that, as nothing brakes it: the drive has to
+    /// report for a while that it stands.
+    fn coast(&mut self, now: Instant, seen: Seen) {
+        if self.progress == Progress::Reached {
+            return;
+        }
+        if !seen.pulses_off() || !self.stands(seen) {
+            self.standing = None;
+            self.stop_in_time(now, seen.pulses_off());
+            return;
+        }
+        let since = *self.standing.get_or_insert(now);
+        if self.stood(now) && now - since >= self.limits.rest {
+            self.progress = Progress::Reached;
+        }
+    }
+
+    const fn stop_word(&self) -> Command {
+        word(match self.way {
+            StopKind::Ramp => Stw1::READY,
+            StopKind::Quick => QUICK_STOP,
+            StopKind::Coast => COAST_STOP,
+        })
     }
 
     /// Returns the state reported by the drive, decoded with the control word it was sent.
@@ -504,18 +539,27 @@ impl AxisControl {
         seen.state(self.command.stw1)
     }
 
-    /// Changes to the quick stop when the ramp stop takes longer than its limit, and gives up after the same time again.
-    fn stop_in_time(&mut self, now: Instant) {
-        if self.took(now) <= self.limits.stop {
+    /// Changes to the quick stop when the ramp stop takes longer than its limit, and gives up after the same time again, or
+    /// when an axis that coasts does not come to rest. `off`: the pulses are off.
+    fn stop_in_time(&mut self, now: Instant, off: bool) {
+        let limit = match self.way {
+            StopKind::Coast => self.limits.coast,
+            StopKind::Ramp | StopKind::Quick => self.limits.stop,
+        };
+        if self.took(now) <= limit {
             return;
         }
-        if self.quick {
-            self.trouble = Some(Trouble::NotStopped);
-            self.progress = Progress::Reached;
-        } else {
-            self.quick = true;
+        if self.way == StopKind::Ramp {
+            self.way = StopKind::Quick;
             self.since = now;
             self.trouble.get_or_insert(Trouble::QuickStopUsed);
+        } else {
+            self.trouble = Some(if off {
+                Trouble::StillTurns
+            } else {
+                Trouble::NotStopped
+            });
+            self.progress = Progress::Reached;
         }
     }
 
@@ -533,8 +577,8 @@ impl AxisControl {
     }
 
     /// Returns whether the axis stops by its quick stop.
-    pub(crate) const fn stops_quickly(&self) -> bool {
-        self.quick
+    pub(crate) fn stops_quickly(&self) -> bool {
+        self.way == StopKind::Quick
     }
 
     /// Returns whether that was requested.

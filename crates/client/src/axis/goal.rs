@@ -27,6 +27,18 @@ impl Jog {
     }
 }
 
+/// How an axis stops; the later ones replace the earlier ones, never the other way round.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
+pub enum StopKind {
+    /// Along its ramp (OFF1).
+    #[default]
+    Ramp,
+    /// By its quick stop (OFF3).
+    Quick,
+    /// With its power stage off at once (OFF2): it coasts until friction or a brake has stopped it.
+    Coast,
+}
+
 /// A goal of the axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Goal {
@@ -148,7 +160,7 @@ pub enum Trouble {
     /// Neither ramp stop nor quick stop ended in time.
     #[error("the axis did not come to a standstill")]
     NotStopped,
-    /// The power stage is off, but the axis is not at rest.
+    /// The power stage is off, but the axis is not at rest, or not yet.
     #[error("the power stage is off, but the axis turns: something pulls at it and no brake holds it")]
     StillTurns,
     /// The goal belongs to the other mode of the drive.
@@ -211,6 +223,10 @@ pub struct Limits {
     pub step: Duration,
     /// How long the ramp stop may take before the quick stop is used, and the quick stop before giving up.
     pub stop: Duration,
+    /// How long a coast stop may take: nothing brakes the axis.
+    pub coast: Duration,
+    /// How long a coasting axis has to stand to be at rest: one that swings back stands for a moment, too.
+    pub rest: Duration,
     /// Speed (as NIST_A) below which the axis stands.
     pub standstill: u16,
     /// How long the drive may take to accept a task, to start homing and to take an acknowledge back.
@@ -227,6 +243,8 @@ impl Default for Limits {
             dwell: Duration::from_millis(64),
             step: Duration::from_secs(5),
             stop: Duration::from_secs(10),
+            coast: Duration::from_secs(60),
+            rest: Duration::from_millis(500),
             standstill: 14,
             accept: Duration::from_secs(2),
             settle: Duration::from_secs(2),

@@ -21,7 +21,7 @@ pub use command::{Command, Traverse};
 pub use control::AxisControl;
 pub use cycle::{Cycle, Room, Strained};
 pub use evidence::Evidence;
-pub use goal::{Goal, Jog, Limits, Progress, Trouble};
+pub use goal::{Goal, Jog, Limits, Progress, StopKind, Trouble};
 pub use order::{ModuloRange, MotionFacts, Move, MovePlan, Objection, plan_move};
 pub(crate) use samples::SampleQueue;
 pub use samples::{AxisSignal, Octets, Sample, SignalScale};

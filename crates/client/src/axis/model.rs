@@ -7,7 +7,7 @@ use std::time::Duration;
 use profile::state::{Mode, State, Stw1, Zsw1};
 use profinet::Instant;
 
-use super::{AxisControl, Command, Goal, Limits, Progress, Seen, Traverse};
+use super::{AxisControl, Command, Goal, Limits, Progress, Seen, StopKind, Traverse};
 pub use positioner::Positioner;
 
 pub struct Bench {
@@ -19,6 +19,8 @@ pub struct Bench {
     local: bool,
     ramps_down: bool,
     slows_down: bool,
+    /// What a coasting axis loses of its speed in a cycle.
+    friction: i16,
     valid: bool,
     speed: i16,
     last_ack: bool,
@@ -56,6 +58,7 @@ impl Bench {
             local: false,
             ramps_down: true,
             slows_down: true,
+            friction: 10,
             valid: true,
             speed: 0,
             last_ack: false,
@@ -119,6 +122,17 @@ impl Bench {
 
     pub fn never_ramps_down(&mut self) {
         self.ramps_down = false;
+    }
+
+    /// Nothing slows a coasting axis down.
+    pub fn never_rubs(&mut self) {
+        self.friction = 0;
+    }
+
+    pub fn stop_by(&mut self, way: StopKind) {
+        self.axis.stop_now(self.now);
+        self.axis.hurry(self.now, way);
+        self.cycles(1);
     }
 
     /// Operation goes on at the same speed whatever the setpoint is.
@@ -202,6 +216,7 @@ impl Bench {
         self.last_ack = ack;
         let (on, held) = (has(Stw1::ON), has(Stw1::NO_COAST_STOP | Stw1::NO_QUICK_STOP));
         self.state = match self.state {
+            _ if !has(Stw1::NO_COAST_STOP) => State::S1,
             State::S1 if !on && held && !self.fault => State::S2,
             State::S2 if on => State::S3,
             State::S3 if !on => State::S2,
@@ -230,6 +245,7 @@ impl Bench {
         let step = match self.state {
             State::S5Ramp if !self.ramps_down => 0,
             State::S4 if !self.slows_down => 0,
+            State::S1 => self.friction,
             _ => 10,
         };
         self.speed += (target - self.speed).clamp(-step, step);

@@ -51,10 +51,11 @@ pub(crate) use print::{FORM, value};
 pub(crate) use task::Window;
 pub use task::{Task, TaskCoverage, TaskDifference, compare_tasks};
 
-use crate::Refusal;
+use crate::{Drive, Refusal};
 use profile::model::Model;
 pub use profile::notation::setting::{Cause, Problem};
-use profile::value::{Parameters, Reading, Selection};
+use profile::parameter::{CodeSpace, Format};
+use profile::value::{Interpretation, Parameters, Reading, Selection};
 
 /// The numbers that the profile itself uses: identification, telegram, lists, faults.
 const PROFILE: std::ops::RangeInclusive<u16> = 900..=999;
@@ -164,6 +165,33 @@ impl Backup {
             .iter()
             .map(|reading| selection(&self.parameters, reading))
             .collect()
+    }
+}
+
+impl Backup {
+    /// Returns the settings of a drive as its model is delivered, in the scaling of this drive: those whose delivered value the
+    /// tables have. Texts are not among them. Without tables there are none.
+    #[must_use]
+    pub fn as_delivered(drive: &Drive) -> Self {
+        let parameters = drive.parameters;
+        let known = everything(&drive.model).into_iter().filter_map(|selection| {
+            let parameter = selection.parameter?;
+            parameter.default.filter(|_| parameter.length == 0)?;
+            Some((selection, parameter))
+        });
+        let readings = known.flat_map(|(selection, parameter)| {
+            let raw = parameter.raw_default(&parameters.scaling).to_be_bytes();
+            let octets = raw
+                .get(raw.len() - parameter.octets()..)
+                .unwrap_or_default()
+                .to_vec();
+            let format = Format(parameter.size.format_code());
+            let interpretation = Interpretation::of(format, CodeSpace::V4);
+            (0..selection.count).map(move |offset| {
+                Ok(parameters.reading(&selection, offset, format.0, interpretation, &octets))
+            })
+        });
+        Self::new(Header::of(drive, None), parameters, readings)
     }
 }
 

@@ -324,7 +324,7 @@ fn a_drive_without_tables_is_kept_by_number_and_octets() {
             indexed: index.is_some(),
             ..Selection::number(pnu, Notation::Name)
         };
-        let interpretation = Interpretation::of(format, profile::parameter::CodeSpace::V4);
+        let interpretation = Interpretation::of(format, CodeSpace::V4);
         Ok(parameters.reading(&selection, 0, format.0, interpretation, octets))
     };
     let header = Header {
@@ -377,7 +377,7 @@ fn settings_of_another_model_do_not_fit_whatever_its_numbers() {
         device_id: AKD.device.device_id,
         ..profinet::controller::Station::default()
     };
-    let drive = crate::Drive::new(station);
+    let drive = Drive::new(station);
     assert_eq!(header().misfit(&drive), None);
     let vlt = Header {
         model: "VLT".into(),

@@ -18,7 +18,7 @@ use super::warnings::Warnings;
 use super::{GLANCE, Session};
 use crate::axis::{
     Evidence, Goal, Limits, MotionFacts, Move, MovePlan, Progress, Purpose, Seen, SpeedScale, SpeedUnit,
-    Strained,
+    StopKind, Strained,
 };
 use crate::client::AxisView;
 use crate::{Connection, Drive, Error, Link, LossReaction};
@@ -441,7 +441,7 @@ impl Axis {
     /// # Errors
     /// When the axis does not come to a standstill or the connection is lost.
     pub async fn stop(&mut self) -> Result<(), Error> {
-        self.stop_by(false).await
+        self.stop_by(StopKind::Ramp).await
     }
 
     /// Quick stop (OFF3), likewise.
@@ -449,12 +449,12 @@ impl Axis {
     /// # Errors
     /// As [`stop`](Self::stop).
     pub async fn quick_stop(&mut self) -> Result<(), Error> {
-        self.stop_by(true).await
+        self.stop_by(StopKind::Quick).await
     }
 
-    async fn stop_by(&mut self, quick: bool) -> Result<(), Error> {
+    async fn stop_by(&mut self, way: StopKind) -> Result<(), Error> {
         let _meanwhile = self.session.unstoppable();
-        self.begin_stop_by(quick);
+        self.begin_stop_by(way);
         self.arrive(None, "", |status| status.view.progress == Progress::Reached)
             .await
             .map(|_| ())

@@ -146,7 +146,18 @@ impl Session {
         Ok(backup)
     }
 
-    /// The same for chosen parameters, without motion tasks. Nothing is written.
+    /// The settings of a drive as its model is delivered: those whose delivered value the tables have. Reads what scales
+    /// values, so that they compare with those of the drive ([`backup_like`](Self::backup_like)).
+    ///
+    /// # Errors
+    /// When the drive cannot be reached.
+    pub async fn as_delivered(&mut self, drive: &mut Drive) -> Result<Backup, Error> {
+        drive.scaled_at = None;
+        self.read_scaling(drive).await?;
+        Ok(Backup::as_delivered(drive))
+    }
+
+    /// As [`backup`](Self::backup) for chosen parameters, without motion tasks. Nothing is written.
     ///
     /// # Errors
     /// When the drive cannot be reached.

@@ -2,9 +2,9 @@
 
 use std::fmt;
 
-use profile::catalogue::{Catalogue, Cleared, Fault, Part, Reaction};
+use profile::catalogue::{Catalogue, Cleared, Fault, Parameter, Part, Reaction};
 use profile::fault::{ConsistentRead, Counting, Next, Shape};
-use profile::notation::{Notation, ParameterReference};
+use profile::notation::{Notation, ParameterReference, Shown};
 use profile::parameter::pnu;
 
 use super::Session;
@@ -13,7 +13,7 @@ use crate::{Drive, Error, Refusal};
 use profile::value::{Reading, Selection};
 
 /// What is read beside the buffer.
-const PARTS: [Part; 10] = [
+const PARTS: [Part; 11] = [
     Part::ControlWord,
     Part::StatusWord,
     Part::ControlProfile,
@@ -24,6 +24,7 @@ const PARTS: [Part; 10] = [
     Part::FaultLog,
     Part::FaultLogValue,
     Part::FaultLogTime,
+    Part::FaultSituations,
 ];
 /// Bits of one alarm or warning word.
 const WORD: u8 = 32;
@@ -49,6 +50,8 @@ pub struct FaultEntry {
     pub cleared: Option<Cleared>,
     /// The same in words, with the parameters of this vendor.
     pub clearing: Option<String>,
+    /// The parameters that the remedy names, by name or number as their vendor writes them.
+    pub parameters: Vec<String>,
     /// When it came, in the drive's own time, where the drive keeps it (PNU 948).
     pub time: Option<i64>,
     /// What else the drive noted (PNU 949).
@@ -66,6 +69,7 @@ impl FaultEntry {
             reaction: row.map(|row| row.reaction),
             remedy: row.map(|row| row.remedy).filter(|remedy| !remedy.is_empty()),
             cleared: row.map(|row| row.cleared),
+            parameters: named(tables, row.map_or("", |row| row.remedy)),
             clearing: tables.zip(row).map(|(tables, row)| tables.clearing(row.cleared)),
             ..Self::default()
         }
@@ -90,7 +94,7 @@ impl fmt::Display for WarningEntry {
 const UNKNOWN: &str = "not in the tables";
 
 /// One warning.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct WarningEntry {
     /// The vendor's number.
     pub number: u32,
@@ -98,6 +102,25 @@ pub struct WarningEntry {
     pub meaning: Option<&'static str>,
     /// What to do, where the tables have it.
     pub remedy: Option<&'static str>,
+    /// The parameters that the remedy names, by name or number as their vendor writes them.
+    pub parameters: Vec<String>,
+}
+
+/// Returns the parameters that a remedy names, as their vendor writes them.
+fn named(tables: Option<&Catalogue>, remedy: &str) -> Vec<String> {
+    let Some(tables) = tables else { return Vec::new() };
+    let written = |parameter: &Parameter| match tables.notation {
+        Notation::Name => parameter.name.to_owned(),
+        notation => Shown {
+            pnu: parameter.pnu,
+            index: parameter.base,
+            writable: None,
+            notation,
+        }
+        .to_string(),
+    };
+    let found = tables.mentioned(remedy).into_iter();
+    found.map(written).collect()
 }
 
 /// Faults and warnings of a drive at one moment.
@@ -108,6 +131,8 @@ pub struct FaultReport {
     pub counter: u16,
     /// What that counts.
     pub counting: Counting,
+    /// Fault situations that the drive has counted (PNU 952); `None` where it has no such counter.
+    pub situations: Option<u16>,
     /// How the buffer is divided.
     pub shape: Shape,
     /// The buffer, newest situation first, of one moment. With it faults
@@ -191,6 +216,7 @@ impl Session {
         Ok(FaultReport {
             counter,
             counting: drive.model.dialect.fault_counter,
+            situations: readings.word(Part::FaultSituations),
             shape,
             faults,
             warnings: warnings(drive, &readings),
@@ -373,6 +399,7 @@ fn warnings(drive: &Drive, readings: &Readings) -> Option<Vec<WarningEntry>> {
                 number,
                 meaning: row.map(|row| row.meaning),
                 remedy: row.map(|row| row.remedy).filter(|remedy| !remedy.is_empty()),
+                parameters: named(tables, row.map_or("", |row| row.remedy)),
             })
             .collect(),
     )

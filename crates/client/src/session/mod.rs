@@ -44,7 +44,7 @@ use profinet::Instant;
 use uss::ReceiverStatistics;
 
 use crate::absent::Absent;
-use crate::axis::Goal;
+use crate::axis::{Goal, StopKind};
 use crate::engine::{Interest, NextTurn, Touched};
 use crate::{
     AxisView, BoundedDrive, Client, Connection, Drive, Engine, Error, Link, LossReaction, RouteNotice,
@@ -218,7 +218,7 @@ impl Session {
         }
         if self.hurry_requested() {
             let now = self.now();
-            self.client().hurry(now, link);
+            self.client().hurry(now, link, StopKind::Quick);
         }
     }
 
@@ -274,7 +274,8 @@ impl Session {
     /// waits for a drive holds that up; it does not wait for the end.
     pub fn stop_all(&self, quick: bool) {
         let now = self.now();
-        self.client().stop_now(now, None, quick);
+        let way = if quick { StopKind::Quick } else { StopKind::Ramp };
+        self.client().stop_now(now, None, way);
         self.engine.stir();
     }
 

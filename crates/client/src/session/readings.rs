@@ -11,13 +11,14 @@ use crate::{Drive, Error};
 use profile::value::{Content, Reading, Selection};
 
 /// Where a drive without tables may have a part; the first number that it has counts.
-const WITHOUT_TABLES: [(Part, u16); 6] = [
+const WITHOUT_TABLES: [(Part, u16); 7] = [
     (Part::ControlWord, 967),
     (Part::ControlWord, 1),
     (Part::StatusWord, 968),
     (Part::StatusWord, 2),
     (Part::SpeedSetpoint, 5),
     (Part::SpeedActual, 6),
+    (Part::FaultSituations, 952),
 ];
 
 /// What every reply of a serial line carries, also where its parameter channel cannot carry the parameter.

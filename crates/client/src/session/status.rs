@@ -19,7 +19,7 @@ const PROFILE: [u16; 4] = [
     pnu::OPERATING_MODE,
 ];
 /// Parameters read by role.
-const PARTS: [Part; 22] = [
+const PARTS: [Part; 26] = [
     Part::ControlWord,
     Part::StatusWord,
     Part::SpeedSetpoint,
@@ -38,6 +38,10 @@ const PARTS: [Part; 22] = [
     Part::Speed,
     Part::MotionDisableSources,
     Part::Current,
+    Part::Torque,
+    Part::TorquePercent,
+    Part::PowerStageTemperature,
+    Part::MotorTemperature,
     Part::BusVoltage,
     Part::BusLowest,
     Part::Brake,
@@ -89,6 +93,11 @@ impl Session {
             Some(2) => Some(Mode::Position),
             _ => None,
         };
+        // a power stage may have several sensors
+        let hottest = parts
+            .all(Part::PowerStageTemperature)
+            .filter_map(Reading::number)
+            .reduce(f64::max);
         let speed_actual = parts.rpm(Part::Speed).or_else(|| parts.rpm(Part::SpeedActual));
         Ok(DriveStatus {
             drive: drive.label(),
@@ -118,6 +127,11 @@ impl Session {
             software_limits: parts.word(Part::SoftwareLimitState),
             bus_voltage: parts.number(Part::BusVoltage),
             bus_lowest: parts.number(Part::BusLowest),
+            current: parts.number(Part::Current),
+            torque: parts.number(Part::Torque),
+            torque_percent: parts.number(Part::TorquePercent),
+            temperature: hottest,
+            motor_temperature: parts.number(Part::MotorTemperature),
             brake_fitted: parts.flag(Part::Brake),
             brake_released: parts.flag(Part::BrakeReleased),
             faults,

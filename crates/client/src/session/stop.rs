@@ -7,7 +7,7 @@ use profile::notation::fixed;
 
 use super::unread::SILENCE;
 use super::{AxisSettings, AxisStatus, Rest, STANDS, Session};
-use crate::axis::{Purpose, Seen};
+use crate::axis::{Purpose, Seen, StopKind};
 use crate::{Authority, Drive, Error, Link, LocalControl, WriteMode};
 use profile::value::Assignment;
 
@@ -243,7 +243,7 @@ impl Session {
         {
             let mut client = self.client();
             client.allow_stop(link, limit);
-            client.stop_now(now, Some(link), false);
+            client.stop_now(now, Some(link), StopKind::Ramp);
         }
         self.engine.stir();
     }

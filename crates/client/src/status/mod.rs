@@ -76,6 +76,16 @@ pub struct DriveStatus {
     pub bus_voltage: Option<f64>,
     /// The voltage below which the drive does not run, V.
     pub bus_lowest: Option<f64>,
+    /// Current of the motor, A.
+    pub current: Option<f64>,
+    /// Torque of the motor, Nm.
+    pub torque: Option<f64>,
+    /// Torque of the motor in percent of its nominal torque.
+    pub torque_percent: Option<f64>,
+    /// Temperature of the power stage, at the hottest of its sensors, in degrees Celsius.
+    pub temperature: Option<f64>,
+    /// Temperature of the motor, in degrees Celsius.
+    pub motor_temperature: Option<f64>,
     /// A holding brake is fitted, and applied while the power stage is off.
     pub brake_fitted: Option<bool>,
     /// The brake is released by hand.

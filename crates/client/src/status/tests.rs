@@ -541,11 +541,13 @@ fn further_obstacles_are_listed_with_the_cause() {
             number: 107,
             meaning: Some("Positive limit reached"),
             remedy: Some("move away"),
+            ..WarningEntry::default()
         },
         WarningEntry {
             number: 304,
             meaning: Some("Motor foldback"),
             remedy: Some("less load"),
+            ..WarningEntry::default()
         },
     ];
     let found = diagnose(&status);
@@ -687,7 +689,7 @@ fn other_vendors_are_described_with_their_own_bit_names() {
         warnings: vec![WarningEntry {
             number: 68,
             meaning: Some("Safe stop"),
-            remedy: None,
+            ..WarningEntry::default()
         }],
         ..base.clone()
     };

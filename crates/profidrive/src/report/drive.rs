@@ -180,6 +180,8 @@ pub struct FaultsReport {
     pub counter: u16,
     /// What that counts: `changes` of the fault buffer or fault `situations`.
     pub counts: &'static str,
+    /// Fault situations that the drive has counted (PNU 952); null where it has no such counter.
+    pub situation_counter: Option<u16>,
     /// Situations of the fault buffer.
     pub situations: u8,
     /// Faults of a situation.
@@ -241,6 +243,7 @@ impl FaultsReport {
                 Counting::Changes => "changes",
                 Counting::Situations => "situations",
             },
+            situation_counter: report.situations,
             situations: report.shape.situations,
             faults_per_situation: report.shape.faults,
             fault_bit: flag(Zsw1::FAULT),
@@ -384,6 +387,7 @@ mod tests {
             let report = FaultReport {
                 counting: Counting::Changes,
                 counter: 1,
+                situations: None,
                 shape: Shape::EIGHT_BY_EIGHT,
                 faults: cleared.iter().map(entry).collect(),
                 warnings: None,

@@ -164,6 +164,8 @@ pub struct Fault {
     pub reaction: Option<String>,
     /// What to do.
     pub remedy: Option<String>,
+    /// The parameters that the remedy names, by name or number as their vendor writes them.
+    pub parameters: Vec<String>,
     /// What ends it once the cause is gone.
     pub cleared: Option<String>,
     /// Whether only switching off and on ends it.
@@ -187,6 +189,7 @@ impl From<&FaultEntry> for Fault {
             meaning: entry.meaning.map(str::to_owned),
             reaction: entry.reaction.map(|reaction| reaction.text().to_owned()),
             remedy: entry.remedy.map(str::to_owned),
+            parameters: entry.parameters.clone(),
             cleared: entry.clearing.clone(),
             needs_restart: entry.cleared.map(|cleared| cleared == Cleared::Restart),
             situation: entry.situation,
@@ -208,6 +211,8 @@ pub struct Warning {
     pub meaning: Option<String>,
     /// What to do.
     pub remedy: Option<String>,
+    /// The parameters that the remedy names, by name or number as their vendor writes them.
+    pub parameters: Vec<String>,
 }
 
 impl From<&WarningEntry> for Warning {
@@ -216,6 +221,7 @@ impl From<&WarningEntry> for Warning {
             number: entry.number,
             meaning: entry.meaning.map(str::to_owned),
             remedy: entry.remedy.map(str::to_owned),
+            parameters: entry.parameters.clone(),
         }
     }
 }

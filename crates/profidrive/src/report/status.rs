@@ -59,6 +59,14 @@ pub struct StatusReport {
     pub software_limits: Option<u16>,
     /// Voltage of the DC bus.
     pub bus_voltage: Option<Quantity>,
+    /// Current of the motor.
+    pub current: Option<Quantity>,
+    /// Torque of the motor; in `%` of its nominal torque where the drive does not report it in `Nm`.
+    pub torque: Option<Quantity>,
+    /// Temperature of the power stage, at the hottest of its sensors.
+    pub temperature: Option<Quantity>,
+    /// Temperature of the motor.
+    pub motor_temperature: Option<Quantity>,
     /// Speed that is commanded.
     pub speed_set: Option<Quantity>,
     /// Speed of the motor; in `%` of the reference where it is not known in `rpm`.
@@ -118,6 +126,8 @@ impl StatusReport {
             next: note.next.as_ref().map(|next| wording.advice(next)),
         });
         let rpm = status.speed_actual.map(Quantity::rpm);
+        let torque = status.torque.map(|torque| Quantity::new(torque, "Nm"));
+        let torque_percent = status.torque_percent.map(|share| Quantity::new(share, "%"));
         let percent = status.speed_percent.map(|value| Quantity::new(value, "%"));
         Self {
             drive: status.drive.clone(),
@@ -158,6 +168,12 @@ impl StatusReport {
             positive_switch: status.positive_switch,
             software_limits: status.software_limits,
             bus_voltage: status.bus_voltage.map(|volts| Quantity::new(volts, "V")),
+            current: status.current.map(|amperes| Quantity::new(amperes, "A")),
+            torque: torque.or(torque_percent),
+            temperature: status.temperature.map(|degrees| Quantity::new(degrees, "degC")),
+            motor_temperature: status
+                .motor_temperature
+                .map(|degrees| Quantity::new(degrees, "degC")),
             speed_set: status.speed_set.map(Quantity::rpm),
             speed_actual: rpm.or(percent),
             position: status.position.map(Quantity::turns),

@@ -22,6 +22,14 @@ pub enum CompareError {
     /// The settings are of another kind of drive than the one that they are compared with.
     #[error("{0}")]
     Misfit(String),
+    /// No delivered value of the drive is known.
+    #[error("{drive}: no value as delivered is known of model {model}")]
+    NotDelivered {
+        /// The drive.
+        drive: String,
+        /// Its model.
+        model: &'static str,
+    },
     /// The drive cannot be reached, or refuses.
     #[error(transparent)]
     Client(#[from] Error),
@@ -33,6 +41,7 @@ impl CompareError {
     pub fn kind(&self) -> ErrorKind {
         match self {
             Self::OtherModel { .. } | Self::Misfit(_) => ErrorKind::Usage,
+            Self::NotDelivered { .. } => ErrorKind::Unsupported,
             Self::Client(error) => error.kind(),
         }
     }
@@ -47,6 +56,37 @@ pub async fn as_in(session: &mut Session, drive: &mut Drive, file: &Backup) -> R
         return Err(CompareError::Misfit(misfit));
     }
     Ok(session.backup_like(drive, file).await?)
+}
+
+/// The settings of a drive as its model is delivered, as far as the tables have them, to compare them ([`as_in`]).
+///
+/// ```
+/// # #[cfg(feature = "simulate")] {
+/// use profidrive::Wait;
+/// use profidrive::settings::{Comparison, as_delivered, as_in};
+///
+/// let plant = "[[drive]]\nname = \"akd-1\"\nip = \"192.168.0.11/24\"\nparameters = { \"DRV.ACC\" = 5000 }";
+/// let mut network = profidrive::open_plan(plant.parse()?)?;
+/// let mut drive = network.find(&"akd-1".parse()?).wait()?;
+/// let delivered = as_delivered(&mut network, &mut drive).wait()?;
+/// let present = as_in(&mut network, &mut drive, &delivered).wait()?;
+/// let changed = Comparison::new(&delivered, &present)?;
+/// assert!(changed.settings.iter().any(|one| one.name() == Some("DRV.ACC")));
+/// # }
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// [`CompareError::NotDelivered`], and when the drive cannot be reached.
+pub async fn as_delivered(session: &mut Session, drive: &mut Drive) -> Result<Backup, CompareError> {
+    let delivered = session.as_delivered(drive).await?;
+    if delivered.readings().is_empty() {
+        return Err(CompareError::NotDelivered {
+            drive: drive.label(),
+            model: drive.model.name,
+        });
+    }
+    Ok(delivered)
 }
 
 /// What two sets of settings differ in.

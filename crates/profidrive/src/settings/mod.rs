@@ -38,7 +38,7 @@ use client::{Drive, Error, ErrorKind, Session, describe};
 use network::files::StateFile;
 
 pub use backup::{Missing, MissingSettings, backup, missing, outcome};
-pub use comparison::{CompareError, Comparison, as_in};
+pub use comparison::{CompareError, Comparison, as_delivered, as_in};
 pub use file::{BackupFile, FileError, file_in, make_folder, read, without_drive};
 pub use lasting::{in_lines, lasting};
 pub use shortfall::{Shortfall, shortfall};

@@ -2,6 +2,7 @@
 
 use std::collections::VecDeque;
 use std::io;
+use std::ops::RangeInclusive;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
 use std::thread;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
@@ -92,8 +93,17 @@ impl Traffic {
     /// # Errors
     /// When there is no memory for it.
     pub fn capture(&self, name: &str) -> io::Result<Vec<u8>> {
+        self.capture_of(name, Duration::ZERO..=Duration::MAX)
+    }
+
+    /// The same of the frames with these calendar times since 1970, as far as they are kept.
+    ///
+    /// # Errors
+    /// When there is no memory for it.
+    pub fn capture_of(&self, name: &str, times: RangeInclusive<Duration>) -> io::Result<Vec<u8>> {
         // the frames are written without holding up those that come
-        let frames = self.since(0);
+        let mut frames = self.since(0);
+        frames.retain(|frame| times.contains(&frame.time));
         let mut file = Vec::new();
         {
             let mut writer = Writer::new(&mut file, name, Duration::ZERO)?;
@@ -188,5 +198,10 @@ mod tests {
             .collect();
         assert_eq!(read.len(), 2);
         assert_eq!((read[1].time, read[1].frame.len()), (Duration::from_secs(6), 60));
+        let seconds = |from, to| Duration::from_secs(from)..=Duration::from_secs(to);
+        let around = kept(0..20, 60).capture_of("eth0", seconds(7, 9)).unwrap();
+        let times = network::pcap::Reader::new(io::Cursor::new(around)).unwrap();
+        let times: Vec<u64> = times.map(|frame| frame.unwrap().time.as_secs()).collect();
+        assert_eq!(times, [7, 8, 9]);
     }
 }

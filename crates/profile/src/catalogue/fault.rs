@@ -2,8 +2,10 @@
 
 use alloc::format;
 use alloc::string::String;
+use alloc::vec::Vec;
 
-use super::{Catalogue, Role};
+use super::{Catalogue, Parameter, Role};
+use crate::notation::{Notation, ParameterReference, Target};
 use crate::state::FaultReaction;
 
 /// What a fault or warning number means, what the drive does about it and what a person can do. Source: the vendor's
@@ -122,5 +124,44 @@ impl Catalogue {
                 "switch the drive off and on once the cause is gone: no command clears it".into()
             }
         }
+    }
+
+    /// Returns the parameters that a text in the words of the vendor names, each once, in the order of the text: names as
+    /// `DRV.ACC`, numbers as `4-16` and `ID 704`.
+    ///
+    /// ```
+    /// use profidrive_profile::catalogue::{AKD, VACON, VLT};
+    /// let names = |found: Vec<&profidrive_profile::catalogue::Parameter>| found.iter().map(|one| one.name).collect::<Vec<_>>();
+    /// assert_eq!(names(AKD.mentioned("Check the ramps (DRV.ACC, DRV.DEC) of F439.")), ["DRV.ACC", "DRV.DEC"]);
+    /// assert_eq!(VLT.mentioned("raise 4-16, see chapter 4")[0].pnu, 416);
+    /// assert_eq!(VACON.mentioned("set ID 704 to 1")[0].base, Some(704));
+    /// ```
+    #[must_use]
+    pub fn mentioned(&self, text: &str) -> Vec<&'static Parameter> {
+        let part = |letter: char| letter.is_ascii_alphanumeric() || matches!(letter, '.' | '-' | '_');
+        let mut found: Vec<&'static Parameter> = Vec::new();
+        let mut before = "";
+        for word in text.split(|letter| !part(letter)) {
+            let word = word.trim_matches('.');
+            let parameter = match self.notation {
+                Notation::Name => self.all_by_name(word).next().filter(|_| word.contains('.')),
+                Notation::GroupIndex => match word.parse::<ParameterReference>().map(|one| one.target) {
+                    Ok(Target::Number(pnu)) if word.contains('-') => self.by_pnu(pnu),
+                    _ => None,
+                },
+                Notation::Id { pnu } => {
+                    let id = word.parse().ok().filter(|_| before == "ID");
+                    id.and_then(|id| self.by_address(pnu, Some(id)))
+                }
+            };
+            let is = |one: &&Parameter, other: &Parameter| (one.pnu, one.base) == (other.pnu, other.base);
+            if let Some(parameter) = parameter
+                && !found.iter().any(|one| is(one, parameter))
+            {
+                found.push(parameter);
+            }
+            before = word;
+        }
+        found
     }
 }

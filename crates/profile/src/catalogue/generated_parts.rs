@@ -168,6 +168,8 @@ pub enum Part {
     FaultLogValue,
     /// When each of them came.
     FaultLogTime,
+    /// How many fault situations there were.
+    FaultSituations,
     /// Describes the drive and its state on the page of `info`.
     Page,
     /// 0: the field bus changes no parameter but this one.
@@ -645,6 +647,7 @@ impl Part {
         Self::FaultLog,
         Self::FaultLogValue,
         Self::FaultLogTime,
+        Self::FaultSituations,
         Self::Page,
         Self::ParameterEdit,
         Self::OnlyStopped,

@@ -9,7 +9,8 @@ use axum::http::StatusCode;
 use axum::http::header::{CONTENT_DISPOSITION, CONTENT_TYPE};
 use axum::response::{IntoResponse, Response};
 use profidrive::client::backup::Backup;
-use profidrive::settings::{self, Comparison, as_in};
+use profidrive::report::DiffReport;
+use profidrive::settings::{self, Comparison, as_delivered, as_in};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -50,9 +51,11 @@ pub(super) enum Source {
     Drive(String),
     /// A file, as `/api/v1/backups` calls it.
     File(String),
+    /// What a drive, as it is called in paths, has as delivered.
+    Delivered(String),
 }
 
-/// What is compared. Of a drive beside a file only what the file has is read.
+/// What is compared. Of a drive beside a file, or beside values as delivered, only what those have is read.
 #[derive(Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Compare {
@@ -165,18 +168,14 @@ pub(super) async fn compare(
     let job = shared.jobs.begin(None);
     let work = Arc::clone(&job);
     job.run(async move {
-        let sides = match (&left, &right) {
-            (Source::File(a), Source::File(b)) => (backups::read(&shared, a)?, backups::read(&shared, b)?),
-            (Source::File(file), Source::Drive(id)) => {
-                let file = backups::read(&shared, file)?;
-                let drive = like(&shared, id, &file).await?;
-                (file, drive)
+        let sides = match (known(&shared, &left).await?, known(&shared, &right).await?) {
+            (Ok(left), Ok(right)) => (left, right),
+            (Ok(known), Err(id)) => {
+                let drive = like(&shared, id, &known).await?;
+                (known, drive)
             }
-            (Source::Drive(id), Source::File(file)) => {
-                let file = backups::read(&shared, file)?;
-                (like(&shared, id, &file).await?, file)
-            }
-            (Source::Drive(a), Source::Drive(b)) => {
+            (Err(id), Ok(known)) => (like(&shared, id, &known).await?, known),
+            (Err(a), Err(b)) => {
                 let left = whole(&shared, a, &work).await?;
                 let right = like(&shared, b, &left).await?;
                 (left, right)
@@ -184,12 +183,14 @@ pub(super) async fn compare(
         };
         let (a, b) = (&sides.0, &sides.1);
         let comparison = Comparison::new(a, b).map_err(|error| Problem::of(&error))?;
+        let called = |id: &str| {
+            let name = shared.board.name(&id.to_lowercase());
+            name.unwrap_or_else(|| id.to_owned())
+        };
         let names = [&left, &right].map(|side| match side {
             Source::File(file) => file.clone(),
-            Source::Drive(id) => shared
-                .board
-                .name(&id.to_lowercase())
-                .unwrap_or_else(|| id.clone()),
+            Source::Drive(id) => called(id),
+            Source::Delivered(id) => format!("{} as delivered", called(id)),
         });
         let mut remarks: Vec<String> = a
             .header
@@ -216,6 +217,41 @@ pub(super) async fn compare(
         Ok(())
     });
     job.settled().await.map(Json)
+}
+
+/// Returns the settings of a side that are known without reading them from a drive, else which drive they are of.
+async fn known<'s>(shared: &Shared, side: &'s Source) -> Result<Result<Backup, &'s str>, Problem> {
+    Ok(match side {
+        Source::Drive(id) => Err(id),
+        Source::File(file) => Ok(backups::read(shared, file)?),
+        Source::Delivered(id) => {
+            let (mut network, mut drive) = find(shared, id).await?;
+            let delivered = as_delivered(&mut network, &mut drive).await;
+            Ok(delivered.map_err(|error| Problem::of(&error))?)
+        }
+    })
+}
+
+/// Reads which settings of a drive differ from those as delivered, on the left.
+#[utoipa::path(get, path = "/api/v1/drives/{id}/changed", responses(
+    (status = 200, description = "What differs", body = ref("#/components/schemas/DiffReport")),
+    (status = 501, description = "No value as delivered is known of this model"),
+))]
+pub(super) async fn changed(
+    State(shared): State<Arc<Shared>>,
+    Path(id): Path<String>,
+) -> Result<Json<DiffReport>, Problem> {
+    let (mut network, mut drive) = find(&shared, &id).await?;
+    let delivered = as_delivered(&mut network, &mut drive).await;
+    let delivered = delivered.map_err(|error| Problem::of(&error))?;
+    let present = as_in(&mut network, &mut drive, &delivered).await;
+    let present = present.map_err(|error| Problem::of(&error))?;
+    let comparison = Comparison::new(&delivered, &present).map_err(|error| Problem::of(&error))?;
+    Ok(Json(comparison.report(
+        "as delivered",
+        &drive.label(),
+        &PageWords,
+    )))
 }
 
 /// Reads all settings of a drive.

@@ -1,6 +1,7 @@
 //! What the frames of the network show: state machine, telegrams, what went wrong, and the frames themselves.
 
 use std::sync::Arc;
+use std::time::Duration;
 
 use axum::Json;
 use axum::extract::{Path, State};
@@ -14,6 +15,7 @@ use serde::Serialize;
 use crate::blocking::blocking;
 use crate::frames::{MachineTopic, NetworkTrouble, TelegramTopic};
 use crate::problem::Problem;
+use crate::query::Query;
 use crate::settings::Source;
 use crate::shared::Shared;
 
@@ -70,12 +72,25 @@ pub(super) async fn troubles(State(shared): State<Arc<Shared>>) -> Json<Troubles
     })
 }
 
-/// Returns the frames of the last minute as a pcapng file.
-#[utoipa::path(get, path = "/api/v1/traffic", responses(
+/// Returns the frames of the last minute as a pcapng file, or those of them around an event.
+#[utoipa::path(get, path = "/api/v1/traffic", params(
+    ("from" = Option<u64>, Query, description = "Only frames since this time of day, in ms since 1970"),
+    ("to" = Option<u64>, Query, description = "Only frames up to this time of day, in ms since 1970"),
+), responses(
     (status = 200, description = "The capture", body = String, content_type = "application/x-pcapng"),
+    (status = 400, description = "A time that is not valid"),
     (status = 404, description = "The drives were given by their addresses: there are no frames"),
 ))]
-pub(super) async fn traffic(State(shared): State<Arc<Shared>>) -> Result<Response, Problem> {
+pub(super) async fn traffic(State(shared): State<Arc<Shared>>, query: Query) -> Result<Response, Problem> {
+    let time = |name| Ok::<_, Problem>(query.parsed(name)?.map(Duration::from_millis));
+    let (from, to) = (
+        time("from")?.unwrap_or_default(),
+        time("to")?.unwrap_or(Duration::MAX),
+    );
+    let file = match from.is_zero() {
+        true => "last-minute".to_owned(),
+        false => format!("frames-from-{}", from.as_millis()),
+    };
     let name = match &shared.source {
         Source::Interface(name) => name.clone(),
         Source::Demo | Source::Plant(_) => "plant".to_owned(),
@@ -84,16 +99,19 @@ pub(super) async fn traffic(State(shared): State<Arc<Shared>>) -> Result<Respons
             return Err(Problem::new(StatusCode::NOT_FOUND, "frames", detail));
         }
     };
-    let file = blocking(move || {
-        let file = shared.frames.traffic().capture(&name);
+    let content = blocking(move || {
+        let file = shared.frames.traffic().capture_of(&name, from..=to);
         file.map_err(|error| {
             let detail = format!("cannot write the capture: {error}");
             Problem::new(StatusCode::INTERNAL_SERVER_ERROR, "local", &detail)
         })
     });
     let headers = [
-        (CONTENT_TYPE, "application/x-pcapng"),
-        (CONTENT_DISPOSITION, "attachment; filename=\"last-minute.pcapng\""),
+        (CONTENT_TYPE, "application/x-pcapng".to_owned()),
+        (
+            CONTENT_DISPOSITION,
+            format!("attachment; filename=\"{file}.pcapng\""),
+        ),
     ];
-    Ok((headers, file.await?).into_response())
+    Ok((headers, content.await?).into_response())
 }

@@ -38,7 +38,7 @@ use utoipa_axum::routes;
 use crate::audit::LogPage;
 use crate::captures::{EventPage, FramePage, FrameReport};
 use crate::control;
-use crate::frames::{MachineTopic, TelegramTopic};
+use crate::frames::{LinkTopic, MachineTopic, TelegramTopic};
 use crate::jobs::JobReport;
 use crate::live;
 use crate::problem::{self, Problem};
@@ -77,6 +77,7 @@ fn routes() -> OpenApiRouter<Arc<Shared>> {
         .routes(routes!(backups::backup))
         .routes(routes!(backups::back_up))
         .routes(routes!(backups::compare))
+        .routes(routes!(backups::changed))
         .routes(routes!(backups::job))
         .routes(routes!(acknowledge::acknowledge))
         .routes(routes!(inject::events))
@@ -155,6 +156,7 @@ pub fn openapi() -> String {
     generator.subschema_for::<StateMachine>();
     generator.subschema_for::<MachineTopic>();
     generator.subschema_for::<TelegramTopic>();
+    generator.subschema_for::<LinkTopic>();
     generator.subschema_for::<frames::TroublesReport>();
     generator.subschema_for::<LogPage>();
     generator.subschema_for::<LogTopic>();

@@ -98,7 +98,8 @@ impl Play {
         let observer = Observer::default();
         let axis = motion::hold(&mut self.network, &mut self.drive, &hold, &observer);
         let axis = axis.wait().unwrap();
-        let stop_by = [StopBy::Off3, StopBy::Off1][usize::from(lease % 2 == 0)];
+        let ways = [StopBy::Off3, StopBy::Off1, StopBy::Off2];
+        let stop_by = ways[usize::try_from(lease % 3).unwrap()];
         let (running, queue) = Running::new("a", lease, "x", hold.purpose, stop_by);
         running.hold_by(&axis);
         self.silent = Duration::ZERO;

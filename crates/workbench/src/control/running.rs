@@ -98,6 +98,8 @@ pub(super) enum StopBy {
     Off3,
     /// Along its ramp, for loads that a quick stop would damage. The engine changes to the quick stop where the ramp takes too long.
     Off1,
+    /// With its power stage off at once, for axes that a brake has to catch or that must not be driven any more: it coasts.
+    Off2,
 }
 
 impl StopBy {
@@ -106,6 +108,7 @@ impl StopBy {
         match self {
             Self::Off3 => "OFF3",
             Self::Off1 => "OFF1",
+            Self::Off2 => "OFF2",
         }
     }
 }
@@ -282,6 +285,7 @@ impl Running {
             match self.stop_by {
                 StopBy::Off3 => stop.quick_stop(),
                 StopBy::Off1 => stop.stop(),
+                StopBy::Off2 => stop.coast(),
             }
         }
     }

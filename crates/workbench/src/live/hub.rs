@@ -30,6 +30,8 @@ pub(crate) enum Topic {
     Machine(String),
     /// `drive/ID/telegram`: its cyclic frames.
     Telegram(String),
+    /// `drive/ID/link`: how regular its cyclic frames are.
+    Link(String),
     /// `log`: how many records there are.
     Log,
 }
@@ -55,6 +57,7 @@ impl Topic {
                     "faults" => Some(Self::Faults(id)),
                     "machine" => Some(Self::Machine(id)),
                     "telegram" => Some(Self::Telegram(id)),
+                    "link" => Some(Self::Link(id)),
                     "samples" => Some(Self::Samples(id)),
                     "acyclic" => {
                         let fit = parameters.len() <= PARAMETERS
@@ -83,6 +86,7 @@ impl Topic {
             Self::Acyclic(id, _) => format!("drive/{id}/acyclic"),
             Self::Machine(id) => format!("drive/{id}/machine"),
             Self::Telegram(id) => format!("drive/{id}/telegram"),
+            Self::Link(id) => format!("drive/{id}/link"),
         }
     }
 }
@@ -383,6 +387,7 @@ mod tests {
             "log",
             "drive/02:00:00:00:00:01/machine",
             "drive/02:00:00:00:00:01/telegram",
+            "drive/02:00:00:00:00:01/link",
         ] {
             assert_eq!(Topic::named(name, Vec::new()).unwrap().name(), name);
         }

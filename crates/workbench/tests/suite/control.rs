@@ -291,6 +291,38 @@ fn a_stop_is_along_the_ramp_where_its_page_has_chosen_that() {
 }
 
 #[test]
+fn a_stop_lets_the_axis_coast_where_its_page_has_chosen_that() {
+    let server = Running::demo();
+    let id = known(&server, "axis-1");
+    let mut hands = Hands::of(&server, &server.control);
+    let take = json!({ "purpose": "speed", "limit": 300, "stop_by": "off2" });
+    let number = hands.send("take", &id, &take);
+    let lease = lease(&hands.answer(number));
+    hands.order("enable", &id, lease, 0, &json!({}));
+    hands.order("velocity", &id, lease, 0, &json!({ "speed": 20 }));
+    turns(&server, &mut hands, &id, &Value::Null);
+    hands.page.send(&json!({ "type": "stop" }));
+    assert_eq!(hands.page.next("stopped")["drives"], json!([id]));
+    // the power stage is off at once, and control lasts until the axis rests
+    let machine = eventually(&server, &format!("/api/v1/drives/{id}/machine"), |topic| {
+        topic["machine"]["state"] == "S1" && topic["source"] == "frames"
+    });
+    let words = machine["changes"].as_array().unwrap().iter();
+    let off2 = |word: &str| u16::from_str_radix(word.trim_start_matches("0x"), 16).unwrap() & 3 == 0;
+    assert!(
+        words
+            .filter_map(|change| change["stw1"].as_str())
+            .any(|word| word != "0x0000" && off2(word)),
+        "OFF2: {machine:#}"
+    );
+    rests(&server, &id);
+    server.logged(|log| {
+        log.iter()
+            .any(|record| record["value"] == "for speed, STOP by OFF2")
+    });
+}
+
+#[test]
 fn a_stop_passes_a_socket_that_takes_no_answers() {
     let server = Running::demo();
     let id = known(&server, "axis-1");

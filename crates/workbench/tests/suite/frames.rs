@@ -80,6 +80,12 @@ fn the_frames_of_the_last_minute_are_a_capture() {
     let answer = server.ask("GET", "/api/v1/traffic", &bearer(&server), "");
     assert_eq!(answer.status, 200);
     assert_eq!(answer.header("content-type"), Some("application/x-pcapng"));
+    // of an event long ago nothing is kept
+    let before = server.ask("GET", "/api/v1/traffic?from=1000&to=2000", &bearer(&server), "");
+    assert_eq!(before.status, 200);
+    assert!(before.body.len() < answer.body.len());
+    let wrong = server.ask("GET", "/api/v1/traffic?from=yesterday", &bearer(&server), "");
+    assert_eq!(wrong.status, 400);
     let none = Running::start(Settings::new(Source::Addresses(vec![
         "127.0.0.1".parse().unwrap(),
     ])));

@@ -343,3 +343,32 @@ fn a_file_that_is_uploaded_has_a_name_of_this_server_and_no_name_leads_elsewhere
         assert_eq!(answer.status, 404, "{name}: {answer:?}");
     }
 }
+
+#[test]
+fn what_differs_from_values_as_delivered_is_read_and_compared() {
+    let server = Running::demo();
+    let id = known(&server, "press-1");
+    let changed = get(&server, &format!("/api/v1/drives/{id}/changed"));
+    assert_eq!(changed.status, 200, "{changed:?}");
+    let changed = changed.json();
+    let names = |report: &Value| -> Vec<String> {
+        let all = report["differences"].as_array().unwrap().iter();
+        all.map(|one| one["name"].as_str().unwrap().to_owned()).collect()
+    };
+    assert_eq!(names(&changed), ["DRV.ACC", "DRV.DEC"]);
+    assert_eq!(
+        (
+            &changed["differences"][0]["left"]["value"],
+            &changed["differences"][0]["right"]["value"]
+        ),
+        (&3000.0.into(), &100.0.into())
+    );
+    let (drive, delivered) = (json!({ "drive": id }), json!({ "delivered": id }));
+    let job = compare(&server, &drive, &delivered);
+    assert_eq!(names(&job["differences"]), names(&changed));
+    assert_eq!(job["differences"]["right"], "press-1 as delivered");
+    assert_eq!(
+        get(&server, "/api/v1/drives/02:00:00:00:00:01/changed").status,
+        404
+    );
+}

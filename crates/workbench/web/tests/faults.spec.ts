@@ -1,3 +1,4 @@
+import { readFileSync } from "node:fs";
 import type { Page } from "@playwright/test";
 import { end, expect, idOf, rows, serve, test, watch } from "./bench";
 
@@ -29,6 +30,13 @@ test("a fault is announced once, with its remedy, and goes to the history when i
     const row = page.getByRole("listitem").filter({ hasText: "F439" });
     await expect(row).toContainText("Remedy:");
     await expect(row).toContainText("Seen by this page since");
+    // what the remedy names leads to the parameter
+    const named = row.getByRole("link").first();
+    const name = await named.textContent();
+    await named.click();
+    await expect(page.getByRole("searchbox", { name: /Search/ })).toHaveValue(name ?? "");
+    await expect(page.locator("tr.parameter").first()).toContainText(name ?? "");
+    await page.goBack();
     const acknowledge = page.getByRole("button", { name: "Acknowledge" });
     await acknowledge.click();
     await expect(page.getByText(/^Not acknowledged: .*439/)).toBeVisible();
@@ -36,6 +44,17 @@ test("a fault is announced once, with its remedy, and goes to the history when i
     await acknowledge.click();
     await expect(page.getByText("No fault and no warning is present.")).toBeVisible();
     await expect(page.getByRole("row", { name: /F439/ })).toBeVisible();
+    // the file has what the table has, and no cell is a formula
+    const [download] = await Promise.all([
+      page.waitForEvent("download"),
+      page.getByRole("button", { name: "Export CSV" }).click(),
+    ]);
+    const lines = readFileSync(await download.path(), "utf8")
+      .trim()
+      .split("\r\n");
+    expect(lines[0]).toBe("drive,kind,situation,number,meaning,value,time of the drive,remedy");
+    expect(lines[1]).toMatch(/^axis-1,acknowledged fault,1,439,/);
+    expect(download.suggestedFilename()).toBe("faults.csv");
     expect(wrong.filter((text) => !text.includes("409"))).toEqual([]);
   } finally {
     await end(server);
@@ -51,6 +70,7 @@ test("a fault that only a restart clears offers no acknowledgement", async ({ pa
     await inject(page, "pump-1", "fault=14");
     await page.goto(`${server.origin}/drives/${encodeURIComponent(await idOf(page, "pump-1"))}/faults`);
     await expect(page.getByText("No command clears this.")).toBeVisible();
+    await expect(page.getByText(/Fault situation counter \(PNU 952\): \d+/)).toBeVisible();
     await expect(page.getByRole("button", { name: "Acknowledge" })).toHaveCount(0);
   } finally {
     await end(server);

@@ -1,4 +1,4 @@
-import { expect, test } from "./bench";
+import { expect, idOf, test } from "./bench";
 
 interface Known {
   id: string;
@@ -64,6 +64,30 @@ test("values come with unit, age and the last minute", async ({ entered: page })
   const first = await cause();
   await expect.poll(cause).not.toBe(first);
   expect(await boxes()).toEqual(places);
+});
+
+test("the frame has how regular the cyclic frames are, and values are those the drive has", async ({
+  entered: page,
+}) => {
+  await page.getByRole("link", { name: "press-1" }).click();
+  const link = page.locator(".frame [data-link]");
+  await expect(link).toHaveText(/^\d+ ms, jitter \d+\.\d\d\/\d+\.\d\d ms, missed 0$/);
+  const frames = async () => Number(await link.getAttribute("data-link"));
+  const before = await frames();
+  await expect.poll(frames).toBeGreaterThan(before);
+  const named = (title: string) => page.locator(".value").filter({ has: page.getByText(title, { exact: true }) });
+  await expect(named("Current")).toContainText(/\d\.\d\d A/);
+  await expect(named("Power stage")).toContainText(/\d \u00b0C/);
+  await expect(named("Torque")).toHaveCount(0);
+  // 3000 rpm/s are delivered, the demo has 100: both ramps
+  await expect(page.getByText("2 settings")).toBeVisible();
+  await page.getByRole("link", { name: "Show them" }).click();
+  await expect(page.getByRole("combobox", { name: "Show" })).toHaveValue("changed");
+  await expect(page.locator("tr.parameter th")).toHaveText(["DRV.ACC", "DRV.DEC"]);
+  // without a cyclic connection there is none
+  await page.goto(`/drives/${encodeURIComponent(await idOf(page, "pump-1"))}/overview`);
+  await expect(page.locator(".frame").getByText("No cyclic frames")).toBeVisible();
+  await expect(named("Torque")).toContainText("Nm");
 });
 
 test("an event is noted while the page is open", async ({ entered: page }) => {

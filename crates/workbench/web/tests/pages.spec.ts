@@ -125,6 +125,14 @@ test("the log has what was done, follows it, and exports it", async ({ page }) =
     await expect(page.getByText("No matching records.")).toBeVisible();
     await page.getByRole("searchbox", { name: "Search" }).fill(torque);
     await expect(row.first()).toBeVisible();
+    // a link to this screen has the filters
+    await expect(page).toHaveURL(new RegExp(`#text=${torque}&drive=.*&action=inject$`));
+    const linked = page.url();
+    await page.getByRole("searchbox", { name: "Search" }).fill("");
+    await page.goto("about:blank");
+    await page.goto(linked);
+    await expect(page.getByRole("searchbox", { name: "Search" })).toHaveValue(torque);
+    await expect(row).toHaveCount(1);
     const file = async (name: string) => {
       const [download] = await Promise.all([
         page.waitForEvent("download"),
@@ -142,6 +150,14 @@ test("the log has what was done, follows it, and exports it", async ({ page }) =
     const folder = mkdtempSync(join(tmpdir(), "profidrive-traffic-"));
     writeFileSync(join(folder, "a.pcapng"), frames);
     expect(frameCount(join(folder, "a.pcapng"))).toBeGreaterThan(20);
+    // and those around one event, which are some of them
+    const [around] = await Promise.all([
+      page.waitForEvent("download"),
+      row.getByRole("link", { name: /^Save the frames around this event/ }).click(),
+    ]);
+    await around.saveAs(join(folder, "b.pcapng"));
+    expect(around.suggestedFilename()).toMatch(/^frames-from-\d+\.pcapng$/);
+    expect(frameCount(join(folder, "b.pcapng"))).toBeGreaterThan(5);
     rmSync(folder, { recursive: true });
     expect(wrong).toEqual([]);
   } finally {

@@ -181,7 +181,7 @@ test("settings are backed up, compared, restored as a plan, and downloaded", asy
     await compare.click();
     await expect(page.getByRole("cell", { name: "changed on the left" })).toBeVisible();
     await page.getByRole("combobox", { name: "Base" }).selectOption("");
-    await page.getByRole("checkbox", { name: /^Take .* from the file/ }).check();
+    await page.getByRole("checkbox", { name: /^Take / }).check();
     await page.getByRole("button", { name: "Plan to restore 1 from the file" }).click();
     const review = page.getByRole("region", { name: "Changes" });
     await expect(review).toContainText("7 \u2192");
@@ -189,6 +189,25 @@ test("settings are backed up, compared, restored as a plan, and downloaded", asy
     await expect(review).toContainText("The previous values are in pump-1-");
     await compare.click();
     await expect(page.getByText("Both have the same settings.")).toBeVisible();
+    // values as delivered: 7 is no longer among what differs, and 5 is taken back
+    await page.getByRole("link", { name: "Parameters" }).click();
+    await page.getByRole("searchbox").fill("3-41");
+    await page.getByRole("textbox").first().fill("5");
+    await page.getByRole("region", { name: "Changes" }).getByRole("button", { name: "Apply 1" }).click();
+    await expect(page.getByText("written and verified")).toBeVisible();
+    await page.getByRole("link", { name: "Compare" }).click();
+    const delivered = await right.locator("option", { hasText: "pump-1 as delivered" }).getAttribute("value");
+    await right.selectOption(delivered);
+    await compare.click();
+    const ramp = page.getByRole("row").filter({ has: page.getByRole("cell", { name: "3-41", exact: true }) });
+    await expect(ramp).toContainText("5");
+    await ramp.getByRole("checkbox").check();
+    await page.getByRole("button", { name: "Plan to restore 1 as delivered" }).click();
+    await expect(review).toContainText("5 \u2192");
+    await review.getByRole("button", { name: "Apply 1" }).click();
+    await expect(review).toContainText("written and verified");
+    await compare.click();
+    await expect(ramp).toHaveCount(0);
     // of another kind of drive: both are named
     const left = page.getByRole("combobox", { name: "Left" });
     await left.selectOption({ label: "axis-1" });

@@ -33,8 +33,8 @@ fn runs_and_stops() {
 
 #[test]
 fn the_words_are_those_of_the_manuals() {
-    let words = [QUICK_STOP, INPUT_ZERO, JOG_READY, RELEASED];
-    assert_eq!(words, [0x047A, 0x043F, 0x040F, 0].map(Stw1));
+    let words = [QUICK_STOP, COAST_STOP, INPUT_ZERO, JOG_READY, RELEASED];
+    assert_eq!(words, [0x047A, 0x047C, 0x043F, 0x040F, 0].map(Stw1));
 }
 
 #[test]
@@ -222,6 +222,60 @@ fn a_quick_stop_is_not_taken_back_by_another_wish_to_stop() {
     bench.until(Progress::Reached);
     assert_eq!((bench.speed(), bench.is_at_rest()), (0, true));
     assert_eq!(bench.words(), [Stw1::READY, Stw1::RUN, Stw1::READY, QUICK_STOP]);
+}
+
+#[test]
+fn a_coasting_axis_rests_once_it_stands_for_a_while() {
+    let mut bench = Bench::new();
+    bench.pursue(Goal::Run { setpoint: 1000 });
+    bench.until(Progress::Reached);
+    bench.cycles(150);
+    bench.stop_by(StopKind::Coast);
+    bench.cycles(5);
+    assert_eq!(bench.state(), State::S1, "the pulses are off");
+    assert!(bench.speed() > 900 && !bench.is_at_rest(), "which is no rest");
+    // neither a ramp stop nor a quick stop takes it back
+    bench.pursue(Goal::Stop);
+    bench.stop_by(StopKind::Quick);
+    while bench.speed() > 0 {
+        assert!(!bench.is_at_rest());
+        bench.cycles(1);
+    }
+    let rest = Limits::default().rest.as_millis() / 16;
+    bench.cycles(u32::try_from(rest).unwrap() - 1);
+    assert!(!bench.is_at_rest(), "it has to stand for a while");
+    bench.cycles(5);
+    assert!(bench.is_at_rest());
+    assert_eq!(bench.words(), [Stw1::READY, Stw1::RUN, COAST_STOP]);
+    // and it runs again only by a new goal
+    bench.pursue(Goal::Run { setpoint: 100 });
+    bench.until(Progress::Reached);
+    bench.cycles(50);
+    assert_eq!(bench.speed(), 100);
+}
+
+#[test]
+fn an_axis_that_coasts_for_ever_is_reported() {
+    let mut bench = Bench::new();
+    bench.pursue(Goal::Run { setpoint: 1000 });
+    bench.until(Progress::Reached);
+    bench.cycles(150);
+    bench.never_rubs();
+    bench.stop_by(StopKind::Coast);
+    bench.cycles(20);
+    bench.inputs_valid(false);
+    bench.cycles(20);
+    assert!(!bench.is_at_rest(), "nothing says so");
+    bench.inputs_valid(true);
+    bench.cycles(4000);
+    assert_eq!(bench.progress(), Progress::Failed(Trouble::StillTurns));
+    assert_eq!(bench.words().last(), Some(&COAST_STOP));
+    // an axis at rest is not made to coast
+    let mut bench = Bench::new();
+    bench.pursue(Goal::Stop);
+    bench.until(Progress::Reached);
+    bench.stop_by(StopKind::Coast);
+    assert!(bench.is_at_rest() && bench.words() == [Stw1::READY]);
 }
 
 #[test]

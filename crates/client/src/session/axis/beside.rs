@@ -7,7 +7,7 @@ use profile::state::bits::Bit;
 use profile::telegram::{Field, signal};
 
 use super::{Axis, Ending};
-use crate::axis::{AxisSignal, Sample, SampleQueue, SignalScale};
+use crate::axis::{AxisSignal, Sample, SampleQueue, SignalScale, StopKind};
 use crate::engine::Interest;
 use crate::{Engine, Error, Link};
 
@@ -26,21 +26,27 @@ pub struct StopHandle {
 impl StopHandle {
     /// Stops it along its ramp (OFF1); does not wait for the end.
     pub fn stop(&self) {
-        self.post(false);
+        self.post(StopKind::Ramp);
     }
 
     /// Stops it by its quick stop (OFF3); does not wait for the end.
     pub fn quick_stop(&self) {
-        self.post(true);
+        self.post(StopKind::Quick);
     }
 
-    fn post(&self, quick: bool) {
+    /// Switches its power stage off (OFF2): it coasts. Does not wait for the end, which is standstill for half a second as the
+    /// drive reports it: a frequency converter without a speed sensor reports standstill while its shaft still turns.
+    pub fn coast(&self) {
+        self.post(StopKind::Coast);
+    }
+
+    fn post(&self, way: StopKind) {
         let limit = self.ending.stop_limit(None, self.deceleration);
         let now = self.engine.now();
         {
             let mut client = self.engine.client();
             client.allow_stop(self.link, limit);
-            client.stop_now(now, Some(self.link), quick);
+            client.stop_now(now, Some(self.link), way);
         }
         self.engine.stir();
     }

@@ -7,7 +7,7 @@ use std::time::Duration;
 use profile::value::Reading;
 
 use super::{Axis, AxisStatus, Released, Rest};
-use crate::axis::{Goal, Progress, Seen, SpeedScale, Trouble};
+use crate::axis::{Goal, Progress, Seen, SpeedScale, StopKind, Trouble};
 use crate::client::AxisView;
 use crate::engine::{At, at};
 use crate::session::{Session, takeover};
@@ -361,11 +361,11 @@ impl Axis {
 
     /// Begins a ramp stop; what is called next waits for its end.
     pub(in crate::session) fn begin_stop(&mut self) {
-        self.begin_stop_by(false);
+        self.begin_stop_by(StopKind::Ramp);
     }
 
-    /// The same, or a quick stop.
-    pub(in crate::session) fn begin_stop_by(&mut self, quick: bool) {
+    /// The same, or another stop.
+    pub(in crate::session) fn begin_stop_by(&mut self, way: StopKind) {
         let speed = self.status().and_then(|status| status.speed_actual);
         let limit = self.ending.stop_limit(speed, self.deceleration);
         let now = self.session.now();
@@ -373,9 +373,7 @@ impl Axis {
             let mut client = self.session.client();
             client.allow_stop(self.link, limit);
             client.pursue(now, self.link, Goal::Stop);
-            if quick {
-                client.hurry(now, self.link);
-            }
+            client.hurry(now, self.link, way);
         }
         self.reported = false;
         self.session.engine().stir();

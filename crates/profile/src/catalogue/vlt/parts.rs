@@ -41,6 +41,7 @@ pub static PARTS: &[PartRow] = &[
     PartRow { part: Part::FaultLog, pnu: 1530, base: None, values: &[] },
     PartRow { part: Part::FaultLogValue, pnu: 1531, base: None, values: &[] },
     PartRow { part: Part::FaultLogTime, pnu: 1532, base: None, values: &[] },
+    PartRow { part: Part::FaultSituations, pnu: 952, base: None, values: &[] },
     PartRow { part: Part::Page, pnu: 964, base: None, values: &[] },
     PartRow { part: Part::Page, pnu: 965, base: None, values: &[] },
     PartRow { part: Part::Page, pnu: 1540, base: None, values: &[] },

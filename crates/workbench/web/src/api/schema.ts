@@ -217,6 +217,23 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/drives/{id}/changed": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** Reads which settings of a drive differ from those as delivered, on the left. */
+        get: operations["changed"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/drives/{id}/faults": {
         parameters: {
             query?: never;
@@ -728,7 +745,7 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** Returns the frames of the last minute as a pcapng file. */
+        /** Returns the frames of the last minute as a pcapng file, or those of them around an event. */
         get: operations["traffic"];
         put?: never;
         post?: never;
@@ -879,7 +896,7 @@ export interface components {
             /** @description The newest first. */
             captures: components["schemas"]["CaptureReport"][];
         };
-        /** @description What is compared. Of a drive beside a file only what the file has is read. */
+        /** @description What is compared. Of a drive beside a file, or beside values as delivered, only what those have is read. */
         Compare: {
             left: components["schemas"]["Source"];
             right: components["schemas"]["Source"];
@@ -1104,6 +1121,8 @@ export interface components {
              * @description The vendor's number.
              */
             number: number;
+            /** @description The parameters that the remedy names, by name or number as their vendor writes them. */
+            parameters: string[];
             /**
              * Format: uint8
              * @description Position in its situation; 0 is the fault that came first.
@@ -1165,6 +1184,11 @@ export interface components {
             history: boolean;
             /** @description The log that the drive keeps beside the fault buffer, the newest first; empty without the history. */
             log: components["schemas"]["LogEntry"][];
+            /**
+             * Format: uint16
+             * @description Fault situations that the drive has counted (PNU 952); null where it has no such counter.
+             */
+            situation_counter: number | null;
             /**
              * Format: uint8
              * @description Situations of the fault buffer.
@@ -1509,6 +1533,11 @@ export interface components {
             event: string;
             /** @description What ends it: `sto=off`. */
             undo: string | null;
+        };
+        /** @description How regular the cyclic frames of a drive are, as this computer receives them. */
+        LinkTopic: {
+            /** @description The frames from the drive; null where it has no cyclic connection whose frames reach this computer. */
+            timing: components["schemas"]["StreamSummary"] | null;
         };
         /** @description The parameters of a drive. */
         ListReport: {
@@ -2284,6 +2313,8 @@ export interface components {
             drive: string;
         } | {
             file: string;
+        } | {
+            delivered: string;
         };
         /** @description A drive came into a state. */
         StateChange: {
@@ -2414,6 +2445,8 @@ export interface components {
             command_source: components["schemas"]["Word"] | null;
             /** @description Who has its cyclic connection; null where it does not report that. */
             controller: components["schemas"]["Controller"] | null;
+            /** @description Current of the motor. */
+            current: components["schemas"]["Quantity"] | null;
             /** @description What keeps the power stage off. */
             disable_sources: components["schemas"]["Word"] | null;
             /** @description The drive. */
@@ -2434,6 +2467,8 @@ export interface components {
             motion_disable_sources: components["schemas"]["Word"] | null;
             /** @description Status of the motion. */
             motion_status: components["schemas"]["Word"] | null;
+            /** @description Temperature of the motor. */
+            motor_temperature: components["schemas"]["Quantity"] | null;
             /** @description Whether the limit switch at the negative end is hit. */
             negative_switch: boolean | null;
             /** @description What to do next. */
@@ -2475,6 +2510,10 @@ export interface components {
              * @description Telegram that is selected (PNU 922).
              */
             telegram: number | null;
+            /** @description Temperature of the power stage, at the hottest of its sensors. */
+            temperature: components["schemas"]["Quantity"] | null;
+            /** @description Torque of the motor; in `%` of its nominal torque where the drive does not report it in `Nm`. */
+            torque: components["schemas"]["Quantity"] | null;
             /** @description False for safe torque off. */
             torque_allowed: boolean | null;
             /** @description `runs`, `waits` (nothing is wrong) or `held`. */
@@ -2668,6 +2707,8 @@ export interface components {
              * @description The vendor's number.
              */
             number: number;
+            /** @description The parameters that the remedy names, by name or number as their vendor writes them. */
+            parameters: string[];
             /** @description What to do. */
             remedy: string | null;
         };
@@ -3537,6 +3578,65 @@ export interface operations {
             };
             /** @description There is no folder for it */
             503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The drive does not answer */
+            504: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    changed: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description MAC address, or `ip-` with the IP address */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description What differs */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["DiffReport"];
+                };
+            };
+            /** @description No session */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description No such drive has answered */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description No value as delivered is known of this model */
+            501: {
                 headers: {
                     [name: string]: unknown;
                 };
@@ -5225,7 +5325,12 @@ export interface operations {
     };
     traffic: {
         parameters: {
-            query?: never;
+            query?: {
+                /** @description Only frames since this time of day, in ms since 1970 */
+                from?: number;
+                /** @description Only frames up to this time of day, in ms since 1970 */
+                to?: number;
+            };
             header?: never;
             path?: never;
             cookie?: never;
@@ -5239,6 +5344,15 @@ export interface operations {
                 };
                 content: {
                     "application/x-pcapng": string;
+                };
+            };
+            /** @description A time that is not valid */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
             /** @description No session */

@@ -1,13 +1,13 @@
 import { signal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import { useLocation } from "preact-iso";
-import type { Station } from "../api";
+import type { LinkTopic, Station } from "../api";
 import { digits, foreign, label, product, sorted } from "../parts/format";
 import { owner, ownerName, person, State } from "../parts/Reason";
 import * as control from "../store/control";
 import { axes, stopped as isStopped, lastStop, leases, refusal, reset, stopState } from "../store/control";
-import { stop, stopText } from "../store/live";
-import { aged, type Happening, happened, server, silent, stations } from "../store/store";
+import { stop, stopText, want } from "../store/live";
+import { aged, type Happening, happened, now, server, silent, stations, topics } from "../store/store";
 import { age, t } from "../text";
 import { address, OF_DRIVE, recent, screenOf, stationOf } from "./selected";
 
@@ -94,6 +94,30 @@ function Selector() {
   );
 }
 
+/** A shorter time is shown in steps of this, in s. */
+function ms(seconds: number | null): string {
+  return seconds === null ? "\u2013" : (seconds * 1000).toFixed(2);
+}
+
+/** How regular the cyclic frames of a drive reach this computer. */
+function Link({ id }: { id: string }) {
+  useEffect(() => want(`drive/${id}/link`, 2), [id]);
+  const held = topics.value.get(`drive/${id}/link`);
+  const fresh = silent.value === null && held !== undefined && (now.value - held.received) / 1000 < STALE;
+  const timing = fresh ? (held.data as LinkTopic).timing : null;
+  if (timing === null) return <span class="spare muted">{t("frame.link.none")}</span>;
+  return (
+    <span class="number spare" title={t("frame.link.about")} data-link={timing.frames}>
+      {t("frame.link", {
+        cycle: Number((timing.cycle * 1000).toFixed(3)),
+        median: ms(timing.jitter_p50),
+        most: ms(timing.jitter_p99),
+      })}{" "}
+      <span class={timing.lost > 0 ? "fault" : ""}>{t("frame.link.missed", { count: timing.lost })}</span>
+    </span>
+  );
+}
+
 function Facts({ station }: { station: Station }) {
   const { status } = station;
   const old = (aged(station.age) ?? 0) > STALE || silent.value !== null;
@@ -108,6 +132,7 @@ function Facts({ station }: { station: Station }) {
         <span class="spare">
           {live && status?.telegram ? t("frame.telegram", { number: status.telegram }) : t("frame.telegram.none")}
         </span>
+        <Link id={station.id} />
         <bdi>{live ? owner(station) : dash}</bdi>
       </p>
       <p class={old ? "line stale" : "line"}>

@@ -21,13 +21,18 @@ export function sentence(text: string): string {
 }
 
 /** Decimals of each unit: they are fixed, so that digits do not move. */
-const DECIMALS: Record<string, number> = { rpm: 1, rev: 3, V: 0, "%": 1 };
+const DECIMALS: Record<string, number> = { rpm: 1, rev: 3, V: 0, "%": 1, degC: 0 };
 
 /** Returns a number with fixed decimals; a negative zero is none. */
 export function digits(quantity: Quantity): string {
   const text = quantity.value.toFixed(DECIMALS[quantity.unit] ?? 2);
   const plain = Number(text) === 0 ? text.replace("-", "") : text;
   return `${quantity.beyond ?? ""}${plain.replace("-", "\u2212")}`;
+}
+
+/** Returns a unit as people write it. */
+export function unit({ unit }: Quantity): string {
+  return unit === "degC" ? "\u00b0C" : unit;
 }
 
 /** Returns what a station is called. Of one that was reached by its address the name is not known. */

@@ -18,7 +18,7 @@ const LONGEST = 5000;
 const TRACK = 5000;
 
 /** How STOP stops an axis: by its quick stop, or along its ramp. */
-export type StopBy = "off3" | "off1";
+export type StopBy = "off3" | "off1" | "off2";
 
 /** How an axis is that a page has. */
 export interface Axis {

@@ -165,6 +165,10 @@ function extended(all: ReadonlyMap<string, Track>, report: Station[]): Map<strin
       set: status?.speed_set,
       position: status?.position,
       bus: status?.bus_voltage,
+      current: status?.current,
+      torque: status?.torque,
+      temperature: status?.temperature,
+      motor: status?.motor_temperature,
       following: status?.following_error,
     };
     for (const [name, quantity] of Object.entries(values)) {

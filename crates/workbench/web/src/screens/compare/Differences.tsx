@@ -5,7 +5,7 @@ import { groupOf, groups } from "../../parts/group";
 import { server } from "../../store/store";
 import { t } from "../../text";
 import { csv, html, keyOf, type Report, type Row, valueText } from "./merge";
-import { type Compared, picked, plan, restorable, save } from "./state";
+import { type Compared, picked, plan, type Restorable, restorable, save } from "./state";
 
 /** Which of the differences are listed. */
 const search = signal("");
@@ -175,7 +175,7 @@ export function Differences({
   rows,
   usable,
   makePlan,
-}: Compared & { usable: boolean; makePlan: (id: string, file: string) => void }) {
+}: Compared & { usable: boolean; makePlan: (wanted: Restorable) => void }) {
   const differences = job.differences;
   if (differences === null) return null;
   const may = restorable({ left, right });
@@ -202,8 +202,14 @@ export function Differences({
       {tasks > 0 && <p>{t("compare.tasks", { list: differences.tasks.map(({ number }) => number).join(", ") })}</p>}
       {may && control && rows.length + tasks > 0 && (
         <p class="buttons">
-          <button type="button" disabled={!usable} onClick={() => makePlan(may.id, may.file)}>
-            {picked.value.size === 0 ? t("compare.plan.all") : t("compare.plan", { count: picked.value.size })}
+          <button type="button" disabled={!usable} onClick={() => makePlan(may)}>
+            {may.file === null
+              ? picked.value.size === 0
+                ? t("compare.plan.delivered.all")
+                : t("compare.plan.delivered", { count: picked.value.size })
+              : picked.value.size === 0
+                ? t("compare.plan.all")
+                : t("compare.plan", { count: picked.value.size })}
           </button>
           <label class="check">
             <input

@@ -1,7 +1,7 @@
 import { signal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import { useLocation } from "preact-iso";
-import { type Backups, type Job, post, request } from "../../api";
+import { type Backups, type Job, post, request, type Station } from "../../api";
 import { selected, selectedId } from "../../app/selected";
 import { foreign, label, sentence } from "../../parts/format";
 import { Nothing } from "../../parts/Nothing";
@@ -10,8 +10,8 @@ import { follow, reason } from "../../store/jobs";
 import { server, silent, stations } from "../../store/store";
 import { t } from "../../text";
 import { Differences } from "./Differences";
-import { merge } from "./merge";
-import { base, compared, left, picked, plan, right, save } from "./state";
+import { keyOf, merge, valueText } from "./merge";
+import { base, compared, left, picked, plan, type Restorable, right, save } from "./state";
 
 const files = signal<Backups["files"]>([]);
 /** What is worked on, in words, and how far that is. */
@@ -37,10 +37,9 @@ async function working(text: string, does: (show: (job: Job) => void) => Promise
   work.value = null;
 }
 
-function source(side: string): { drive: string } | { file: string } {
+function source(side: string): { [kind: string]: string } {
   const at = side.indexOf(" ");
-  const name = side.slice(at + 1);
-  return side.startsWith("drive ") ? { drive: name } : { file: name };
+  return { [side.slice(0, at)]: side.slice(at + 1) };
 }
 
 async function backUp(id: string): Promise<void> {
@@ -69,10 +68,17 @@ async function compare(): Promise<void> {
   });
 }
 
-async function makePlan(id: string, file: string): Promise<void> {
-  const settings = [...picked.value];
+/** Values as delivered are written like values that are typed; those of the connection are left to the controller. */
+function delivered(from: "left" | "right"): { parameter: string; value: string }[] {
+  const rows = compared.value?.rows ?? [];
+  const wanted = rows.filter(({ of }) => !of.connection && (picked.value.size === 0 || picked.value.has(keyOf(of))));
+  return wanted.map(({ of }) => ({ parameter: keyOf(of), value: valueText(of[from]) }));
+}
+
+async function makePlan({ id, file, from }: Restorable): Promise<void> {
+  const wanted = file === null ? { changes: delivered(from) } : { file, settings: [...picked.value] };
   await working(t("plan.checking"), async (show) => {
-    const begun = await post<Job>(`drives/${encodeURIComponent(id)}/plans`, { file, settings, save: save.value });
+    const begun = await post<Job>(`drives/${encodeURIComponent(id)}/plans`, { ...wanted, save: save.value });
     plan.value = await follow(begun, show);
   });
 }
@@ -96,7 +102,7 @@ async function upload(file: File): Promise<void> {
   });
 }
 
-function Side({ title, side, none }: { title: string; side: typeof left; none?: string }) {
+function Side({ title, side, none, of }: { title: string; side: typeof left; none?: string; of: Station }) {
   const file = side.value.startsWith("file ") ? side.value.slice(5) : null;
   return (
     <div class="side">
@@ -117,6 +123,9 @@ function Side({ title, side, none }: { title: string; side: typeof left; none?: 
                 {label(station)}
               </option>
             ))}
+          </optgroup>
+          <optgroup label={t("compare.default")}>
+            <option value={`delivered ${of.id}`}>{t("compare.delivered", { name: label(of) })}</option>
           </optgroup>
           <optgroup label={t("compare.files")}>
             {files.value.map((kept) => (
@@ -180,9 +189,9 @@ export function Compare() {
         </p>
       )}
       <div class="sides">
-        <Side title={t("compare.left")} side={left} />
-        <Side title={t("compare.right")} side={right} />
-        <Side title={t("compare.base")} side={base} none={t("compare.base.none")} />
+        <Side title={t("compare.left")} side={left} of={station} />
+        <Side title={t("compare.right")} side={right} of={station} />
+        <Side title={t("compare.base")} side={base} none={t("compare.base.none")} of={station} />
         {control && (
           <button
             type="button"
@@ -211,7 +220,7 @@ export function Compare() {
         <Differences
           {...compared.value}
           usable={work.value === null && silent.value === null}
-          makePlan={(id, file) => void makePlan(id, file)}
+          makePlan={(wanted) => void makePlan(wanted)}
         />
       )}
       {planned && (

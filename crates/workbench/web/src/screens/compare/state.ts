@@ -3,7 +3,7 @@ import { signal } from "@preact/signals";
 import type { Job } from "../../api";
 import type { Row } from "./merge";
 
-/** Both sides: `drive ID` or `file NAME`. */
+/** Both sides: `drive ID`, `file NAME`, or `delivered ID` for what a drive has as delivered. */
 export const left = signal("");
 export const right = signal("");
 /** What both are compared with: empty, or the same as a side. */
@@ -24,10 +24,19 @@ export interface Compared {
   rows: Row[];
 }
 
-/** Returns the drive and the file where one side is each. */
-export function restorable(sides: { left: string; right: string }): { id: string; file: string } | null {
-  const all = [sides.left, sides.right];
-  const id = all.find((side) => side.startsWith("drive "))?.slice(6);
-  const file = all.find((side) => side.startsWith("file "))?.slice(5);
-  return id === undefined || file === undefined ? null : { id, file };
+/** What a drive takes values from. */
+export interface Restorable {
+  id: string;
+  /** The file; nothing for the values as delivered. */
+  file: string | null;
+  /** The side that has them. */
+  from: "left" | "right";
+}
+
+/** Returns what can be restored where one side is a drive, and the other one a file or values as delivered. */
+export function restorable(sides: { left: string; right: string }): Restorable | null {
+  const from = sides.left.startsWith("drive ") ? "right" : "left";
+  const [drive, other] = from === "right" ? [sides.left, sides.right] : [sides.right, sides.left];
+  if (!drive.startsWith("drive ") || other.startsWith("drive ") || other === "") return null;
+  return { id: drive.slice(6), file: other.startsWith("file ") ? other.slice(5) : null, from };
 }

@@ -32,11 +32,15 @@ const STOP_BY = "profidrive.stop.";
 const chosenStops = signal<ReadonlyMap<string, control.StopBy>>(new Map());
 
 function stopBy(id: string): control.StopBy {
-  return chosenStops.value.get(id) ?? (localStorage.getItem(STOP_BY + id) === "off1" ? "off1" : "off3");
+  return chosenStops.value.get(id) ?? stopNamed(localStorage.getItem(STOP_BY + id));
+}
+
+function stopNamed(name: string | null): control.StopBy {
+  return (["off1", "off2"] as const).find((one) => one === name) ?? "off3";
 }
 
 function chooseStop(id: string, by: string): void {
-  const chosen = by === "off1" ? "off1" : "off3";
+  const chosen = stopNamed(by);
   localStorage.setItem(STOP_BY + id, chosen);
   chosenStops.value = new Map(chosenStops.value).set(id, chosen);
 }
@@ -161,6 +165,7 @@ function Take({ station }: { station: Station }) {
           <select value={stopBy(station.id)} onChange={(event) => chooseStop(station.id, event.currentTarget.value)}>
             <option value="off3">{t("control.stop.off3")}</option>
             <option value="off1">{t("control.stop.off1")}</option>
+            <option value="off2">{t("control.stop.off2")}</option>
           </select>
         </label>
         <Check

@@ -7,6 +7,7 @@ function fault(number: number, situation: number): Fault {
     cleared: null,
     meaning: null,
     needs_restart: null,
+    parameters: [],
     reaction: null,
     remedy: null,
     time: null,

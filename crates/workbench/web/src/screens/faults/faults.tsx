@@ -55,6 +55,23 @@ function moment(status: Station["status"]): string {
     .join("");
 }
 
+/** Links to the parameters that a remedy names. */
+function Named({ id, parameters }: { id: string; parameters: readonly string[] }) {
+  if (parameters.length === 0) return null;
+  return (
+    <p class="small">
+      <span class="muted">{t("faults.parameters")}</span>{" "}
+      {parameters.map((name) => (
+        <>
+          <a key={name} href={`${address(id, "parameters")}${location.search}#${new URLSearchParams({ q: name })}`}>
+            {foreign(name)}
+          </a>{" "}
+        </>
+      ))}
+    </p>
+  );
+}
+
 function Present({ id, report, station }: { id: string; report: FaultsTopic["report"]; station: Station }) {
   const present = report?.faults.filter((fault) => !fault.acknowledged) ?? [];
   const first = firstSeen(id, present, station.status);
@@ -83,6 +100,7 @@ function Present({ id, report, station }: { id: string; report: FaultsTopic["rep
             </p>
             {fault.reaction && <p class="muted">{t("faults.reaction", { text: sentence(fault.reaction) })}</p>}
             {fault.remedy && <p>{t("overview.remedy", { text: sentence(fault.remedy) })}</p>}
+            <Named id={id} parameters={fault.parameters} />
             {fault.cleared && <p class="muted">{t("faults.cleared", { text: sentence(fault.cleared) })}</p>}
           </li>
         ))}
@@ -93,6 +111,7 @@ function Present({ id, report, station }: { id: string; report: FaultsTopic["rep
               <b>W{warning.number}</b> <bdi>{foreign(warning.meaning ?? "")}</bdi>
             </p>
             {warning.remedy && <p>{t("overview.remedy", { text: sentence(warning.remedy) })}</p>}
+            <Named id={id} parameters={warning.parameters} />
           </li>
         ))}
       </ul>
@@ -106,7 +125,10 @@ function Before({ report }: { report: NonNullable<FaultsTopic["report"]> }) {
   return (
     <section>
       <h2>{t("faults.history")}</h2>
-      <p class="muted">{t("faults.counter", { count: report.counter })}</p>
+      <p class="muted">
+        {t("faults.counter", { count: report.counter })}
+        {report.situation_counter !== null && ` ${t("faults.situations", { count: report.situation_counter })}`}
+      </p>
       {lines.length === 0 ? (
         <p class="muted">{t("faults.history.none")}</p>
       ) : (

@@ -1,9 +1,9 @@
-import { signal } from "@preact/signals";
+import { effect, signal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import { type LogPage, type LogTopic, request, type Troubles } from "../../api";
 import { foreign, label, sentence } from "../../parts/format";
 import { want } from "../../store/live";
-import { server, silent, stations, topics } from "../../store/store";
+import { now, server, silent, stations, topics } from "../../store/store";
 import { t } from "../../text";
 import { type Record, rows } from "./rows";
 
@@ -35,7 +35,8 @@ const ACTIONS = [
   "ip",
 ];
 
-const filter = signal({ text: "", drive: "", action: "" });
+const NONE = { text: "", drive: "", action: "" };
+const filter = signal(NONE);
 const records = signal<Record[]>([]);
 const before = signal<string | null>(null);
 const troubles = signal<Troubles["troubles"]>([]);
@@ -60,6 +61,43 @@ async function load(older: boolean): Promise<void> {
   } catch (error) {
     failure.value = error instanceof Error ? error.message : String(error);
   }
+}
+
+/** The filter is a part of the address, so that a link to this screen has it. */
+function keepFilter(): () => void {
+  const kept = new URLSearchParams(location.hash.slice(1));
+  const names = ["text", "drive", "action"] as const;
+  if (kept.size > 0) {
+    filter.value = { ...NONE, ...Object.fromEntries(names.map((name) => [name, kept.get(name) ?? ""])) };
+  }
+  return effect(() => {
+    const hash = query({});
+    history.replaceState(history.state, "", location.pathname + location.search + (hash && `#${hash}`));
+  });
+}
+
+/** The server keeps frames for this time, in ms. */
+const KEPT = 60_000;
+/** Frames before and after an event that belong to it, in ms. */
+const BEFORE = 10_000;
+const AFTER = 5000;
+
+/** A link to the frames around an event, as long as the server has them. */
+function Around({ at }: { at: number }) {
+  // ages count by the other clock; this one makes it look again
+  const age = now.value >= 0 ? Date.now() - at : 0;
+  if (server.value?.source === "addresses" || age > KEPT) return null;
+  const time = day(new Date(at).toISOString());
+  return (
+    <a
+      class="small"
+      href={`/api/v1/traffic?from=${at - BEFORE}&to=${at + AFTER}`}
+      download
+      aria-label={t("log.around.of", { time })}
+    >
+      {t("log.around")}
+    </a>
+  );
 }
 
 function who(record: Record): string {
@@ -122,7 +160,8 @@ function Records() {
                 )}
                 {took(requested, record.time) !== "" && (
                   <span class="muted small"> {took(requested, record.time)}</span>
-                )}
+                )}{" "}
+                <Around at={Date.parse(record.time)} />
               </td>
             </tr>
           ))}
@@ -164,7 +203,7 @@ function NetworkTroubles() {
                     <bdi>{foreign(one.to)}</bdi>
                   </td>
                   <td class="long">
-                    <bdi>{sentence(one.text)}</bdi>
+                    <bdi>{sentence(one.text)}</bdi> <Around at={one.unix_ms} />
                   </td>
                   <td class="number">{one.count}</td>
                 </tr>
@@ -184,6 +223,7 @@ function set(more: Partial<typeof filter.value>): void {
 /** What people did by this server, and what went wrong on its network. */
 export function Log() {
   useEffect(() => want("log", 4), []);
+  useEffect(keepFilter, []);
   const count = (topics.value.get("log")?.data as LogTopic | undefined)?.records;
   const { text, drive, action } = filter.value;
   useEffect(() => {

@@ -3,6 +3,7 @@ import { useEffect } from "preact/hooks";
 import { useLocation } from "preact-iso";
 import {
   type Backups,
+  type Diff,
   type Quantity,
   request,
   type Station,
@@ -12,7 +13,7 @@ import {
 import { address, selected, selectedId } from "../../app/selected";
 import { Acknowledge } from "../../parts/Acknowledge";
 import { Command } from "../../parts/Command";
-import { digits, foreign, label, sentence } from "../../parts/format";
+import { digits, foreign, label, sentence, unit } from "../../parts/format";
 import { Icon } from "../../parts/Icon";
 import { Nothing } from "../../parts/Nothing";
 import { findings, otherOwner, ownerName, sign } from "../../parts/Reason";
@@ -121,19 +122,21 @@ interface Shown {
   title: string;
   quantity: Quantity | null;
   seconds: number | null;
+  /** What 100 % is. */
+  of?: "reference" | "torque";
 }
 
-function Value({ id, name, title, quantity, seconds }: Shown) {
+function Value({ id, name, title, quantity, seconds, of = "reference" }: Shown) {
   if (quantity === null) return null;
   const gone = silent.value !== null || seconds === null || seconds > GONE;
   const stale = gone || seconds > STALE;
   return (
     <div class={stale ? "value stale" : "value"}>
-      <dt>{title}</dt>
+      <dt>{quantity.unit === "%" ? t(`value.of.${of}`, { name: title }) : title}</dt>
       <dd>
         <span class="main number">{gone ? "\u2013" : digits(quantity)}</span>{" "}
-        <span class="unit">{quantity.unit === "%" ? "% of reference" : quantity.unit}</span>
-        <Spark id={id} name={name} title={title} unit={quantity.unit} />
+        <span class="unit">{unit(quantity)}</span>
+        <Spark id={id} name={name} title={title} unit={unit(quantity)} />
       </dd>
     </div>
   );
@@ -158,6 +161,10 @@ function Values({ station }: { station: Station }) {
         <Value {...common} name="set" title={t("value.set")} quantity={status.speed_set} />
         <Value {...common} name="position" title={t("value.position")} quantity={status.position} />
         <Value {...common} name="following" title={t("value.following")} quantity={status.following_error} />
+        <Value {...common} name="current" title={t("value.current")} quantity={status.current} />
+        <Value {...common} name="torque" title={t("value.torque")} quantity={status.torque} of="torque" />
+        <Value {...common} name="temperature" title={t("value.temperature")} quantity={status.temperature} />
+        <Value {...common} name="motor" title={t("value.motor")} quantity={status.motor_temperature} />
         <Value {...common} name="bus" title={t("value.bus")} quantity={status.bus_voltage} />
       </dl>
     </section>
@@ -202,7 +209,12 @@ interface Extras {
   rights: { name: string; value: string }[];
   /** The last backup; `null` where there is none. */
   backup: Backups["files"][number] | null;
+  /** How many settings differ from those as delivered; `null` where those are not known. */
+  changed: number | null;
 }
+
+/** Time for reading all settings whose delivered value is known, in ms. */
+const SETTINGS = 25_000;
 
 async function readExtras({ id, name }: Station): Promise<void> {
   const values = async () => {
@@ -219,9 +231,14 @@ async function readExtras({ id, name }: Station): Promise<void> {
     (report) => report.files,
     () => [],
   );
+  const path = `drives/${encodeURIComponent(id)}/changed`;
+  const changed = await request<Diff>(path, { signal: AbortSignal.timeout(SETTINGS) }).then(
+    (report) => report.differences.length,
+    () => null,
+  );
   // the newest is the first
   const backup = files.find((file) => file.drive === name && !file.before) ?? null;
-  extras.value = new Map(extras.value).set(id, { rights, backup });
+  extras.value = new Map(extras.value).set(id, { rights, backup, changed });
 }
 
 function Care({ station }: { station: Station }) {
@@ -254,6 +271,17 @@ function Care({ station }: { station: Station }) {
             )}
           </dd>
         </div>
+        {known.changed !== null && (
+          <div>
+            <dt>{t("overview.changed")}</dt>
+            <dd>
+              {t("overview.changed.count", { count: known.changed })}{" "}
+              <a href={`${address(station.id, "parameters")}${location.search}#only=changed`}>
+                {t("overview.changed.show")}
+              </a>
+            </dd>
+          </div>
+        )}
         {known.rights.map(({ name, value }) => (
           <div key={name}>
             <dt>

@@ -2,6 +2,7 @@
 import { computed, signal } from "@preact/signals";
 import {
   type Description,
+  type Diff,
   type Job,
   type List,
   post,
@@ -123,6 +124,7 @@ export async function open(id: string): Promise<void> {
   drive.value = id;
   lines.value = null;
   values.value = new Map();
+  changed.value = null;
   failure.value = "";
   discard();
   applied.value = null;
@@ -140,6 +142,33 @@ const ABSENT = 0;
 /** Returns whether the drive has said that it does not have this: it is not asked again and again. */
 export function isAbsent(key: string): boolean {
   return values.value.get(key)?.value.error?.number === ABSENT;
+}
+
+/** The settings that differ from those as delivered, by number and element; nothing before they were read. */
+export const changed = signal<ReadonlySet<string> | null>(null);
+/** Time for reading all of them, in ms. */
+const SETTINGS = 25_000;
+
+function placeOf(pnu: number | null, index: number | null): string {
+  return `${pnu}[${index ?? ""}]`;
+}
+
+/** Returns whether a row differs from its value as delivered. */
+export function isChanged({ of, element }: Line): boolean {
+  const index = of.index === null ? element : of.index + (element ?? 0);
+  return changed.value?.has(placeOf(of.pnu, index)) ?? false;
+}
+
+/** Reads which settings differ from those as delivered. */
+export async function readChanged(): Promise<void> {
+  const id = drive.value;
+  const path = `drives/${encodeURIComponent(id)}/changed`;
+  try {
+    const { differences } = await request<Diff>(path, { signal: AbortSignal.timeout(SETTINGS) });
+    if (drive.value === id) changed.value = new Set(differences.map(({ pnu, index }) => placeOf(pnu, index)));
+  } catch (error) {
+    if (drive.value === id) failure.value = reason(error);
+  }
 }
 
 /** Reads these rows. */

@@ -32,12 +32,6 @@ const group = signal<string | null>(null);
 /** In the list of groups, what selects all: no group is called so. */
 const ALL = " ";
 
-/** Returns whether a row differs from the value as delivered; nothing where that is not known. */
-function isChanged(line: edit.Line): boolean {
-  const value = edit.values.value.get(line.key)?.value.value;
-  return typeof value === "number" && line.of.default !== null && Math.abs(value - line.of.default) > 1e-9;
-}
-
 /** Returns the rows that are looked for. */
 function found(all: readonly edit.Line[]): edit.Line[] {
   const words = search.value.toLowerCase().split(/\s+/).filter(Boolean);
@@ -46,7 +40,7 @@ function found(all: readonly edit.Line[]): edit.Line[] {
     if (only.value === "unsaved" && !edit.unsaved.value.has(line.key)) return false;
     if (only.value === "favourites" && !isFavourite(line.of.number)) return false;
     if (group.value !== null && groupOf(line.of) !== group.value) return false;
-    if (only.value === "changed" && !isChanged(line)) return false;
+    if (only.value === "changed" && !edit.isChanged(line)) return false;
     return words.every((word) => line.words.includes(word));
   });
 }
@@ -276,14 +270,22 @@ export function Parameters() {
   useEffect(() => {
     // a link to this screen has what is looked for
     const kept = new URLSearchParams(location.hash.slice(1));
-    search.value = kept.get("q") ?? search.value;
-    only.value = ONLY.find((one) => one === kept.get("only")) ?? only.value;
+    if (kept.size > 0) {
+      search.value = kept.get("q") ?? "";
+      only.value = ONLY.find((one) => one === kept.get("only")) ?? "all";
+    }
     return effect(() => {
       const all = { q: search.value, only: only.value === "all" ? "" : only.value };
       const hash = new URLSearchParams(Object.entries(all).filter(([, value]) => value !== "")).toString();
       history.replaceState(history.state, "", location.pathname + location.search + (hash && `#${hash}`));
     });
   }, []);
+  const wantsChanged = only.value === "changed" && edit.lines.value !== null;
+  const { value: done } = edit.applied;
+  useEffect(() => {
+    // what was written may have made it other
+    if (wantsChanged) void edit.readChanged();
+  }, [wantsChanged, id, done]);
   useEffect(() => {
     const warn = (event: BeforeUnloadEvent) => {
       if (edit.edits.value.size > 0) event.preventDefault();
@@ -321,11 +323,6 @@ export function Parameters() {
             value={only.value}
             onChange={(event) => {
               only.value = event.currentTarget.value as typeof only.value;
-              // what differs from its default is known of values that were read
-              if (only.value === "changed") {
-                const readable = (all ?? []).filter(({ of }) => of.access !== "command");
-                void edit.read(readable.map((one) => one.key)).catch(() => {});
-              }
             }}
           >
             {ONLY.map((one) => (
@@ -358,6 +355,9 @@ export function Parameters() {
         <p class="fault">
           <bdi>{sentence(edit.failure.value)}</bdi>
         </p>
+      )}
+      {wantsChanged && edit.changed.value === null && edit.failure.value === "" && (
+        <p class="muted">{t("compare.saving")}</p>
       )}
       {all === null && edit.failure.value === "" && <p class="muted">{t("overview.loading")}</p>}
       {all !== null && (
