@@ -18,7 +18,7 @@ use profile::parameter::DecodeError;
 use profile::pkw::JobError;
 use uss::{ReceiverStatistics, SlaveId};
 
-use crate::axis::{AxisControl, Goal, Octets, Sample, SampleQueue, StopKind, Wiring};
+use crate::axis::{AxisControl, Goal, Octets, Sample, SampleQueue, StopKind, Travel, Wiring};
 use crate::line::{Answered, Bridge, Line, LineConfig};
 use crate::mapper::{Mapper, QueryId, Registered};
 use axis::AxisLink;
@@ -335,6 +335,8 @@ impl Client {
             answered: Stw1(0),
             since: (0, None),
             operated: control_operates,
+            travel: None,
+            travel_ended: false,
             stepped: 0,
             sampled: 0,
             taps: Vec::new(),
@@ -356,6 +358,7 @@ impl Client {
         let link = link.into();
         if let Some(axis) = self.axes.iter_mut().find(|axis| axis.link == link) {
             axis.control.pursue(now, goal);
+            axis.travel_ended &= !goal.moves();
             axis.operated |= axis.control.goal().operates();
         }
         self.work(now);
@@ -417,6 +420,18 @@ impl Client {
         }
     }
 
+    /// Limits how far an axis may go from where it is.
+    pub(crate) fn set_travel(&mut self, link: Link, travel: Option<Travel>) {
+        if let Some(axis) = self.axes.iter_mut().find(|axis| axis.link == link) {
+            axis.travel = travel;
+        }
+    }
+
+    /// Returns how far an axis is and may go, where that is limited.
+    pub(crate) fn travel(&self, link: Link) -> Option<Travel> {
+        self.axes.iter().find(|axis| axis.link == link)?.travel
+    }
+
     /// Notes that an axis is in operation, though nothing was commanded yet.
     pub(crate) fn note_operated(&mut self, link: impl Into<Link>) {
         let link = link.into();
@@ -454,6 +469,7 @@ impl Client {
             held: axis.control.held(),
             mode: axis.control.mode(),
             operated: axis.operated,
+            travel_ended: axis.travel_ended,
         })
     }
 
@@ -518,6 +534,7 @@ impl Client {
             Some(seen) => {
                 axis.seen = Some(seen);
                 axis.note_answer(received);
+                axis.keep_within(now, seen);
                 axis.control.step(now, seen)
             }
             // nothing is switched on by a drive that reports nothing valid

@@ -186,6 +186,17 @@ pub enum OpenError {
     #[cfg(feature = "simulate")]
     #[error("the plant cannot start: {0}")]
     Plant(#[from] plant::WorldError),
+    /// A plant is not started in the place of another one: this program would need another address in it.
+    #[cfg(feature = "simulate")]
+    #[error(
+        "this plant needs a network of its own: this program has the address {now}, and would need {then}"
+    )]
+    OtherAddress {
+        /// The address that it has.
+        now: Ipv4Addr,
+        /// The one that it would need.
+        then: Ipv4Addr,
+    },
 }
 
 impl OpenError {
@@ -197,7 +208,7 @@ impl OpenError {
             #[cfg(feature = "simulate")]
             Self::PlantFile(error) => crate::simulate::kind(error),
             #[cfg(feature = "simulate")]
-            Self::Plant(_) => ErrorKind::Usage,
+            Self::Plant(_) | Self::OtherAddress { .. } => ErrorKind::Usage,
             _ => ErrorKind::Unreachable,
         }
     }

@@ -13,6 +13,7 @@ use profinet::controller::ControllerConfig;
 use profinet::{IpSuite, MacAddress};
 
 use crate::open::{Access, Network, OpenError, Opening, Place, Transport};
+use crate::traffic::Traffic;
 
 use clock::{ByTheClock, Shared};
 
@@ -96,6 +97,7 @@ impl Opening {
 pub struct Joined {
     plant: Shared,
     pub(crate) ip: IpSuite,
+    traffic: Option<Traffic>,
 }
 
 impl Joined {
@@ -103,6 +105,41 @@ impl Joined {
     /// happens meanwhile: a call for the network inside of `work` would wait for ever.
     pub fn with_world<T>(&self, work: impl FnOnce(&mut plant::World) -> T) -> T {
         self.plant.with(work)
+    }
+
+    /// Starts this plant, or another one with the same address for this program, from its beginning, in the place of the one that runs.
+    /// The time of the network goes on; its connections end as if all drives were switched off and on at once.
+    ///
+    /// # Errors
+    /// When a drive refuses its first parameters, or this program would need another address.
+    pub fn restart(&self, plan: &PlantPlan) -> Result<(), OpenError> {
+        let ip = plan.client_address()?;
+        if ip != self.ip {
+            return Err(OpenError::OtherAddress {
+                now: self.ip.address,
+                then: ip.address,
+            });
+        }
+        let mut world = plant::World::new(plan)?;
+        self.plant.replace(|base| {
+            if let Some(traffic) = &self.traffic {
+                world.add_tap(traffic.tap_since(base));
+            }
+            world
+        });
+        Ok(())
+    }
+
+    /// Lets the time of a plant that goes by the clock stand still, or go on. Meanwhile nothing moves and no call ends that waits for a
+    /// drive.
+    pub fn pause(&self, paused: bool) {
+        self.plant.pause(paused);
+    }
+
+    /// Returns whether its time stands still.
+    #[must_use]
+    pub fn is_paused(&self) -> bool {
+        self.plant.is_paused()
     }
 }
 
@@ -156,10 +193,15 @@ impl Running {
     /// # Errors
     /// When no IP address is left beside its drives for this program.
     pub fn join(&self, stop: Option<Stop>) -> Result<Network, OpenError> {
-        self.join_as(false, stop)
+        self.join_as(false, stop, None)
     }
 
-    fn join_as(&self, real_time: bool, stop: Option<Stop>) -> Result<Network, OpenError> {
+    fn join_as(
+        &self,
+        real_time: bool,
+        stop: Option<Stop>,
+        traffic: Option<Traffic>,
+    ) -> Result<Network, OpenError> {
         let ip = self.plan.client_address()?;
         let config = ControllerConfig::new(MAC, ip, "profidrive", self.plan.seed);
         let plant = self.plant.clone();
@@ -170,7 +212,7 @@ impl Running {
             client::Network::on(plant.clone(), config).0
         };
         let network = network.simulated();
-        let transport = Transport::Plant(Joined { plant, ip });
+        let transport = Transport::Plant(Joined { plant, ip, traffic });
         Ok(Network::new(network, transport, stop))
     }
 }
@@ -180,7 +222,7 @@ pub(crate) fn join(plan: &Arc<PlantPlan>, opening: &Opening) -> Result<Network, 
     if let Some(traffic) = &opening.traffic {
         running.with_world(|world| world.add_tap(traffic.tap()));
     }
-    running.join_as(opening.real_time, opening.stop.clone())
+    running.join_as(opening.real_time, opening.stop.clone(), opening.traffic.clone())
 }
 
 #[cfg(test)]

@@ -416,3 +416,104 @@ fn a_drive_that_runs_on_alone_is_not_taken_without_consent() {
         .unwrap_err();
     assert_eq!(error.rule(), Some(Rule::ControllerLoss), "{error}");
 }
+
+/// Where the shaft really is, in turns.
+fn place(network: &Caller) -> f64 {
+    let Transport::Plant(plant) = network.transport() else {
+        panic!("it is a plant");
+    };
+    plant.with_world(|world| world.shaft(0).unwrap().position)
+}
+
+#[test]
+fn an_axis_stays_within_its_travel_in_both_modes() {
+    for (wanted, is_position) in [(Hold::for_speed(), false), (for_position(), true)] {
+        let (mut network, mut drive) = plant();
+        let wanted = Hold {
+            travel: Some(2.0),
+            ..wanted
+        };
+        let mut axis = held(&mut network, &mut drive, &wanted);
+        let origin = place(&network);
+        if is_position {
+            // the position that is set anew is no way
+            home(&mut axis);
+        }
+        let start = |axis: &mut HeldAxis, speed: f64| match is_position {
+            true => axis.jog_at(speed).wait(),
+            false => axis.run(speed).wait(),
+        };
+        start(&mut axis, 300.0).unwrap();
+        axis.pass(3000 * MS).wait().unwrap();
+        let way = place(&network) - origin;
+        assert!((1.5..=2.0).contains(&way), "{way}");
+        assert!(axis.status().unwrap().view.travel_ended);
+        assert!(truth(&network).1, "it stays enabled");
+        // not on, and back
+        let refused = start(&mut axis, 300.0).unwrap_err();
+        assert!(matches!(refused, MotionError::BeyondTravel { .. }), "{refused}");
+        assert_eq!((refused.kind(), refused.rule()), (ErrorKind::Safety, Some(Rule::Move)));
+        start(&mut axis, -300.0).unwrap();
+        axis.pass(3000 * MS).wait().unwrap();
+        let way = place(&network) - origin;
+        assert!((-2.0..=-1.5).contains(&way), "{way}");
+        if is_position {
+            let far = Order {
+                relative: true,
+                ..Order::to(Position::Turns(4.5), 60.0)
+            };
+            let refused = axis.travel(&far, None).wait().unwrap_err();
+            assert!(matches!(refused, MotionError::BeyondTravel { .. }), "{refused}");
+            let near = Order {
+                relative: true,
+                ..Order::to(Position::Turns(1.0), 60.0)
+            };
+            axis.travel(&near, None).wait().unwrap();
+        }
+        axis.release().wait().unwrap();
+    }
+}
+
+#[test]
+fn an_axis_that_coasts_is_held_until_it_rests() {
+    let (mut network, mut drive) = plant();
+    let mut axis = held(&mut network, &mut drive, &Hold::for_speed());
+    axis.run(600.0).wait().unwrap();
+    axis.pass(2000 * MS).wait().unwrap();
+    axis.stop_handle().coast();
+    let error = axis.pass(100 * MS).wait().unwrap_err();
+    assert_eq!(error.kind(), ErrorKind::Interrupted);
+    let (speed, enabled) = truth(&network);
+    assert!(!enabled && speed.abs() > 1.0, "it coasts at {speed} rpm");
+    let _ = axis.release().wait();
+    assert!(truth(&network).0.abs() < 1.0, "given back at rest");
+}
+
+#[test]
+fn a_plant_is_started_again_under_its_network() {
+    let (mut network, mut drive) = plant();
+    write(&mut network, &mut drive, "DRV.ACC=5000");
+    network.pass(2000 * MS).wait().unwrap();
+    let before = network.now();
+    let Transport::Plant(joined) = network.transport().clone() else {
+        panic!("it is a plant");
+    };
+    joined.restart(&PLANT.parse().unwrap()).unwrap();
+    assert_eq!(joined.with_world(|world| world.now()), profidrive::Instant::ZERO);
+    // a drive as delivered, and the time of the network goes on
+    let mut drive = network.find(&"akd-1".parse().unwrap()).wait().unwrap();
+    let read = ["DRV.ACC".parse().unwrap()];
+    let values = parameters::read(&mut network, &mut drive, &read).wait().unwrap();
+    let report = values.report(&drive, &profidrive::report::PlainWording);
+    assert_eq!(report.parameters[0].value, Some(3000.0));
+    assert!(network.now() > before);
+    // an axis is taken and moved as before
+    let mut axis = held(&mut network, &mut drive, &Hold::for_speed());
+    axis.run(60.0).wait().unwrap();
+    axis.pass(1000 * MS).wait().unwrap();
+    assert!((truth(&network).0 - 60.0).abs() < 1.0);
+    axis.release().wait().unwrap();
+    let elsewhere = "[[drive]]\nname = \"akd-1\"\nip = \"172.16.0.1/24\"";
+    let refused = joined.restart(&elsewhere.parse().unwrap()).unwrap_err();
+    assert_eq!(refused.kind(), ErrorKind::Usage);
+}

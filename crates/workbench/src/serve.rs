@@ -170,6 +170,7 @@ impl Server {
             encrypted: tls.is_some(),
             places,
             cookie: format!("profidrive_{}", address.port()),
+            plant: Mutex::new(source.plant()?),
             source,
             name,
             backups: log.as_ref().map(|log| log.join("backups")),

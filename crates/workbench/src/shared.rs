@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use axum::http::StatusCode;
 use profidrive::Caller as Network;
-use profidrive::plant::Happened;
+use profidrive::plant::{Happened, PlantSource};
 use tokio::sync::Semaphore;
 
 use crate::access::{Attempts, Once, Places, Role, Sessions, Tokens};
@@ -54,6 +54,8 @@ pub(crate) struct Shared {
     /// Held while a station gets its name or address: that no other one has it is true until it is set.
     pub naming: tokio::sync::Mutex<()>,
     pub captures: Captures,
+    /// The plant of virtual drives as it was started last; `None` of real ones.
+    pub plant: Mutex<Option<PlantSource>>,
     /// What was let happen to virtual drives, in the order of time.
     pub happened: Mutex<Vec<Happened>>,
     /// Room for sockets.
@@ -67,6 +69,11 @@ pub(crate) struct Shared {
 impl Shared {
     pub fn sessions(&self) -> MutexGuard<'_, Sessions> {
         self.sessions.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Returns the plant of virtual drives as it was started last.
+    pub fn plant(&self) -> MutexGuard<'_, Option<PlantSource>> {
+        self.plant.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     pub fn happened(&self) -> MutexGuard<'_, Vec<Happened>> {

@@ -12,6 +12,7 @@ mod order;
 mod samples;
 mod scale;
 mod seen;
+mod travel;
 mod wiring;
 
 pub use choose::{
@@ -27,4 +28,5 @@ pub(crate) use samples::SampleQueue;
 pub use samples::{AxisSignal, Octets, Sample, SignalScale};
 pub use scale::{SpeedScale, SpeedUnit};
 pub use seen::Seen;
+pub use travel::Travel;
 pub use wiring::{Wiring, WiringError};

@@ -3,10 +3,11 @@
 use std::sync::Arc;
 
 use profile::state::{Mode, State, Stw1, Zsw1};
+use profinet::Instant;
 use profinet::controller::Controller;
 
 use super::Link;
-use crate::axis::{AxisControl, Command, Goal, Progress, SampleQueue, Seen, Traverse, Wiring};
+use crate::axis::{AxisControl, Command, Goal, Progress, SampleQueue, Seen, Travel, Traverse, Wiring};
 use crate::line::Line;
 
 /// One axis of one cyclic connection.
@@ -30,6 +31,10 @@ pub(super) struct AxisLink {
     pub(super) stepped: u64,
     /// Frames that were sampled.
     pub(super) sampled: u64,
+    /// How far it may go, where that is limited.
+    pub(super) travel: Option<Travel>,
+    /// It was halted there, and no motion was begun since.
+    pub(super) travel_ended: bool,
     /// Receivers of every input.
     pub(super) taps: Vec<Arc<SampleQueue>>,
 }
@@ -38,6 +43,16 @@ pub(super) struct AxisLink {
 const ANSWER: u64 = 4;
 
 impl AxisLink {
+    /// Halts the axis along its ramp where it would leave its travel; it stays in operation.
+    pub(super) fn keep_within(&mut self, now: Instant, seen: Seen) {
+        let Some(travel) = &mut self.travel else { return };
+        travel.see(now, seen);
+        if travel.ends() && self.control.goal().moves() {
+            self.control.pursue(now, Goal::Enabled);
+            self.travel_ended = true;
+        }
+    }
+
     /// Puts the present command into the outputs, if it is not there.
     pub(super) fn send(&mut self, controller: &mut Controller, line: Option<&mut Line>) {
         let command = self.control.command();
@@ -108,6 +123,8 @@ pub struct AxisView {
     pub mode: Mode,
     /// True once it was in operation under this control.
     pub operated: bool,
+    /// True when it was halted at the end of its travel, and no motion was begun since.
+    pub travel_ended: bool,
 }
 
 impl AxisView {

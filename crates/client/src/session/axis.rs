@@ -9,6 +9,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use profile::state::Mode;
+use profile::telegram::signal;
 use profinet::controller::{LostCause, ServiceError};
 use profinet::cyclic::CyclicStatistics;
 
@@ -18,7 +19,7 @@ use super::warnings::Warnings;
 use super::{GLANCE, Session};
 use crate::axis::{
     Evidence, Goal, Limits, MotionFacts, Move, MovePlan, Progress, Purpose, Seen, SpeedScale, SpeedUnit,
-    StopKind, Strained,
+    StopKind, Strained, Travel,
 };
 use crate::client::AxisView;
 use crate::{Connection, Drive, Error, Link, LossReaction};
@@ -611,6 +612,33 @@ impl Axis {
     pub fn beat(&self, time: Option<Duration>) {
         let beat = time.map(|time| self.session.now() + time);
         self.session.engine().quietly().set_beat(self.link, beat);
+    }
+
+    /// Limits how far the axis may go from where it is now, in turns both ways: a motion that would leave that is halted along the
+    /// ramp in time, by the position in the telegram, else by its speed. Returns false, and limits nothing, where the telegram has
+    /// neither, or the speed is not known in rpm.
+    #[must_use]
+    pub fn limit_travel(&self, turns: f64) -> bool {
+        let per_step = (self.scale.unit() == SpeedUnit::Rpm).then(|| self.scale.speed(1) / 60.0);
+        let signals = self.signals();
+        let has = |number| {
+            signals
+                .iter()
+                .any(|one| !one.is_setpoint && one.field.signal.number == number)
+        };
+        let known = has(signal::XIST_A) || (has(signal::NIST_A) && per_step.is_some());
+        let ramp = self.deceleration.map(|ramp| ramp / 60.0);
+        let travel = Travel::new(turns, 1.0 / self.drive.counts_per_turn(), per_step, ramp);
+        if known {
+            self.session.client().set_travel(self.link, Some(travel));
+        }
+        known
+    }
+
+    /// Returns how far the axis is and may go; `None` where that is not limited.
+    #[must_use]
+    pub fn travel(&self) -> Option<Travel> {
+        self.session.client().travel(self.link)
     }
 
     /// Returns the axis in operation, where it was left there: see [`Enabled::leave`].

@@ -119,6 +119,29 @@ pub enum MotionError {
         /// The limit.
         bound: SpeedBound,
     },
+    /// The motion would leave the travel of the session.
+    #[error(
+        "{drive}: {what} would leave the travel of this session, {} rev both ways from where it began; the axis is at {} rev",
+        figures(*.limit), figures(*.way)
+    )]
+    BeyondTravel {
+        /// The drive.
+        drive: String,
+        /// The motion.
+        what: String,
+        /// The travel, in turns.
+        limit: f64,
+        /// Where the axis is from where it began, in turns.
+        way: f64,
+    },
+    /// How far the axis goes cannot be watched.
+    #[error("{drive}: its travel cannot be limited: {why}")]
+    TravelNotWatched {
+        /// The drive.
+        drive: String,
+        /// Why.
+        why: &'static str,
+    },
     /// A dry run found that something keeps the drive from running.
     #[error("{drive} would not run: {}", .diagnosis.sentence)]
     Held {
@@ -211,6 +234,8 @@ impl MotionError {
             Self::AboveLimit { .. }
             | Self::AboveBound { .. }
             | Self::NotBounded { .. }
+            | Self::BeyondTravel { .. }
+            | Self::TravelNotWatched { .. }
             | Self::MovedFromOutside { .. } => ErrorKind::Safety,
             Self::Held { .. } => ErrorKind::Refused,
             Self::NeedsRestart { .. } | Self::FaultsStay { .. } => ErrorKind::Fault,
@@ -229,6 +254,7 @@ impl MotionError {
             Self::AboveLimit { .. } | Self::AboveBound { .. } | Self::NotBounded { .. } => {
                 Some(Rule::SpeedLimit)
             }
+            Self::BeyondTravel { .. } | Self::TravelNotWatched { .. } => Some(Rule::Move),
             Self::MovedFromOutside { .. } => Some(Rule::Standstill),
             other => other.client().and_then(Error::rule),
         }
@@ -284,6 +310,8 @@ impl MotionError {
                 Some(Advice::from(Action::Write { parameter, value }).and(" puts it back"))
             }
             Self::AboveBound { .. } => Some("choose a speed within it".into()),
+            Self::BeyondTravel { .. } => Some("move back, or take control again with another travel".into()),
+            Self::TravelNotWatched { .. } => Some("take control without a limit of the travel".into()),
             Self::NotBounded { .. } => Some(
                 "set a limit of the drive itself; a motion that has a speed of its own takes one in rpm"
                     .into(),

@@ -5,7 +5,7 @@ use std::pin::pin;
 use std::task::Poll;
 use std::time::Duration;
 
-use client::axis::{Jog as Setpoint, Move as Order, MovePlan, Purpose, SpeedUnit};
+use client::axis::{Jog as Setpoint, Move as Order, MovePlan, Purpose, SpeedUnit, Travel};
 use client::{
     Axis, AxisSettings, AxisStatus, BeatHandle, Drive, Enabled, Error, ModeChange, Samples, Session,
     StopHandle,
@@ -36,6 +36,8 @@ pub struct Hold {
     pub telegram: Option<u16>,
     /// Any speed above this is refused, rpm.
     pub limit: f64,
+    /// How far the axis may go from where control begins, in turns both ways; `None` for any way.
+    pub travel: Option<f64>,
     /// Time without a call after which the axis is brought to rest along its ramp; see [`AxisSettings::lease`].
     pub lease: Duration,
     /// What all motions have in common.
@@ -75,6 +77,7 @@ impl Hold {
             purpose,
             telegram: None,
             limit: SPEED_LIMIT,
+            travel: None,
             lease,
             control: Control::default(),
         }
@@ -178,12 +181,21 @@ pub async fn hold(
             return Err(error);
         }
     };
-    Ok(HeldAxis {
+    let axis = HeldAxis {
         taken,
         change,
         limit: wanted.limit,
         control: wanted.control,
-    })
+    };
+    match wanted.travel {
+        Some(turns) if !axis.taken.axis.limit_travel(turns) => {
+            let error = axis.not_watched("its telegram has no position, and no speed in rpm");
+            // how it is given back is not what was wrong
+            let _ = axis.release().await;
+            Err(error)
+        }
+        _ => Ok(axis),
+    }
 }
 
 impl HeldAxis {
@@ -235,6 +247,31 @@ impl HeldAxis {
             .await?)
     }
 
+    fn not_watched(&self, why: &'static str) -> MotionError {
+        MotionError::TravelNotWatched {
+            drive: self.drive().label(),
+            why,
+        }
+    }
+
+    /// Refuses a motion that would leave the travel of the session.
+    fn within_travel(&self, what: &str, is_within: impl FnOnce(&Travel) -> bool) -> Result<(), MotionError> {
+        match self.taken.axis.travel() {
+            Some(travel) if !is_within(&travel) => Err(MotionError::BeyondTravel {
+                drive: self.drive().label(),
+                what: what.to_owned(),
+                limit: travel.limit,
+                way: travel.way(),
+            }),
+            _ => Ok(()),
+        }
+    }
+
+    /// Refuses a speed from which the axis would not be halted within the travel of the session.
+    fn permit_way(&self, speed: f64) -> Result<(), MotionError> {
+        self.within_travel(&format!("{speed} rpm"), |travel| travel.permits(speed))
+    }
+
     /// Returns a speed in rpm: an output frequency is converted by the motor data of the drive, which is reported.
     ///
     /// # Errors
@@ -248,6 +285,7 @@ impl HeldAxis {
 
     async fn permit_run(&mut self, speed: f64) -> Result<(), MotionError> {
         within(speed, self.limit, SpeedUnit::Rpm, &self.control)?;
+        self.permit_way(speed)?;
         let observer = self.taken.observer().clone();
         let (session, drive) = self.taken.axis.session();
         let permitted = permit_speed(session, drive, speed, None, &observer).await;
@@ -304,6 +342,7 @@ impl HeldAxis {
         // a speed that is not known is within no limit
         let speed = setting.rpm(&reading).unwrap_or(f64::NAN);
         within(speed, self.limit, SpeedUnit::Rpm, &self.control)?;
+        self.permit_way(speed)?;
         limit::jog(speed, &facts, self.drive())?;
         report_switch(speed, &facts, self.taken.observer());
         Ok(speed)
@@ -311,6 +350,7 @@ impl HeldAxis {
 
     async fn permit_jog_at(&mut self, speed: f64) -> Result<(), MotionError> {
         within(speed, self.limit, SpeedUnit::Rpm, &self.control)?;
+        self.permit_way(speed)?;
         let limit = self.limit;
         let read = async |session: &mut Session, drive: &mut Drive| {
             let sent = session.check_jog(drive, speed, limit).await?;
@@ -332,6 +372,7 @@ impl HeldAxis {
     /// A speed above the limit, what speaks against the move ([`Error::Objections`]), and when the axis is not enabled.
     pub async fn start(&mut self, order: &Order) -> Result<MovePlan, MotionError> {
         within(order.speed, self.limit, SpeedUnit::Rpm, &self.control)?;
+        self.permit_target(order)?;
         let start = async |enabled: &mut Enabled<'_>| {
             let plan = enabled.plan(order).await?;
             enabled.start(&plan).await?;
@@ -470,9 +511,29 @@ impl HeldAxis {
         self.start(order).await
     }
 
+    /// Refuses a target outside of the travel of the session.
+    fn permit_target(&self, order: &Order) -> Result<(), MotionError> {
+        if self.taken.axis.travel().is_none() {
+            return Ok(());
+        }
+        let turns = order.target.turns(self.drive().counts_per_turn());
+        let from_here = match order.relative {
+            true => turns,
+            false => {
+                let position = self.status().and_then(|status| status.position);
+                let position = position.ok_or_else(|| self.not_watched("the axis reports no position"))?;
+                turns - position
+            }
+        };
+        self.within_travel(&format!("a move by {from_here:.3} rev"), |travel| {
+            travel.reaches(from_here)
+        })
+    }
+
     /// The plan of a move that nothing speaks against.
     async fn permit_move(&mut self, order: &Order) -> Result<MovePlan, MotionError> {
         within(order.speed, self.limit, SpeedUnit::Rpm, &self.control)?;
+        self.permit_target(order)?;
         let plan = self.taken.axis.plan(order).await;
         let plan = self.unless_lost(plan)?;
         if plan.objections.is_empty() {

@@ -119,7 +119,16 @@ impl Traffic {
     /// Returns what hands over the frames of a plant.
     #[cfg(feature = "simulate")]
     pub(crate) fn tap(&self) -> Box<dyn Tap> {
-        Box::new(self.clone())
+        self.tap_since(Duration::ZERO)
+    }
+
+    /// The same of a plant that was started at this time of its network.
+    #[cfg(feature = "simulate")]
+    pub(crate) fn tap_since(&self, base: Duration) -> Box<dyn Tap> {
+        Box::new(OfPlant {
+            traffic: self.clone(),
+            base,
+        })
     }
 
     /// Receives the frames of an interface in a thread of its own, until this and its clones are gone.
@@ -147,11 +156,18 @@ fn receive(mut capture: Capture, kept: &Weak<Mutex<Kept>>) {
     }
 }
 
+/// Hands over the frames of a plant.
+#[derive(Debug)]
+struct OfPlant {
+    traffic: Traffic,
+    base: Duration,
+}
+
 /// The time of a plant begins with its first frame.
-impl Tap for Traffic {
+impl Tap for OfPlant {
     fn frame(&mut self, at: Instant, frame: &[u8]) {
-        let mut kept = self.kept();
-        let since = Duration::from_nanos(at.as_nanos());
+        let mut kept = self.traffic.kept();
+        let since = self.base + Duration::from_nanos(at.as_nanos());
         let origin = *kept.origin.get_or_insert_with(|| {
             let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
             now.saturating_sub(since)

@@ -128,11 +128,7 @@ pub(super) async fn scenario(State(shared): State<Arc<Shared>>, query: Query) ->
     let invalid = |detail: &str| Problem::new(StatusCode::BAD_REQUEST, "usage", detail);
     let since = query.parsed::<f64>("since")?.unwrap_or(0.0);
     let since = Duration::try_from_secs_f64(since).map_err(|error| invalid(&error.to_string()))?;
-    let plant = shared
-        .source
-        .plant()
-        .map_err(|error| invalid(&error.to_string()))?;
-    let plant = plant.ok_or_else(no_simulation)?;
+    let plant = shared.plant().clone().ok_or_else(no_simulation)?;
     let all = shared.happened().clone().into_iter();
     let from_then = all.filter_map(|happened| {
         let at = happened.at.checked_sub(since)?;

@@ -11,6 +11,7 @@ mod inject;
 mod log;
 mod parameters;
 mod plans;
+mod plant;
 mod server;
 mod session;
 mod stations;
@@ -84,6 +85,9 @@ fn routes() -> OpenApiRouter<Arc<Shared>> {
         .routes(routes!(inject::inject))
         .routes(routes!(inject::scenario))
         .routes(routes!(virtual_drives::drives))
+        .routes(routes!(plant::check))
+        .routes(routes!(plant::restart))
+        .routes(routes!(plant::clock))
         .routes(routes!(frames::state_machine))
         .routes(routes!(frames::machine))
         .routes(routes!(frames::telegram))
@@ -148,6 +152,9 @@ pub fn openapi() -> String {
     generator.subschema_for::<acknowledge::Acknowledge>();
     generator.subschema_for::<profidrive::motion::Report>();
     generator.subschema_for::<VirtualDrives>();
+    generator.subschema_for::<plant::PlantText>();
+    generator.subschema_for::<plant::PlantCheck>();
+    generator.subschema_for::<plant::PlantClock>();
     generator.subschema_for::<inject::Possible>();
     generator.subschema_for::<inject::Inject>();
     generator.subschema_for::<inject::Injected>();

@@ -17,6 +17,10 @@ use serde::Serialize;
 pub(crate) struct VirtualDrives {
     /// Time of the plant in seconds.
     time: f64,
+    /// Whether it stands still.
+    paused: bool,
+    /// What decides what happens by chance.
+    seed: u64,
     /// Its drives, in the order of the plant file.
     drives: Vec<VirtualDrive>,
 }
@@ -27,8 +31,11 @@ impl VirtualDrives {
         let Transport::Plant(plant) = shared.network.transport() else {
             return None;
         };
+        let (paused, seed) = (plant.is_paused(), shared.plant().as_ref()?.plan().seed);
         Some(plant.with_world(|world| {
             Self {
+                paused,
+                seed,
                 time: world.now().as_nanos() as f64 / 1e9,
                 drives: (0..)
                     .map_while(|number| world.shaft(number).map(|shaft| (number, shaft)))

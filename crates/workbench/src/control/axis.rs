@@ -68,7 +68,10 @@ async fn hold(
         changes: Vec::new(),
     };
     let (purpose, stop) = (purpose_name(running.purpose), running.stop_by.name());
-    let taking = intent("take", Some(format!("for {purpose}, STOP by {stop}")));
+    let travel = wanted
+        .travel
+        .map_or_else(String::new, |turns| format!(", travel {turns} rev"));
+    let taking = intent("take", Some(format!("for {purpose}, STOP by {stop}{travel}")));
     let taken = async {
         act::begin(shared, caller, &taking).await?;
         take(shared, running, wanted).await

@@ -38,6 +38,9 @@ pub(super) enum Request {
         purpose: For,
         /// Highest speed, rpm.
         limit: Option<f64>,
+        /// How far the axis may go from where it is taken, in turns both ways; null for any way.
+        #[serde(default)]
+        travel: Option<f64>,
         /// Puts the drive into the mode that this needs, and back afterwards.
         #[serde(default)]
         set_mode: bool,

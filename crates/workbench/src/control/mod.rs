@@ -68,6 +68,11 @@ impl Control {
         self.ledger.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
+    /// Returns whether any page has an axis, or takes one.
+    pub(crate) fn has_axes(&self) -> bool {
+        !self.axes().is_empty()
+    }
+
     fn axes(&self) -> MutexGuard<'_, BTreeMap<String, Arc<Running>>> {
         self.axes.lock().unwrap_or_else(PoisonError::into_inner)
     }

@@ -187,6 +187,8 @@ pub(super) struct Picture {
     /// Whether the target of a move is reached.
     reached: bool,
     homed: Option<bool>,
+    /// Whether it was halted at the end of its travel.
+    travel_ended: bool,
     /// Why it stopped by itself.
     trouble: Option<String>,
     /// Whether the connection is lost: all of this is what the drive reported last.
@@ -403,6 +405,7 @@ impl Running {
             homed: (self.purpose == Purpose::Move)
                 .then(|| view.seen.map(|seen| seen.homed()))
                 .flatten(),
+            travel_ended: view.travel_ended,
             trouble,
             lost: status.lost,
         };

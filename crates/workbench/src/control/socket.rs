@@ -277,6 +277,7 @@ impl Page {
                 drive,
                 purpose,
                 limit,
+                travel,
                 set_mode,
                 may_run_on,
                 stop_by,
@@ -288,6 +289,7 @@ impl Page {
                 };
                 let hold = Hold {
                     limit: limit.unwrap_or(LIMIT),
+                    travel,
                     lease: LEASE,
                     control: common,
                     ..match purpose {
@@ -402,6 +404,12 @@ impl Page {
         }
         if !(hold.limit > 0.0 && hold.limit.is_finite()) {
             return refused("the highest speed has to be a number above 0 rpm");
+        }
+        if hold
+            .travel
+            .is_some_and(|travel| !(travel > 0.0 && travel.is_finite()))
+        {
+            return refused("the longest travel has to be a number above 0 rev");
         }
         if self.own.len() >= AXES {
             return refused("this page has control of 8 axes, which is the most");

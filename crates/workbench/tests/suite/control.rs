@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 
 use crate::change::known;
 use crate::live::{Page, open_at};
-use crate::server::Running;
+use crate::server::{Running, eventually};
 
 const PROTOCOL: &str = "profidrive.control.1";
 
@@ -110,6 +110,15 @@ fn speed(server: &Running, id: &str) -> f64 {
 }
 
 /// Waits until the shaft rests.
+fn position(server: &Running, id: &str) -> f64 {
+    let answer = server.ask("GET", "/api/v1/plant/drives", &Running::bearer(&server.view), "");
+    let drives = answer.json();
+    let mut all = drives["drives"].as_array().unwrap().iter();
+    all.find(|drive| drive["id"] == id).unwrap()["position"]
+        .as_f64()
+        .unwrap()
+}
+
 fn rests(server: &Running, id: &str) {
     let begin = Instant::now();
     while speed(server, id).abs() > 0.1 {
@@ -148,7 +157,7 @@ fn a_jog_lasts_as_long_as_fresh_beats_and_control_too() {
     turns(&server, &mut hands, &id, &held);
     // no beat comes any more: first the jog ends, then control
     rests(&server, &id);
-    crate::server::eventually(&server, "/api/v1/server", |report| {
+    eventually(&server, "/api/v1/server", |report| {
         report["controlled"] == json!([])
     });
     let late = hands.order("enable", &id, lease, 0, &json!({}));
@@ -323,6 +332,38 @@ fn a_stop_lets_the_axis_coast_where_its_page_has_chosen_that() {
 }
 
 #[test]
+fn an_axis_is_halted_within_its_travel_and_goes_back() {
+    let server = Running::demo();
+    let id = known(&server, "axis-1");
+    let mut hands = Hands::of(&server, &server.control);
+    let none = hands.send("take", &id, &json!({ "purpose": "speed", "travel": 0 }));
+    assert!(sentence(&hands.answer(none)).contains("travel has to be"));
+    let take = json!({ "purpose": "speed", "limit": 300, "travel": 1.5 });
+    let number = hands.send("take", &id, &take);
+    let lease = lease(&hands.answer(number));
+    hands.order("enable", &id, lease, 0, &json!({}));
+    let before = position(&server, &id);
+    hands.order("velocity", &id, lease, 0, &json!({ "speed": 30 }));
+    turns(&server, &mut hands, &id, &Value::Null);
+    let begin = Instant::now();
+    while speed(&server, &id).abs() > 0.1 {
+        assert!(begin.elapsed() < Duration::from_secs(15), "it turns");
+        hands.beat(&Value::Null);
+        std::thread::sleep(Duration::from_millis(30));
+    }
+    let way = position(&server, &id) - before;
+    assert!((1.3..=1.5).contains(&way), "{way}");
+    let on = hands.order("velocity", &id, lease, 0, &json!({ "speed": 30 }));
+    assert!(sentence(&on).contains("travel of this session, 1.5 rev"), "{on}");
+    let back = hands.order("velocity", &id, lease, 0, &json!({ "speed": -30 }));
+    assert_eq!(back["type"], "accepted", "{back}");
+    server.logged(|log| {
+        let is = |record: &Value| record["value"] == "for speed, STOP by OFF3, travel 1.5 rev";
+        log.iter().any(is)
+    });
+}
+
+#[test]
 fn a_stop_passes_a_socket_that_takes_no_answers() {
     let server = Running::demo();
     let id = known(&server, "axis-1");
@@ -383,7 +424,7 @@ fn a_socket_that_breaks_the_rules_is_closed_and_its_axis_stops() {
         let closed = hands.page.closed();
         assert!(closed == Some(code) || closed.is_none(), "{closed:?}");
         rests(&server, &id);
-        crate::server::eventually(&server, "/api/v1/server", |report| {
+        eventually(&server, "/api/v1/server", |report| {
             report["controlled"] == json!([])
         });
     }

@@ -1,4 +1,4 @@
-import { execFileSync, spawn } from "node:child_process";
+import { execFileSync, spawn, spawnSync } from "node:child_process";
 import { end, expect, program, serve, test } from "./bench";
 
 // the namespace of the tests has no network but this cable: this end has an address, a virtual drive is at the other
@@ -22,6 +22,15 @@ test("drives given by their addresses are read, and the page says what a search 
     await expect(page.getByRole("columnheader", { name: "Shaft" })).toHaveCount(0);
     await row.getByRole("link").click();
     await expect(page.locator(".sentence")).toContainText("no controller is connected");
+    // the command that is copied shows the same
+    await page.context().grantPermissions(["clipboard-read", "clipboard-write"]);
+    await page.getByRole("button", { name: "Copy as command" }).click();
+    await expect(page.getByText("Copied.")).toBeVisible();
+    const copied = await page.evaluate(() => navigator.clipboard.readText());
+    expect(copied).toBe("profidrive status 192.168.99.9");
+    const env = { ...process.env, PROFIDRIVE_INTERFACE: "here" };
+    const ran = spawnSync(program, copied.split(" ").slice(1), { encoding: "utf8", env });
+    expect(ran.stdout).toContain("no controller is connected");
     const answer = await page.request.get(`${server.origin}/api/v1/plant/drives`);
     expect(answer.status()).toBe(404);
     await expect(page.getByRole("link", { name: "Virtual drives" })).toHaveCount(0);

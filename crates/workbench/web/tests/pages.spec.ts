@@ -96,6 +96,27 @@ test("the byte map has the values of the program for the same octets", async ({ 
   await expect(page.getByText("No cyclic frame of this drive was seen.")).toBeVisible();
 });
 
+test("a record is read by its numbers, and what the drive refuses is said", async ({ page, demo }) => {
+  await page.goto(demo.url);
+  await rows(page);
+  await go(page, "axis-1", "telegram");
+  await page.getByText("Read a record").click();
+  const read = page.getByRole("button", { name: "Read", exact: true });
+  await read.click();
+  // I&M0: the block type and the order number
+  await expect(page.locator(".record pre")).toContainText("0000  00 20");
+  await expect(page.locator(".record")).toContainText("order number AKD");
+  await expect(page.getByText(/^\d+ octets$/)).toBeVisible();
+  const index = page.getByRole("textbox", { name: "Index" });
+  await index.fill("0x");
+  await expect(index).toHaveAttribute("aria-invalid", "true");
+  await index.fill("0xBEEF");
+  await read.click();
+  await expect(page.locator(".record .fault")).toContainText(/0xBEEF|refused|index/i);
+  await expect(page.locator(".record pre")).toHaveCount(0);
+  await page.evaluate(() => fetch("/api/v1/session", { method: "DELETE" }));
+});
+
 test("the log has what was done, follows it, and exports it", async ({ page }) => {
   const server = await serve("--demo", "--listen", "127.0.0.1:0");
   const wrong = watch(page);

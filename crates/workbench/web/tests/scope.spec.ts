@@ -223,3 +223,27 @@ test("a spike of one sample in 600,000 is visible", async ({ entered: page }) =>
     )
     .toBeGreaterThan(0);
 });
+
+test("the layout is a file that another drive takes, and a foreign file changes nothing", async ({ entered: page }) => {
+  const go = async (drive: string) => page.goto(`/drives/${encodeURIComponent(await idOf(page, drive))}/scope`);
+  await go("press-1");
+  const signals = page.getByRole("region", { name: "Signals", exact: true });
+  const chosen = () => signals.locator("input:checked").count();
+  await expect.poll(chosen).toBeGreaterThan(0);
+  await page.getByRole("combobox", { name: "Time" }).selectOption("60000000");
+  const download = page.waitForEvent("download");
+  await page.getByRole("button", { name: "Save layout" }).click();
+  const file = await download;
+  expect(file.suggestedFilename()).toBe("press-1-layout.json");
+  const kept = JSON.parse(readFileSync(await file.path(), "utf8")) as { span: number; signals: string[] };
+  expect(kept.signals.length).toBeGreaterThan(0);
+  await go("axis-1");
+  await expect(page.getByRole("combobox", { name: "Time" })).not.toHaveValue("60000000");
+  const open = page.getByLabel("Open layout");
+  await open.setInputFiles({ name: "x.json", mimeType: "application/json", buffer: Buffer.from("[1, 2]") });
+  await expect(page.getByText("x.json is not a layout of the Scope.")).toBeVisible();
+  await expect(page.getByRole("combobox", { name: "Time" })).not.toHaveValue("60000000");
+  await open.setInputFiles(await file.path());
+  await expect(page.getByRole("combobox", { name: "Time" })).toHaveValue("60000000");
+  await expect.poll(chosen).toBe(kept.signals.length);
+});

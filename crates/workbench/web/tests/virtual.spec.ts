@@ -67,7 +67,7 @@ test("what was let happen becomes a plant file in which it happens again", async
       ).toBeVisible();
     }
     await page.getByText("Plant file, with what was injected").click();
-    await expect(page.locator("pre")).toContainText('do = "cable=plugged"');
+    await expect(page.getByRole("textbox", { name: /^Plant file/ })).toHaveValue(/do = "cable=plugged"/);
     const [download] = await Promise.all([
       page.waitForEvent("download"),
       page.getByRole("link", { name: "Save 4 events" }).click(),
@@ -77,6 +77,60 @@ test("what was let happen becomes a plant file in which it happens again", async
     });
     const happened = printed.split("\n").filter((line) => line.includes("axis-1") && line.includes("! "));
     expect(happened.map((line) => line.split("! ")[1]?.trim())).toEqual(clicks.map(([, event]) => event));
+  } finally {
+    await end(server);
+  }
+});
+
+test("a plant is edited with the line of an error, started again with another seed, and its time stands still", async ({
+  page,
+}) => {
+  const server = await serve("--demo", "--listen", "127.0.0.1:0");
+  const wrong = watch(page);
+  try {
+    await page.goto(server.url);
+    await rows(page);
+    await page.getByRole("link", { name: "Virtual drives" }).click();
+    const press = page.getByRole("row", { name: "press-1" });
+    await page.getByRole("button", { name: "Select axis-1" }).click();
+    await page.getByRole("button", { name: "STO on" }).click();
+    await expect(page.getByRole("row", { name: "axis-1" })).toContainText("sto=on");
+    // time stands still: the shaft that turns to and fro rests where it is, and goes on
+    await page.getByRole("button", { name: "Pause" }).click();
+    await expect(page.getByText("The time of the plant stands still.")).toBeVisible();
+    const time = async () => {
+      const answer = await page.request.get(`${server.origin}/api/v1/plant/drives`);
+      return (await answer.json()) as { time: number; seed: number; paused: boolean };
+    };
+    const before = await time();
+    expect([before.paused, before.seed]).toEqual([true, 7]);
+    await expect.poll(async () => (await time()).time).toBe(before.time);
+    await page.getByRole("button", { name: "Go on" }).click();
+    await expect.poll(async () => (await time()).time).toBeGreaterThan(before.time);
+    // the file has what was injected; what is not valid has its line
+    await page.getByText("Plant file, with what was injected").first().click();
+    const file = page.getByRole("textbox", { name: "Plant file, with what was injected" });
+    await expect(file).toHaveValue(/sto=on/);
+    const text = await file.inputValue();
+    await file.fill(text.replace('model = "vlt"', 'model = "vlx"'));
+    await expect(page.getByText(/^Line \d+: .*vlx/)).toBeVisible();
+    await expect(page.getByRole("button", { name: "Restart with this file" })).toBeDisabled();
+    await file.fill(text.replace(/event = \[.*sto=on.*\]/, ""));
+    await page.getByRole("textbox", { name: "Seed" }).fill("11");
+    await expect(file).toHaveValue(/^seed = 11$/m);
+    const again = (await time()).time;
+    await page.getByRole("button", { name: "Restart with this file" }).click();
+    await expect(page.getByText("The plant was started from its beginning.")).toBeVisible();
+    const now = await time();
+    expect(now.seed).toBe(11);
+    expect(now.time).toBeLessThan(again);
+    await expect(page.getByRole("row", { name: "axis-1" })).not.toContainText("sto=on");
+    // and the drives are read, and turn, as before
+    await expect(press).toContainText("S4", { timeout: 30_000 });
+    await page.getByRole("link", { name: "Network", exact: true }).click();
+    expect(wrong).toEqual([]);
+    await expect(page.getByRole("heading", { level: 1, name: "Network" })).toBeVisible();
+    await rows(page);
   } finally {
     await end(server);
   }

@@ -12,6 +12,7 @@ export type Shaft = Schemas["VirtualDrive"];
 export type Quantity = Schemas["Quantity"];
 export type Fault = Schemas["Fault"];
 export type FaultsTopic = Schemas["FaultsTopic"];
+export type PlantCheck = Schemas["PlantCheck"];
 export type Possible = Schemas["Possible"];
 export type List = Schemas["ListReport"];
 export type Description = Schemas["ParameterDescription"];

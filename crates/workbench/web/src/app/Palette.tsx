@@ -1,5 +1,6 @@
 import { useLayoutEffect, useRef, useState } from "preact/hooks";
 import { useLocation } from "preact-iso";
+import { Check } from "../parts/Check";
 import { foreign } from "../parts/format";
 import { server, stations } from "../store/store";
 import { t } from "../text";
@@ -136,16 +137,7 @@ function Keys() {
           ))}
         </tbody>
       </table>
-      <label class="check">
-        <input
-          type="checkbox"
-          checked={shortcuts.value}
-          onChange={(event) => {
-            shortcuts.value = event.currentTarget.checked;
-          }}
-        />
-        {t("keys.on")}
-      </label>
+      <Check of={shortcuts}>{t("keys.on")}</Check>
       <p class="muted small">{t("keys.motion")}</p>
       <div class="buttons">
         <button type="button" onClick={close}>

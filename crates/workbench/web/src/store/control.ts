@@ -35,6 +35,7 @@ export interface Axis {
   position: number | null;
   reached: boolean;
   homed: boolean | null;
+  travel_ended: boolean;
   trouble: string | null;
   lost: boolean;
 }
@@ -64,6 +65,10 @@ export const said = signal<ReadonlyMap<string, Said>>(new Map());
 export const wanted = signal<{ drive: string; by: string } | null>(null);
 /** Round trip that 99 of the last 100 beats keep to, in ms; nothing before there are ten. */
 export const trip = signal<number | null>(null);
+/** The last answer to a beat of this page: which one, whether it came in time, and when, by the clock of this page in ms. */
+export const pulse = signal<{ n: number; fresh: boolean; at: number } | null>(null);
+/** When the last beat came too late, by that clock. */
+export const late = signal(Number.NEGATIVE_INFINITY);
 /** The button that is held: its drive, and the number of its command. */
 export const held = signal<{ drive: string; n: number } | null>(null);
 /** The drives whose direction was confirmed. */
@@ -181,6 +186,8 @@ export interface Taking {
   purpose: "speed" | "position";
   /** Highest speed, rpm. */
   limit: number;
+  /** How far the axis may go from where it is taken, in turns both ways; `null` for any way. */
+  travel: number | null;
   set_mode: boolean;
   may_run_on: boolean;
   stop_by: StopBy;
@@ -276,6 +283,7 @@ function forget(): void {
     held.value = null;
     wanted.value = null;
     trip.value = null;
+    pulse.value = null;
     confirmed.value = new Set();
   });
   trips = [];
@@ -294,6 +302,8 @@ function receive(message: Incoming): void {
       return;
     case "beat":
       echoed = performance.now();
+      pulse.value = { n: message.n, fresh: message.fresh, at: echoed };
+      if (!message.fresh) late.value = echoed;
       note(performance.now() - message.t);
       return;
     case "accepted":

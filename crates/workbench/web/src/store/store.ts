@@ -74,6 +74,8 @@ export interface Happening {
     | "release"
     | "acknowledge"
     | "inject"
+    | "restart"
+    | "clock"
     | "write"
     | "restore"
     | "undo"

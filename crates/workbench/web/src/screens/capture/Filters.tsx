@@ -1,4 +1,5 @@
 import type { CaptureReport } from "../../api";
+import { Check } from "../../parts/Check";
 import { foreign } from "../../parts/format";
 import { t } from "../../text";
 import { change, filter, from, load, show, tried, view, wantedFrame } from "./state";
@@ -8,15 +9,9 @@ export function Filters({ capture }: { capture: CaptureReport }) {
   const { trouble, device, begin, end } = filter.value;
   return (
     <p class="filters">
-      <label class="check">
-        <input
-          type="checkbox"
-          checked={trouble}
-          disabled={view.value === "frames"}
-          onChange={(event) => change({ trouble: event.currentTarget.checked })}
-        />
+      <Check checked={trouble} disabled={view.value === "frames"} onChange={(on) => change({ trouble: on })}>
         {t("capture.trouble")}
-      </label>
+      </Check>
       <label>
         <span class="muted small">{t("capture.device")}</span>
         <select

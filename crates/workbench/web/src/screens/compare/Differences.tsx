@@ -1,4 +1,5 @@
 import { signal } from "@preact/signals";
+import { Check } from "../../parts/Check";
 import { downloadText } from "../../parts/download";
 import { foreign, sentence } from "../../parts/format";
 import { groupOf, groups } from "../../parts/group";
@@ -211,17 +212,14 @@ export function Differences({
                 ? t("compare.plan.all")
                 : t("compare.plan", { count: picked.value.size })}
           </button>
-          <label class="check">
-            <input
-              type="checkbox"
-              checked={save.value}
-              onChange={(event) => {
-                save.value = event.currentTarget.checked;
-                plan.value = null;
-              }}
-            />
-            <span>{t("plan.save")}</span>
-          </label>
+          <Check
+            of={save}
+            onChange={() => {
+              plan.value = null;
+            }}
+          >
+            {t("plan.save")}
+          </Check>
         </p>
       )}
       {!may && <p class="muted">{t("compare.unrestorable")}</p>}

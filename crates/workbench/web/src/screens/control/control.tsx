@@ -3,13 +3,14 @@ import { useEffect } from "preact/hooks";
 import { useLocation } from "preact-iso";
 import type { Station } from "../../api";
 import { address, selected, selectedId } from "../../app/selected";
+import { Check } from "../../parts/Check";
 import { faultText, foreign, label, sentence } from "../../parts/format";
 import { Nothing } from "../../parts/Nothing";
 import { otherOwner, owner } from "../../parts/Reason";
 import { Shaft } from "../../parts/Shaft";
 import * as control from "../../store/control";
 import * as scope from "../../store/scope";
-import { aged, server, silent } from "../../store/store";
+import { aged, now, server, silent } from "../../store/store";
 import { t } from "../../text";
 import { JogPad } from "./JogPad";
 
@@ -17,6 +18,8 @@ const purpose = signal<"speed" | "position">("speed");
 const mode = signal(false);
 const runs = signal(false);
 const limit = signal("300");
+/** Empty for any way. */
+const travel = signal("");
 const seen = signal<readonly boolean[]>([false, false, false]);
 const tab = signal<"jog" | "velocity" | "move" | "home" | "task">("jog");
 const jogSpeed = signal("20");
@@ -57,13 +60,16 @@ function Field({
   value,
   unit,
   disabled,
+  optional,
 }: {
   title: string;
   value: typeof limit;
   unit: string;
   disabled?: boolean;
+  /** Whether it may be empty. */
+  optional?: boolean;
 }) {
-  const wrong = numberOf(value.value) === null;
+  const wrong = numberOf(value.value) === null && !(optional && value.value.trim() === "");
   return (
     <label class="field">
       <span>{title}</span>
@@ -80,15 +86,6 @@ function Field({
         />{" "}
         <span class="unit">{unit}</span>
       </span>
-    </label>
-  );
-}
-
-function Check({ title, checked, onChange }: { title: string; checked: boolean; onChange: (on: boolean) => void }) {
-  return (
-    <label class="check">
-      <input type="checkbox" checked={checked} onChange={(event) => onChange(event.currentTarget.checked)} />
-      <span>{title}</span>
     </label>
   );
 }
@@ -113,6 +110,8 @@ function Take({ station }: { station: Station }) {
   const real = server.value?.simulation === false;
   const ready = !real || seen.value.every(Boolean);
   const highest = numberOf(limit.value);
+  // a travel that is no number is not the same as none
+  const far = travel.value.trim() !== "" && !((numberOf(travel.value) ?? 0) > 0);
   const other = control.axes.value.find((one) => one.drive === station.id);
   const waits = other !== undefined && axis === undefined && other.phase === "taking";
   if (axis !== undefined) {
@@ -160,6 +159,7 @@ function Take({ station }: { station: Station }) {
           </select>
         </label>
         <Field title={t("control.limit")} value={limit} unit="rpm" />
+        <Field title={t("control.travel")} value={travel} unit="rev" optional />
         <label class="field">
           <span>{t("control.stop")}</span>
           <select value={stopBy(station.id)} onChange={(event) => chooseStop(station.id, event.currentTarget.value)}>
@@ -168,40 +168,30 @@ function Take({ station }: { station: Station }) {
             <option value="off2">{t("control.stop.off2")}</option>
           </select>
         </label>
-        <Check
-          title={t("control.mode")}
-          checked={mode.value}
-          onChange={(on) => {
-            mode.value = on;
-          }}
-        />
-        <Check
-          title={t("control.runs")}
-          checked={runs.value}
-          onChange={(on) => {
-            runs.value = on;
-          }}
-        />
+        <Check of={mode}>{t("control.mode")}</Check>
+        <Check of={runs}>{t("control.runs")}</Check>
       </details>
       {real &&
         (["see", "clear", "stop"] as const).map((line, place) => (
           <Check
             key={line}
-            title={t(`control.check.${line}`)}
             checked={seen.value[place] ?? false}
             onChange={(on) => {
               seen.value = seen.value.map((before, at) => (at === place ? on : before));
             }}
-          />
+          >
+            {t(`control.check.${line}`)}
+          </Check>
         ))}
       <button
         type="button"
         class="primary"
-        disabled={why !== null || !ready || waits || highest === null || highest <= 0}
+        disabled={why !== null || !ready || waits || highest === null || highest <= 0 || far}
         onClick={() =>
           control.take(station.id, {
             purpose: purpose.value,
             limit: highest ?? 0,
+            travel: numberOf(travel.value),
             set_mode: mode.value,
             may_run_on: runs.value,
             stop_by: stopBy(station.id),
@@ -235,6 +225,7 @@ function Enable({ station }: { station: Station }) {
     <>
       {other && <p>{t("control.taken", { who: other.holder })}</p>}
       <p class={on ? "state live" : "muted"}>{t(`control.phase.${phase}`)}</p>
+      {axis?.travel_ended && <p class="warn">{t("control.travel.ended")}</p>}
       {axis?.trouble && (
         <p class="warn">
           <bdi>{sentence([axis.trouble, ...faults.map(faultText)].join("; "))}</bdi>
@@ -329,13 +320,7 @@ function Motion({ station }: { station: Station }) {
       {here === "move" && (
         <>
           <Field title={t(relative.value ? "control.distance" : "control.target")} value={turns} unit="rev" />
-          <Check
-            title={t("control.relative")}
-            checked={relative.value}
-            onChange={(now) => {
-              relative.value = now;
-            }}
-          />
+          <Check of={relative}>{t("control.relative")}</Check>
           <Field title={t("control.speed")} value={speed} unit="rpm" />
           <p class="buttons">
             <button
@@ -418,6 +403,31 @@ function shown(value: number | null, decimals: number): string {
 /** Values that are older than this are not shown here, in s: what a person moves by is present or missing. */
 const OLD = 3;
 
+/** A beat that came too late is shown for this time, in ms. */
+const LATE = 2000;
+/** Without an answer for this time beats do not arrive, in ms. */
+const MISSED = 200;
+
+/** Whether the beats of this page arrive: without them the axis stops. */
+function Beat({ held }: { held: boolean }) {
+  const last = control.pulse.value;
+  const at = Math.max(now.value, last?.at ?? 0);
+  const state = !held
+    ? "none"
+    : last === null || at - last.at > MISSED
+      ? "missing"
+      : at - control.late.value < LATE
+        ? "late"
+        : "fresh";
+  // a half of each second, as a sign that the page lives
+  const on = state !== "none" && (last?.n ?? 0) % 20 < 10;
+  return (
+    <span class={`beat ${state}`} data-beat={last?.n ?? 0}>
+      <span class={on ? "dot on" : "dot"} aria-hidden="true" /> {t(`control.beat.${state}`)}
+    </span>
+  );
+}
+
 /** The values of the axis, whichever page has it; of a drive that none has what was read last. */
 function Values({ station }: { station: Station }) {
   const { id, status } = station;
@@ -452,6 +462,7 @@ function Values({ station }: { station: Station }) {
       {server.value?.simulation && <Shaft id={id} />}
       <Plot unit={unit} />
       <p class="muted small number">
+        <Beat held={control.own(id) !== undefined} />{" "}
         {t("control.trip", { ms: control.trip.value === null ? dash : Math.round(control.trip.value) })}
       </p>
     </section>

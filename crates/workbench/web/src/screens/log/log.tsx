@@ -27,6 +27,8 @@ const ACTIONS = [
   "reset",
   "acknowledge",
   "inject",
+  "restart",
+  "clock",
   "write",
   "restore",
   "undo",

@@ -1,6 +1,7 @@
 import { useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import type { Station } from "../../api";
+import { Check } from "../../parts/Check";
 import { foreign, label, sentence } from "../../parts/format";
 import { silent } from "../../store/store";
 import { t } from "../../text";
@@ -186,16 +187,7 @@ export function AddressDialog({ station }: { station: Station }) {
       <Blink station={station} />
       <Name station={station} permanent={permanent.value} />
       <Ip station={station} permanent={permanent.value} />
-      <label class="check">
-        <input
-          type="checkbox"
-          checked={permanent.value}
-          onChange={(event) => {
-            permanent.value = event.currentTarget.checked;
-          }}
-        />
-        {t("address.permanent")}
-      </label>
+      <Check of={permanent}>{t("address.permanent")}</Check>
       {!permanent.value && <p class="warn small">{t("address.temporary")}</p>}
       <p role="status" class={said?.failed ? "fault" : "ok"}>
         <bdi>{said === null ? "" : sentence(said.text)}</bdi>

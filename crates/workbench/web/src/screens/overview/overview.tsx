@@ -134,8 +134,7 @@ function Value({ id, name, title, quantity, seconds, of = "reference" }: Shown) 
     <div class={stale ? "value stale" : "value"}>
       <dt>{quantity.unit === "%" ? t(`value.of.${of}`, { name: title }) : title}</dt>
       <dd>
-        <span class="main number">{gone ? "\u2013" : digits(quantity)}</span>{" "}
-        <span class="unit">{unit(quantity)}</span>
+        <span class="main number">{gone ? "\u2013" : digits(quantity)}</span> <span class="unit">{unit(quantity)}</span>
         <Spark id={id} name={name} title={title} unit={unit(quantity)} />
       </dd>
     </div>

@@ -1,3 +1,4 @@
+import { Check } from "../../parts/Check";
 import { sentence } from "../../parts/format";
 import { Plan } from "../../parts/Plan";
 import { silent } from "../../store/store";
@@ -27,14 +28,9 @@ export function Review() {
       {count > 0 && planned !== null && <Plan job={planned} />}
       {count > 0 && (
         <>
-          <label class="check">
-            <input
-              type="checkbox"
-              checked={edit.save.value}
-              onChange={(event) => edit.choose(event.currentTarget.checked)}
-            />
-            <span>{t("plan.save")}</span>
-          </label>
+          <Check checked={edit.save.value} onChange={edit.choose}>
+            {t("plan.save")}
+          </Check>
           <p class="buttons">
             <button
               type="button"

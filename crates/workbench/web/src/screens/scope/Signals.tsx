@@ -1,11 +1,12 @@
 /** Which signals are shown. */
 import { useSignal } from "@preact/signals";
+import { Check } from "../../parts/Check";
 import { foreign, sentence } from "../../parts/format";
 import type { Column, Header } from "../../scope/block";
 import * as scope from "../../store/scope";
 import { t } from "../../text";
 import { bitName } from "./Plot";
-import { Check, Pen } from "./parts";
+import { Pen } from "./parts";
 
 function toggle(key: string, on: boolean): void {
   const { signals } = scope.layout.value;

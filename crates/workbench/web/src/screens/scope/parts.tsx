@@ -1,5 +1,4 @@
 /** Numbers and fields of the Scope. */
-import type { ComponentChildren } from "preact";
 import { penOf } from "./Plot";
 
 export const dash = "\u2013";
@@ -40,30 +39,6 @@ export function Select<T extends string>({
           </option>
         ))}
       </select>
-    </label>
-  );
-}
-
-export function Check({
-  checked,
-  disabled,
-  onChange,
-  children,
-}: {
-  checked: boolean;
-  disabled?: boolean;
-  onChange: (on: boolean) => void;
-  children: ComponentChildren;
-}) {
-  return (
-    <label class="check">
-      <input
-        type="checkbox"
-        checked={checked}
-        disabled={disabled ?? false}
-        onChange={(event) => onChange(event.currentTarget.checked)}
-      />
-      <span>{children}</span>
     </label>
   );
 }

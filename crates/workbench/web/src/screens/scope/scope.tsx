@@ -2,6 +2,7 @@ import { useEffect } from "preact/hooks";
 import { useLocation } from "preact-iso";
 import { selected, selectedId } from "../../app/selected";
 import { isShortcut } from "../../app/shortcuts";
+import { Check } from "../../parts/Check";
 import { download } from "../../parts/download";
 import { foreign, label, sentence } from "../../parts/format";
 import { Nothing } from "../../parts/Nothing";
@@ -13,7 +14,7 @@ import { t } from "../../text";
 import { Keep, Maths } from "./Maths";
 import { Cursors, Measures, Position, summary } from "./Measures";
 import { Plot, png } from "./Plot";
-import { Check, dash, Select, time } from "./parts";
+import { dash, Select, time } from "./parts";
 import { Signals } from "./Signals";
 import { TriggerChoice } from "./Trigger";
 

@@ -1,9 +1,11 @@
 import { signal } from "@preact/signals";
 import { useEffect, useState } from "preact/hooks";
-import { type Possible, post, request, type Shaft as ShaftState, type Station } from "../../api";
+import { type PlantCheck, type Possible, post, request, type Shaft as ShaftState, type Station } from "../../api";
+import { downloadText } from "../../parts/download";
 import { foreign, product, sentence } from "../../parts/format";
 import { ownerName, State } from "../../parts/Reason";
 import { Shaft } from "../../parts/Shaft";
+import { reason } from "../../store/jobs";
 import { server, shafts, silent, stations } from "../../store/store";
 import { t } from "../../text";
 
@@ -40,24 +42,136 @@ function Recording() {
   );
 }
 
-/** The plant as a file, with what was injected so far. */
-function PlantFile() {
-  const [text, setText] = useState("");
+/** The plant file that is edited, and what is wrong with it; the text is empty before it was read. */
+const plant = signal("");
+const wrong = signal<PlantCheck["problem"]>(null);
+const restarted = signal<{ text: string; failed: boolean } | null>(null);
+const paused = signal(false);
+/** Time without typing after which the file is checked, in ms. */
+const PAUSE = 300;
+let timer = 0;
+
+/** The line of a plant file with its seed. */
+const SEED = /^seed *= *(\d+).*$/m;
+
+async function readPlant(): Promise<void> {
+  plant.value = await (await fetch("/api/v1/plant/scenario")).text();
+  wrong.value = null;
+}
+
+function edit(text: string): void {
+  plant.value = text;
+  clearTimeout(timer);
+  timer = window.setTimeout(() => {
+    void post<PlantCheck>("plant/check", { text }).then(
+      ({ problem }) => {
+        if (plant.value === text) wrong.value = problem;
+      },
+      (error: unknown) => {
+        restarted.value = { text: reason(error), failed: true };
+      },
+    );
+  }, PAUSE);
+}
+
+async function restart(): Promise<void> {
+  restarted.value = await post<PlantCheck>("plant/restart", { text: plant.value }).then(
+    () => ({ text: t("virtual.restarted"), failed: false }),
+    (error: unknown) => ({ text: reason(error), failed: true }),
+  );
+  recording.value = null;
+}
+
+/** Lets the time of the plant stand still, or go on. */
+function Clock({ may }: { may: boolean }) {
+  useEffect(() => {
+    void request<{ paused: boolean }>("plant/drives").then(
+      (now) => {
+        paused.value = now.paused;
+      },
+      () => {},
+    );
+  }, []);
+  const set = async (wanted: boolean) => {
+    try {
+      paused.value = (await post<{ paused: boolean }>("plant/clock", { paused: wanted })).paused;
+      restarted.value = null;
+    } catch (error) {
+      restarted.value = { text: reason(error), failed: true };
+    }
+  };
   return (
-    <details
-      onToggle={(event) => {
-        if (!event.currentTarget.open) return;
-        fetch("/api/v1/plant/scenario")
-          .then((answer) => answer.text())
-          .then(setText, (error: unknown) => setText(String(error)));
-      }}
-    >
-      <summary>{t("virtual.plant")}</summary>
-      {/* biome-ignore lint/a11y/noNoninteractiveTabindex: a region that scrolls is reached by keys */}
-      <pre class="scroll number" tabIndex={0}>
-        {text}
-      </pre>
-    </details>
+    <p class="buttons">
+      <span>{t(paused.value ? "virtual.clock.paused" : "virtual.clock.real")}</span>
+      <button type="button" disabled={!may} onClick={() => void set(!paused.value)}>
+        {t(paused.value ? "virtual.clock.go" : "virtual.clock.pause")}
+      </button>
+    </p>
+  );
+}
+
+/** The plant: its time, its seed, its file with what was injected so far, and all of it started again. */
+function Plant() {
+  const may = server.value?.role === "control" && silent.value === null;
+  const seed = SEED.exec(plant.value)?.[1] ?? "";
+  const open = plant.value !== "";
+  return (
+    <section class="happen">
+      <h2>{t("virtual.plant.title")}</h2>
+      <Clock may={may} />
+      <details
+        onToggle={(event) => {
+          if (event.currentTarget.open) void readPlant();
+        }}
+      >
+        <summary>{t("virtual.plant")}</summary>
+        <textarea
+          class="number"
+          aria-label={t("virtual.plant")}
+          aria-invalid={wrong.value !== null}
+          rows={16}
+          spellcheck={false}
+          readOnly={!may}
+          value={plant.value}
+          onInput={(event) => edit(event.currentTarget.value)}
+        />
+        {wrong.value !== null && (
+          <p class="fault" role="alert">
+            <bdi>{t("virtual.plant.wrong", { line: wrong.value.line, text: sentence(wrong.value.message) })}</bdi>
+          </p>
+        )}
+        <p class="buttons">
+          <label class="inline">
+            <span>{t("virtual.seed")}</span>
+            <input
+              value={seed}
+              size={8}
+              inputMode="numeric"
+              autocomplete="off"
+              disabled={!may || !open}
+              onInput={(event) => {
+                const line = `seed = ${event.currentTarget.value.replace(/\D/g, "") || "0"}`;
+                edit(SEED.test(plant.value) ? plant.value.replace(SEED, line) : `${line}\n${plant.value}`);
+              }}
+            />
+          </label>
+          <button type="button" disabled={!may || !open || wrong.value !== null} onClick={() => void restart()}>
+            {t("virtual.restart")}
+          </button>
+          <button
+            type="button"
+            disabled={!open}
+            onClick={() => downloadText("plant.toml", "application/toml", plant.value)}
+          >
+            {t("virtual.plant.save")}
+          </button>
+        </p>
+        <p class="muted small">{t("virtual.plant.how")}</p>
+      </details>
+      <p role="status" class={restarted.value?.failed ? "fault" : ""}>
+        {restarted.value && <bdi>{sentence(restarted.value.text)}</bdi>}
+      </p>
+    </section>
   );
 }
 
@@ -299,7 +413,7 @@ export function Virtual() {
       </section>
       {one && <Happen shaft={one} />}
       <Recording />
-      <PlantFile />
+      <Plant />
     </article>
   );
 }

@@ -1,0 +1,157 @@
+//! The plant of a simulation: started again, its time, its file.
+
+use std::sync::Arc;
+
+use axum::extract::State;
+use axum::extract::rejection::JsonRejection;
+use axum::http::StatusCode;
+use axum::{Extension, Json};
+use profidrive::plant::PlantSource;
+use profidrive::{OpenError, Transport};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::virtual_drives::no_simulation;
+use crate::access::Caller;
+use crate::act::{Intent, carry_out};
+use crate::problem::Problem;
+use crate::shared::Shared;
+
+/// A plant file that is checked or started.
+#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct PlantText {
+    /// Its text.
+    text: String,
+}
+
+/// What is wrong with a plant file.
+#[derive(Debug, Serialize, JsonSchema)]
+pub(super) struct PlantCheck {
+    /// The first thing that is wrong; null where the file is valid.
+    problem: Option<PlantProblem>,
+}
+
+/// Something that is not valid in a plant file.
+#[derive(Debug, Serialize, JsonSchema)]
+pub(super) struct PlantProblem {
+    /// Its line, from 1.
+    line: usize,
+    message: String,
+}
+
+/// Whether the time of the plant stands still.
+#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct PlantClock {
+    paused: bool,
+}
+
+fn refused(status: StatusCode, detail: &str) -> Problem {
+    Problem::new(status, "refused", detail)
+}
+
+/// Checks a plant file. Nothing is started.
+#[utoipa::path(post, path = "/api/v1/plant/check", request_body(content = ref("#/components/schemas/PlantText"), content_type = "application/json"), responses(
+    (status = 200, description = "What is wrong with it", body = ref("#/components/schemas/PlantCheck")),
+    (status = 404, description = "The drives are no simulation"),
+))]
+pub(super) async fn check(
+    State(shared): State<Arc<Shared>>,
+    wanted: Result<Json<PlantText>, JsonRejection>,
+) -> Result<Json<PlantCheck>, Problem> {
+    let Json(PlantText { text }) = wanted.map_err(|error| Problem::of_body(&error))?;
+    if !shared.source.is_simulation() {
+        return Err(no_simulation());
+    }
+    let problem = text.parse::<PlantSource>().err();
+    Ok(Json(PlantCheck {
+        problem: problem.map(|error| PlantProblem {
+            line: error.line,
+            message: error.message,
+        }),
+    }))
+}
+
+/// Starts a plant from its beginning in the place of the one that runs, as if all drives were switched off and on at once. It is
+/// refused while this server controls an axis.
+#[utoipa::path(post, path = "/api/v1/plant/restart", request_body(content = ref("#/components/schemas/PlantText"), content_type = "application/json"), responses(
+    (status = 200, description = "It runs", body = ref("#/components/schemas/PlantCheck")),
+    (status = 400, description = "The file is not valid"),
+    (status = 404, description = "The drives are no simulation"),
+    (status = 409, description = "This server controls an axis, or the plant needs another network"),
+    (status = 503, description = "It cannot be logged"),
+))]
+pub(super) async fn restart(
+    State(shared): State<Arc<Shared>>,
+    Extension(caller): Extension<Caller>,
+    wanted: Result<Json<PlantText>, JsonRejection>,
+) -> Result<Json<PlantCheck>, Problem> {
+    let Json(PlantText { text }) = wanted.map_err(|error| Problem::of_body(&error))?;
+    let Transport::Plant(plant) = shared.network.transport().clone() else {
+        return Err(no_simulation());
+    };
+    let source: PlantSource = text
+        .parse()
+        .map_err(|error| Problem::new(StatusCode::BAD_REQUEST, "usage", &format!("{error}")))?;
+    if shared.control.has_axes() {
+        let detail = "this server controls an axis: release it first";
+        return Err(refused(StatusCode::CONFLICT, detail));
+    }
+    let intent = Intent {
+        action: "restart",
+        drive: None,
+        value: Some(format!(
+            "{} drives, seed {}",
+            source.plan().drives.len(),
+            source.plan().seed
+        )),
+        changes: Vec::new(),
+    };
+    let at = Arc::clone(&shared);
+    let work = async move {
+        let started = plant.restart(source.plan());
+        started.map_err(|error| match error {
+            OpenError::OtherAddress { .. } => refused(StatusCode::CONFLICT, &error.to_string()),
+            _ => Problem::new(StatusCode::BAD_REQUEST, "usage", &error.to_string()),
+        })?;
+        plant.pause(false);
+        at.happened().clear();
+        *at.plant() = Some(source);
+        Ok(PlantCheck { problem: None })
+    };
+    carry_out(shared, &caller, intent, work).await.map(Json)
+}
+
+/// Lets the time of the plant stand still, or go on. It is refused while this server controls an axis: STOP needs time, too.
+#[utoipa::path(post, path = "/api/v1/plant/clock", request_body(content = ref("#/components/schemas/PlantClock"), content_type = "application/json"), responses(
+    (status = 200, description = "It stands still, or goes on", body = ref("#/components/schemas/PlantClock")),
+    (status = 404, description = "The drives are no simulation"),
+    (status = 409, description = "This server controls an axis"),
+    (status = 503, description = "It cannot be logged"),
+))]
+pub(super) async fn clock(
+    State(shared): State<Arc<Shared>>,
+    Extension(caller): Extension<Caller>,
+    wanted: Result<Json<PlantClock>, JsonRejection>,
+) -> Result<Json<PlantClock>, Problem> {
+    let Json(wanted) = wanted.map_err(|error| Problem::of_body(&error))?;
+    let Transport::Plant(plant) = shared.network.transport().clone() else {
+        return Err(no_simulation());
+    };
+    if wanted.paused && shared.control.has_axes() {
+        let detail = "this server controls an axis: release it first";
+        return Err(refused(StatusCode::CONFLICT, detail));
+    }
+    let intent = Intent {
+        action: "clock",
+        drive: None,
+        value: Some(if wanted.paused { "paused" } else { "real" }.to_owned()),
+        changes: Vec::new(),
+    };
+    let work = async move {
+        plant.pause(wanted.paused);
+        Ok(wanted)
+    };
+    carry_out(shared, &caller, intent, work).await.map(Json)
+}
