@@ -1,11 +1,13 @@
 //! An axis that its caller holds: enabled once and moved as often as wanted, with the rules of the single motions.
 
+mod travel;
+
 use std::future::{Future as _, poll_fn};
 use std::pin::pin;
 use std::task::Poll;
 use std::time::Duration;
 
-use client::axis::{Jog as Setpoint, Move as Order, MovePlan, Purpose, SpeedUnit, Travel};
+use client::axis::{Jog as Setpoint, Move as Order, MovePlan, Purpose, SpeedUnit};
 use client::{
     Axis, AxisSettings, AxisStatus, BeatHandle, Drive, Enabled, Error, ModeChange, Samples, Session,
     StopHandle,
@@ -247,31 +249,6 @@ impl HeldAxis {
             .await?)
     }
 
-    fn not_watched(&self, why: &'static str) -> MotionError {
-        MotionError::TravelNotWatched {
-            drive: self.drive().label(),
-            why,
-        }
-    }
-
-    /// Refuses a motion that would leave the travel of the session.
-    fn within_travel(&self, what: &str, is_within: impl FnOnce(&Travel) -> bool) -> Result<(), MotionError> {
-        match self.taken.axis.travel() {
-            Some(travel) if !is_within(&travel) => Err(MotionError::BeyondTravel {
-                drive: self.drive().label(),
-                what: what.to_owned(),
-                limit: travel.limit,
-                way: travel.way(),
-            }),
-            _ => Ok(()),
-        }
-    }
-
-    /// Refuses a speed from which the axis would not be halted within the travel of the session.
-    fn permit_way(&self, speed: f64) -> Result<(), MotionError> {
-        self.within_travel(&format!("{speed} rpm"), |travel| travel.permits(speed))
-    }
-
     /// Returns a speed in rpm: an output frequency is converted by the motor data of the drive, which is reported.
     ///
     /// # Errors
@@ -509,25 +486,6 @@ impl HeldAxis {
             self.operate().await?;
         }
         self.start(order).await
-    }
-
-    /// Refuses a target outside of the travel of the session.
-    fn permit_target(&self, order: &Order) -> Result<(), MotionError> {
-        if self.taken.axis.travel().is_none() {
-            return Ok(());
-        }
-        let turns = order.target.turns(self.drive().counts_per_turn());
-        let from_here = match order.relative {
-            true => turns,
-            false => {
-                let position = self.status().and_then(|status| status.position);
-                let position = position.ok_or_else(|| self.not_watched("the axis reports no position"))?;
-                turns - position
-            }
-        };
-        self.within_travel(&format!("a move by {from_here:.3} rev"), |travel| {
-            travel.reaches(from_here)
-        })
     }
 
     /// The plan of a move that nothing speaks against.
