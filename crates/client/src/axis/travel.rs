@@ -149,6 +149,7 @@ mod tests {
     fn an_axis_at_the_end_goes_back_and_not_on() {
         let mut travel = Travel::new(1.0, 0.001, Some(0.01), Some(4.0));
         travel.see(Instant::ZERO, seen(Some(0), Some(0)));
+        travel.see(Instant::from_millis(5), seen(Some(0), Some(495)));
         travel.see(Instant::from_millis(10), seen(Some(0), Some(990)));
         assert!(!travel.ends(), "it stands");
         assert!(!travel.permits(20.0) && travel.permits(-20.0));

@@ -2,7 +2,7 @@ import { join } from "node:path";
 import { type Browser, chromium, type Page } from "@playwright/test";
 import { end, expect, idOf, idOfStation, pictures, rows, serve, test, watch } from "./bench";
 import { wire } from "./bench/wire";
-import { alone, enable, ends, enter, hold, open, options, rest, speed, turning } from "./moving";
+import { alone, enable, ends, enter, open, options, rest, speed, turning } from "./moving";
 
 test("a newcomer takes control, enables, jogs, and releases", async ({ page }) => {
   await alone(async (server) => {
@@ -318,7 +318,7 @@ for (const signal of ["SIGKILL", "SIGSTOP"] as const) {
   });
 }
 
-test("STOP lets an axis coast where that is chosen, a travel ends a jog, and beats are shown", async ({ page }) => {
+test("STOP lets an axis coast where that is chosen, a travel ends a motion, and beats are shown", async ({ page }) => {
   await alone(async (server) => {
     const wrong = watch(page);
     const id = await open(page, server.url, "axis-1");
@@ -332,14 +332,15 @@ test("STOP lets an axis coast where that is chosen, a travel ends a jog, and bea
     await enable(page);
     await expect(page.getByText(/^STOP switches its power stage off \(OFF2\)/)).toBeVisible();
     await expect(page.getByText("Beats arrive in time.")).toBeVisible();
-    await turning(page, server.origin, id);
+    await page.getByRole("tab", { name: "Velocity" }).click();
+    const go = page.getByRole("button", { name: "Turn at this speed" });
+    await go.click();
     await expect(page.getByText("Halted at the end of the travel of this session. It can go back.")).toBeVisible();
     await expect.poll(() => speed(page, server.origin, id)).toBeLessThan(0.5);
-    await page.mouse.up();
+    await expect(page.getByText("Torque on, at rest")).toBeVisible();
     // not on
-    await hold(page);
+    await go.click();
     await expect(page.getByText(/would leave the travel of this session, 0.5 rev/)).toBeVisible();
-    await page.mouse.up();
     await page.getByRole("button", { name: /^STOP axis-1/ }).click();
     await expect(page.getByText("Power stage off")).toBeVisible();
     expect(wrong).toEqual([]);

@@ -160,7 +160,7 @@ function Stop({ station }: { station: Station | undefined }) {
     silent.value !== null
       ? t("stop.why.unreachable")
       : count > 0
-        ? t(axes.value.some(({ stop_by }) => stop_by === "off1") ? "stop.why.chosen" : "stop.why.own")
+        ? t(axes.value.some(({ stop_by }) => stop_by !== "off3") ? "stop.why.chosen" : "stop.why.own")
         : name !== null
           ? t("stop.why.owner", { name })
           : t("stop.why.none");
