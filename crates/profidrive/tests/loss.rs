@@ -7,7 +7,8 @@
 use std::time::Duration;
 
 use profidrive::client::Action;
-use profidrive::{Transport, Wait, scan};
+use profidrive::report::PlainWording;
+use profidrive::{Access, Opening, Outcome, Transport, Wait, doctor, scan};
 
 const PLANT: &str = "[[drive]]\nname = \"akd-1\"\nip = \"192.168.0.11/24\"";
 
@@ -99,4 +100,29 @@ fn a_scan_says_what_was_not_answered() {
         }
     }
     assert!(missing > 0, "no scan was in part");
+}
+
+/// A station whose answers to the first search are lost is found by the requests that follow.
+#[test]
+fn the_doctor_counts_a_station_that_the_search_has_lost() {
+    for seed in 0..20 {
+        let plant = format!(
+            "seed = {seed}\n{PLANT}\n[[drive]]\nname = \"akd-2\"\nip = \"192.168.0.12/24\"\nevent = [{{ at = \"0s\", do = \"loss=40%\" }}]"
+        );
+        let opening = Opening::new(Access::Identity).in_plant(plant.parse().unwrap());
+        let found = doctor::examine(&opening, None, &PlainWording, &mut |_| {})
+            .wait()
+            .unwrap();
+        assert_eq!(found.outcome, Outcome::Unfit, "seed {seed}");
+        let answers = |name| {
+            let link = found.report.links.iter().find(|link| link.drive == name);
+            link.map(|link| (link.answers, link.requests))
+        };
+        assert_eq!(answers("akd-1"), Some((40, 40)), "seed {seed}");
+        let lossy = answers("akd-2");
+        assert!(
+            lossy.is_some_and(|(count, _)| count < 36),
+            "seed {seed}: {lossy:?}"
+        );
+    }
 }

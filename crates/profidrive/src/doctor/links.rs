@@ -18,6 +18,9 @@ use crate::{Part, Selector, Step};
 const ROUNDS: usize = 40;
 /// How long an answer may take; a station answers to this request at once.
 const LIMIT: Duration = Duration::from_millis(100);
+/// One of so many requests waits for stations that are not known yet, for the whole limit; the others end with the last
+/// answer that is expected, before a slower station that the search has lost could join.
+const ROUNDS_EACH_SEARCH: usize = 5;
 /// Between two requests: loss comes in bursts.
 const PAUSE: Duration = Duration::from_millis(20);
 /// Added for each station: all of them answer at once, which a network that is at work has to carry too.
@@ -52,7 +55,11 @@ pub(super) async fn measure(
     let mut measured = Measured::default();
     while measured.rounds < ROUNDS {
         progress(Step::counted(Part::Requests, measured.rounds, ROUNDS));
-        let Ok(answers) = unless_stopped(network.identify_once(known.len().max(1), LIMIT).await)? else {
+        let expected = match measured.rounds % ROUNDS_EACH_SEARCH {
+            0 => usize::MAX,
+            _ => known.len().max(1),
+        };
+        let Ok(answers) = unless_stopped(network.identify_once(expected, LIMIT).await)? else {
             break;
         };
         measured.take(answers, known);

@@ -2,6 +2,5 @@
 //! program has.
 
 mod listed;
-mod pages;
-mod session;
+pub mod pages;
 mod site;

@@ -65,7 +65,7 @@ impl Ring {
     /// Requests a ring on `fd`, which must be a packet socket and outlive it, for the traffic of so many stations.
     pub(super) fn new(fd: RawFd, stations: usize) -> io::Result<Self> {
         let wanted = stations.saturating_mul(SLOTS_EACH).max(*SLOTS.start());
-        let slots = wanted.min(*SLOTS.end()).next_power_of_two();
+        let slots = wanted.min(*SLOTS.end()).next_multiple_of(BLOCK / SLOT);
         set_option(
             fd,
             libc::PACKET_VERSION,

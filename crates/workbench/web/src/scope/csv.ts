@@ -51,8 +51,11 @@ export interface Clock {
   unix_ms: number;
 }
 
-/** Writes the rows from `from` to before `to`. Numbers have a point, times of day are UTC. */
-export function write(sheet: Sheet, from: number, to: number, period: number, clock: Clock | null): string {
+/**
+ * Writes the rows from `from` to before `to`. Numbers have a point, times of day are UTC. The lines of a gap are spread evenly over it,
+ * so that a file that was read is written as it was.
+ */
+export function write(sheet: Sheet, from: number, to: number, clock: Clock | null): string {
   const { ring, drive } = sheet;
   const begin = Math.max(from, ring.first);
   const end = Math.min(to, ring.next);
@@ -73,8 +76,8 @@ export function write(sheet: Sheet, from: number, to: number, period: number, cl
     if (lost !== undefined && row > begin) {
       const before = ring.time(row - 1);
       const count = Math.min(Math.max(1, lost), MOST_GAPS);
-      const step = Math.min(period, (time - before) / (count + 1));
-      for (let one = 1; one <= count; one += 1) line(before + one * step, true, nothing);
+      const step = (time - before) / (count + 1);
+      for (let one = 1; one <= count; one += 1) line(before + Math.round(one * step), true, nothing);
     }
     const values = ring.columns.map((column, place) => {
       const value = ring.value(place, row);

@@ -239,8 +239,7 @@ function save(between: boolean, name: string): void {
   const from = marks === null ? ring.first : ring.rowAt(Math.min(...marks));
   const to = marks === null ? ring.next : ring.rowAt(Math.max(...marks) + 1);
   const clock = acquisition.header !== null && acquisition.header.unix_ms > 0 ? acquisition.header : null;
-  const period = acquisition.header?.period_us ?? 0;
-  post({ type: "saved", text: write({ drive: named ?? name, ring }, from, to, period || 1000, clock) });
+  post({ type: "saved", text: write({ drive: named ?? name, ring }, from, to, clock) });
 }
 
 function load(text: string, name: string): void {

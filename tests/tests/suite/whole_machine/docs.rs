@@ -16,7 +16,7 @@ use std::time::Duration;
 
 use system_tests::{Lab, Side, built, root, undisturbed};
 
-use super::pages::{self, Page};
+use crate::docs::pages::{self, Page};
 
 /// Commands whose output depends on the moment.
 const ON_THE_CLOCK: [&str; 7] = [
