@@ -85,13 +85,16 @@ class BuildInfo(NamedTuple):
     """The commit, where the build knows it."""
     profile: str
     """`release` or `dev`."""
+    features: tuple[str, ...]
+    """Features of the library: `raw-ethernet` is missing where no network interface can be opened."""
 
 
 def build_info() -> BuildInfo:
     """Returns what this package was built of."""
     from profidrive import _profidrive
 
-    return BuildInfo(*_profidrive.build_info())
+    version, commit, profile, features = _profidrive.build_info()
+    return BuildInfo(version, commit, profile, tuple(features))
 
 
 __all__ = [

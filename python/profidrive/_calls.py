@@ -51,6 +51,9 @@ class Call(Generic[T]):
 
     verb: _profidrive.Verb
     made: Callable[[Any], T]
+    changes: tuple[str, ...] = ()
+    """What it writes."""
+    is_stop: bool = False
 
 
 def read_all(names: Sequence[str], errors: Literal["raise", "collect"]) -> Call[Readings]:
@@ -76,9 +79,9 @@ def read_one(name: str) -> Call[Parameter]:
     return Call(_profidrive.Verb.read([name], False), one)
 
 
-def write(values: Mapping[str, Value], save: bool, dry_run: bool) -> Call[WriteReport]:
+def write(values: Mapping[str, Value], save: bool, dry_run: bool, beside_controller: bool) -> Call[WriteReport]:
     pairs = [(name, value_text(value)) for name, value in values.items()]
-    return Call(_profidrive.Verb.write(pairs, save, dry_run), WriteReport._of)
+    return Call(_profidrive.Verb.write(pairs, save, dry_run, beside_controller), WriteReport._of, () if dry_run else tuple(values))
 
 
 def status() -> Call[StatusReport]:
@@ -94,7 +97,7 @@ def acknowledge(by_parameter: bool) -> Call[MotionReport]:
 
 
 def stop(disable: bool) -> Call[StopReport]:
-    return Call(_profidrive.Verb.stop(disable), StopReport._of)
+    return Call(_profidrive.Verb.stop(disable), StopReport._of, is_stop=True)
 
 
 def backup() -> Call[Backup]:
@@ -113,16 +116,20 @@ def identity() -> Call[InfoReport]:
     return Call(_profidrive.Verb.identity(), InfoReport._of)
 
 
-def diff(other: Backup, name: str) -> Call[DiffReport]:
-    return Call(_profidrive.Verb.diff(other.text, name), DiffReport._of)
+def diff(other: Backup, name: str, only: str | Sequence[str]) -> Call[DiffReport]:
+    return Call(_profidrive.Verb.diff(other.text, name, _meant(only)), DiffReport._of)
+
+
+def _meant(only: str | Sequence[str]) -> list[str]:
+    return [only] if isinstance(only, str) else list(only)
 
 
 def restore(
-    settings: Backup, name: str, only: Sequence[str], save: bool, dry_run: bool, way_back: Path | None
+    settings: Backup, name: str, only: str | Sequence[str], save: bool, dry_run: bool, way_back: Path | None
 ) -> Call[RestoreReport]:
     kept = None if way_back is None else os.fspath(way_back)
-    chosen = [only] if isinstance(only, str) else list(only)
-    return Call(_profidrive.Verb.restore(settings.text, name, chosen, save, dry_run, kept), RestoreReport._of)
+    verb = _profidrive.Verb.restore(settings.text, name, _meant(only), save, dry_run, kept)
+    return Call(verb, RestoreReport._of, () if dry_run else (f"settings of {name}",))
 
 
 def backup_of(source: Backup | Path) -> tuple[Backup, str]:

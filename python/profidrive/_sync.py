@@ -189,7 +189,11 @@ class Drive:
         self.name = name
 
     def _do(self, call: Call[T], timeout: Duration | None = None) -> T:
-        document = waiting.call(self._network.one, self.name, call.verb, optional_span(timeout))
+        what, limit = (self.name, call.verb), optional_span(timeout)
+        if call.is_stop:
+            document = waiting.lasting(self._network.one, *what, limit)
+        else:
+            document = waiting.change(self.name, call.changes, self._network.one, *what, limit)
         return call.made(json.loads(document))
 
     @overload
@@ -228,17 +232,24 @@ class Drive:
             return self._do(read_all(parameter, errors), timeout)
         return self._do(read_one(parameter), timeout)
 
-    def write(self, values: Mapping[str, Value], /, *, save: bool = False, dry_run: bool = False) -> WriteReport:
+    def write(
+        self, values: Mapping[str, Value], /, *, save: bool = False, dry_run: bool = False, beside_controller: bool = False
+    ) -> WriteReport:
         """Checks values, writes them in this order, and reads them back. With `dry_run` nothing is written.
 
         Not saved values are lost at the next power cycle.
 
+        Args:
+            save: the drive saves them over power-off.
+            beside_controller: write also where a controller has the drive. The new values count for its motion at once.
+
         Raises:
             UsageError: for a value that does not fit; nothing is written then.
+            SafetyError: when a controller has the drive; nothing is written then.
             RefusedError: when the drive refuses the only value.
             PartialWrite: when it refuses one of several; `report` has what was written.
         """
-        return self._do(_calls.write(values, save, dry_run))
+        return self._do(_calls.write(values, save, dry_run, beside_controller))
 
     def describe(self, parameter: str) -> DescribeReport:
         """Returns unit, limits, choices and present values of a parameter, as the tables and the drive itself describe it."""
@@ -268,18 +279,25 @@ class Drive:
         """Reads all settings. `Backup.missing` says what could not be read."""
         return self._do(_calls.backup())
 
-    def diff(self, other: Backup | Drive | Path) -> DiffReport:
-        """Compares the settings of the drive with a backup, its file or another drive; reads what the other side has."""
-        if isinstance(other, Drive):
-            return self._do(_calls.diff(other.backup(), other.name))
-        return self._do(_calls.diff(*backup_of(other)))
+    def diff(self, other: Backup | Drive | Path, *, only: str | Sequence[str] = ()) -> DiffReport:
+        """Compares the settings of the drive with a backup, its file or another drive; reads what the other side has.
 
-    def plan_restore(self, backup: Backup | Path, *, only: Sequence[str] = ()) -> RestoreReport:
+        Args:
+            only: names, with `*` for any part, and numbers of the settings that are compared; all where there is none.
+
+        Raises:
+            UsageError: for a backup of another kind of drive, and for what means no setting of either side.
+        """
+        if isinstance(other, Drive):
+            return self._do(_calls.diff(other.backup(), other.name, only))
+        return self._do(_calls.diff(*backup_of(other), only))
+
+    def plan_restore(self, backup: Backup | Path, *, only: str | Sequence[str] = ()) -> RestoreReport:
         """Returns what restoring a backup would write and leave out. Reads only."""
         return self._do(_calls.restore(*backup_of(backup), only, False, True, None))
 
     def restore(
-        self, backup: Backup | Path, *, only: Sequence[str] = (), save: bool = False, way_back: Path | None = None
+        self, backup: Backup | Path, *, only: str | Sequence[str] = (), save: bool = False, way_back: Path | None = None
     ) -> RestoreReport:
         """Writes the settings of a backup that differ and reads them back.
 
@@ -402,7 +420,11 @@ class Drives(Sequence[Drive]):
     def _do(self, what: str, call: Call[T], timeout: Duration | None = None) -> dict[str, T]:
         errors: dict[str, ProfidriveError] = {}
         results: dict[str, T] = {}
-        done = waiting.call(self._network.each, list(self._names), call.verb, optional_span(timeout))
+        asked, limit = (list(self._names), call.verb), optional_span(timeout)
+        if call.is_stop:
+            done = waiting.lasting(self._network.each, *asked, limit)
+        else:
+            done = waiting.change(", ".join(self._names), call.changes, self._network.each, *asked, limit)
         for name, document, error in done:
             try:
                 if document is None:
@@ -439,9 +461,11 @@ class Drives(Sequence[Drive]):
             return self._do("read", read_all(parameter, errors), timeout)
         return self._do("read", read_one(parameter), timeout)
 
-    def write(self, values: Mapping[str, Value], /, *, save: bool = False, dry_run: bool = False) -> dict[str, WriteReport]:
+    def write(
+        self, values: Mapping[str, Value], /, *, save: bool = False, dry_run: bool = False, beside_controller: bool = False
+    ) -> dict[str, WriteReport]:
         """Writes the same values to each drive."""
-        return self._do("write", _calls.write(values, save, dry_run))
+        return self._do("write", _calls.write(values, save, dry_run, beside_controller))
 
     def status(self) -> dict[str, StatusReport]:
         """Reads how each drive is."""
@@ -459,10 +483,10 @@ class Drives(Sequence[Drive]):
         """Reads all settings of each drive."""
         return self._do("backup", _calls.backup())
 
-    def diff(self, other: Backup | Drive | Path) -> dict[str, DiffReport]:
-        """Compares the settings of each drive with a backup, its file or another drive."""
+    def diff(self, other: Backup | Drive | Path, *, only: str | Sequence[str] = ()) -> dict[str, DiffReport]:
+        """Compares the settings of each drive with a backup, its file or another drive; see `Drive.diff`."""
         settings, name = (other.backup(), other.name) if isinstance(other, Drive) else backup_of(other)
-        return self._do("diff", _calls.diff(settings, name))
+        return self._do("diff", _calls.diff(settings, name, only))
 
     def record(
         self,
@@ -605,7 +629,7 @@ class Axis:
         return self._move(self._axis.move_to, *order, wait, optional_span(timeout))
 
     def _move(self, motion: Callable[P, str], *arguments: P.args, **named: P.kwargs) -> MotionReport:
-        return MotionReport._of(json.loads(waiting.motion(self._axis.interrupt, motion, *arguments, **named)))
+        return MotionReport._of(json.loads(waiting.motion(self._drive, self._axis.interrupt, motion, *arguments, **named)))
 
     def home(self, *, timeout: Duration = 60.0) -> MotionReport:
         """Sets the home position by the homing procedure of the drive."""

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import os
-from _thread import start_new_thread
-from collections.abc import Callable
+from _thread import allocate_lock, start_new_thread
+from collections.abc import Callable, Sequence
 from queue import SimpleQueue
-from typing import TYPE_CHECKING, ParamSpec, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, ParamSpec, TypeVar
 
 if TYPE_CHECKING:
     import asyncio
@@ -16,7 +16,7 @@ T = TypeVar("T")
 
 _KEPT = 64
 """Threads that are kept for later calls."""
-_IDLE: list[SimpleQueue[Callable[[], None]]] = []
+_IDLE: list[SimpleQueue[_Begun[Any]]] = []
 """Where those that wait for work get it."""
 # a copy of the process has no threads
 os.register_at_fork(after_in_child=_IDLE.clear)
@@ -31,9 +31,15 @@ class synchronous:
         return function(*arguments, **named)
 
     @staticmethod
-    def motion(interrupt: Callable[[], None], function: Callable[P, T], /, *arguments: P.args, **named: P.kwargs) -> T:
+    def change(drive: str, what: Sequence[str], function: Callable[P, T], /, *arguments: P.args, **named: P.kwargs) -> T:
+        """Carries out a call that changes this of a drive."""
+        del drive, what
+        return function(*arguments, **named)
+
+    @staticmethod
+    def motion(drive: str, interrupt: Callable[[], None], function: Callable[P, T], /, *arguments: P.args, **named: P.kwargs) -> T:
         """Carries out a motion, which `interrupt` ends."""
-        del interrupt
+        del drive, interrupt
         return function(*arguments, **named)
 
     @staticmethod
@@ -48,17 +54,37 @@ class asynchronous:
     @staticmethod
     async def call(function: Callable[P, T], /, *arguments: P.args, **named: P.kwargs) -> T:
         """Carries out a call. Where its task is cancelled it goes on to its end, which no one waits for."""
-        return await _begun(lambda: function(*arguments, **named))
+        return await _Begun(function, *arguments, **named).future
 
     @staticmethod
-    async def motion(interrupt: Callable[[], None], function: Callable[P, T], /, *arguments: P.args, **named: P.kwargs) -> T:
-        """Carries out a motion. Where its task is cancelled the motion is interrupted."""
+    async def change(drive: str, what: Sequence[str], function: Callable[P, T], /, *arguments: P.args, **named: P.kwargs) -> T:
+        """Carries out a call that changes this of a drive. Where its task is cancelled a note says what became of it."""
         from asyncio import CancelledError
 
+        begun = _Begun(function, *arguments, **named)
         try:
-            return await _begun(lambda: function(*arguments, **named))
-        except CancelledError:
-            interrupt()
+            return await begun.future
+        except CancelledError as cancelled:
+            if what:
+                _note(cancelled, f"{drive}: {', '.join(what)}: {begun.fate()}")
+            raise
+
+    @staticmethod
+    async def motion(
+        drive: str, interrupt: Callable[[], None], function: Callable[P, T], /, *arguments: P.args, **named: P.kwargs
+    ) -> T:
+        """Carries out a motion. Where its task is cancelled the motion is interrupted, and a note says so."""
+        from asyncio import CancelledError
+
+        begun = _Begun(function, *arguments, **named)
+        try:
+            return await begun.future
+        except CancelledError as cancelled:
+            if begun.give_up():
+                _note(cancelled, f"{drive}: the motion was not begun")
+            else:
+                interrupt()
+                _note(cancelled, f"{drive}: the axis is stopped along its ramp")
             raise
 
     @staticmethod
@@ -66,11 +92,11 @@ class asynchronous:
         """Carries out a call that is never given up: a task that is cancelled meanwhile is so when the call has ended."""
         from asyncio import CancelledError, shield
 
-        begun = _begun(lambda: function(*arguments, **named))
+        begun = _Begun(function, *arguments, **named)
         cancelled: CancelledError | None = None
         while True:
             try:
-                result = await shield(begun)
+                result = await shield(begun.future)
             except CancelledError as error:
                 cancelled = error
                 continue
@@ -79,46 +105,81 @@ class asynchronous:
             return result
 
 
-def _begun(work: Callable[[], T]) -> asyncio.Future[T]:
-    """Begins to work in a thread that holds up neither the event loop nor the end of the program."""
-    import asyncio
+def _note(error: BaseException, text: str) -> None:
+    # from Python 3.11 on
+    if hasattr(error, "add_note"):
+        error.add_note(text)
 
-    loop = asyncio.get_running_loop()
-    future: asyncio.Future[T] = loop.create_future()
 
-    def settle(result: T | None, error: BaseException | None) -> None:
-        if future.cancelled():
-            return
-        if error is not None:
-            future.set_exception(error)
-        else:
-            future.set_result(result)  # type: ignore[arg-type]
+class _Begun(Generic[T]):
+    """Work in a thread that holds up neither the event loop nor the end of the program."""
 
-    def carry_out() -> None:
-        result: T | None = None
-        failed: BaseException | None = None
+    __slots__ = ("_claim", "_error", "_is_done", "_loop", "_work", "future")
+
+    def __init__(self, function: Callable[P, T], /, *arguments: P.args, **named: P.kwargs) -> None:
+        import asyncio
+
+        self._loop = asyncio.get_running_loop()
+        self._work = (function, arguments, named)
+        self._claim = allocate_lock()
+        self._is_done = False
+        self._error: BaseException | None = None
+        self.future: asyncio.Future[T] = self._loop.create_future()
         try:
-            result = work()
+            inbox = _IDLE.pop()
+        except IndexError:
+            inbox = SimpleQueue()
+            start_new_thread(_wait_for_work, (inbox,))
+        inbox.put(self)
+
+    def carry_out(self) -> T | None:
+        """Does the work, in its thread, unless it was given up."""
+        function, arguments, named = self._work
+        try:
+            return function(*arguments, **named) if self._claim.acquire(False) else None
         except BaseException as error:
-            failed = error
+            self._error = error
+            return None
+        finally:
+            self._is_done = True
+
+    def announce(self, result: T | None) -> None:
+        """Hands the result to the event loop."""
         try:
-            loop.call_soon_threadsafe(settle, result, failed)
+            self._loop.call_soon_threadsafe(self._settle, result)
         except RuntimeError:
             # the loop was closed meanwhile: no one waits any more
             return
 
-    try:
-        inbox = _IDLE.pop()
-    except IndexError:
-        inbox = SimpleQueue()
-        start_new_thread(_wait_for_work, (inbox,))
-    inbox.put(carry_out)
-    return future
-
-
-def _wait_for_work(inbox: SimpleQueue[Callable[[], None]]) -> None:
-    while True:
-        inbox.get()()
-        if len(_IDLE) >= _KEPT:
+    def _settle(self, result: T | None) -> None:
+        if self.future.cancelled():
             return
-        _IDLE.append(inbox)
+        if self._error is not None:
+            self.future.set_exception(self._error)
+        else:
+            self.future.set_result(result)  # type: ignore[arg-type]
+
+    def give_up(self) -> bool:
+        """Gives the work up; false where it was begun."""
+        return self._claim.acquire(False)
+
+    def fate(self) -> str:
+        """What became of a change whose task was cancelled."""
+        if self.give_up():
+            return "not written: nothing was sent"
+        if not self._is_done:
+            return "in doubt: it goes on, and the log will have its result"
+        return "written" if self._error is None else f"in doubt: {self._error}"
+
+
+def _wait_for_work(inbox: SimpleQueue[_Begun[Any]]) -> None:
+    is_kept = True
+    while is_kept:
+        begun = inbox.get()
+        result = begun.carry_out()
+        is_kept = len(_IDLE) < _KEPT
+        if is_kept:
+            # first: the event loop runs as soon as it has the result, and its next call is for this thread
+            _IDLE.append(inbox)
+        begun.announce(result)
+        del begun, result

@@ -1,8 +1,8 @@
 """Drives for asyncio. It is the source of the other face: `tools/py-sync` makes `_sync.py` of it.
 
 The calls have the names, the arguments and the results of those of the package itself. Each runs in a thread of its own, and the
-event loop goes on meanwhile. A call that is cancelled ends by itself; a motion is stopped along its ramp. The end of a block is not
-cancelled.
+event loop goes on meanwhile. A call that is cancelled ends by itself; a motion is stopped along its ramp. From Python 3.11 on a
+note of the `CancelledError` says what became of a write or a motion. A stop and the end of a block are not cancelled.
 """
 
 from __future__ import annotations
@@ -193,7 +193,11 @@ class Drive:
         self.name = name
 
     async def _do(self, call: Call[T], timeout: Duration | None = None) -> T:
-        document = await waiting.call(self._network.one, self.name, call.verb, optional_span(timeout))
+        what, limit = (self.name, call.verb), optional_span(timeout)
+        if call.is_stop:
+            document = await waiting.lasting(self._network.one, *what, limit)
+        else:
+            document = await waiting.change(self.name, call.changes, self._network.one, *what, limit)
         return call.made(json.loads(document))
 
     @overload
@@ -232,17 +236,24 @@ class Drive:
             return await self._do(read_all(parameter, errors), timeout)
         return await self._do(read_one(parameter), timeout)
 
-    async def write(self, values: Mapping[str, Value], /, *, save: bool = False, dry_run: bool = False) -> WriteReport:
+    async def write(
+        self, values: Mapping[str, Value], /, *, save: bool = False, dry_run: bool = False, beside_controller: bool = False
+    ) -> WriteReport:
         """Checks values, writes them in this order, and reads them back. With `dry_run` nothing is written.
 
         Not saved values are lost at the next power cycle.
 
+        Args:
+            save: the drive saves them over power-off.
+            beside_controller: write also where a controller has the drive. The new values count for its motion at once.
+
         Raises:
             UsageError: for a value that does not fit; nothing is written then.
+            SafetyError: when a controller has the drive; nothing is written then.
             RefusedError: when the drive refuses the only value.
             PartialWrite: when it refuses one of several; `report` has what was written.
         """
-        return await self._do(_calls.write(values, save, dry_run))
+        return await self._do(_calls.write(values, save, dry_run, beside_controller))
 
     async def describe(self, parameter: str) -> DescribeReport:
         """Returns unit, limits, choices and present values of a parameter, as the tables and the drive itself describe it."""
@@ -272,18 +283,25 @@ class Drive:
         """Reads all settings. `Backup.missing` says what could not be read."""
         return await self._do(_calls.backup())
 
-    async def diff(self, other: Backup | Drive | Path) -> DiffReport:
-        """Compares the settings of the drive with a backup, its file or another drive; reads what the other side has."""
-        if isinstance(other, Drive):
-            return await self._do(_calls.diff(await other.backup(), other.name))
-        return await self._do(_calls.diff(*backup_of(other)))
+    async def diff(self, other: Backup | Drive | Path, *, only: str | Sequence[str] = ()) -> DiffReport:
+        """Compares the settings of the drive with a backup, its file or another drive; reads what the other side has.
 
-    async def plan_restore(self, backup: Backup | Path, *, only: Sequence[str] = ()) -> RestoreReport:
+        Args:
+            only: names, with `*` for any part, and numbers of the settings that are compared; all where there is none.
+
+        Raises:
+            UsageError: for a backup of another kind of drive, and for what means no setting of either side.
+        """
+        if isinstance(other, Drive):
+            return await self._do(_calls.diff(await other.backup(), other.name, only))
+        return await self._do(_calls.diff(*backup_of(other), only))
+
+    async def plan_restore(self, backup: Backup | Path, *, only: str | Sequence[str] = ()) -> RestoreReport:
         """Returns what restoring a backup would write and leave out. Reads only."""
         return await self._do(_calls.restore(*backup_of(backup), only, False, True, None))
 
     async def restore(
-        self, backup: Backup | Path, *, only: Sequence[str] = (), save: bool = False, way_back: Path | None = None
+        self, backup: Backup | Path, *, only: str | Sequence[str] = (), save: bool = False, way_back: Path | None = None
     ) -> RestoreReport:
         """Writes the settings of a backup that differ and reads them back.
 
@@ -406,7 +424,11 @@ class Drives(Sequence[Drive]):
     async def _do(self, what: str, call: Call[T], timeout: Duration | None = None) -> dict[str, T]:
         errors: dict[str, ProfidriveError] = {}
         results: dict[str, T] = {}
-        done = await waiting.call(self._network.each, list(self._names), call.verb, optional_span(timeout))
+        asked, limit = (list(self._names), call.verb), optional_span(timeout)
+        if call.is_stop:
+            done = await waiting.lasting(self._network.each, *asked, limit)
+        else:
+            done = await waiting.change(", ".join(self._names), call.changes, self._network.each, *asked, limit)
         for name, document, error in done:
             try:
                 if document is None:
@@ -443,9 +465,11 @@ class Drives(Sequence[Drive]):
             return await self._do("read", read_all(parameter, errors), timeout)
         return await self._do("read", read_one(parameter), timeout)
 
-    async def write(self, values: Mapping[str, Value], /, *, save: bool = False, dry_run: bool = False) -> dict[str, WriteReport]:
+    async def write(
+        self, values: Mapping[str, Value], /, *, save: bool = False, dry_run: bool = False, beside_controller: bool = False
+    ) -> dict[str, WriteReport]:
         """Writes the same values to each drive."""
-        return await self._do("write", _calls.write(values, save, dry_run))
+        return await self._do("write", _calls.write(values, save, dry_run, beside_controller))
 
     async def status(self) -> dict[str, StatusReport]:
         """Reads how each drive is."""
@@ -463,10 +487,10 @@ class Drives(Sequence[Drive]):
         """Reads all settings of each drive."""
         return await self._do("backup", _calls.backup())
 
-    async def diff(self, other: Backup | Drive | Path) -> dict[str, DiffReport]:
-        """Compares the settings of each drive with a backup, its file or another drive."""
+    async def diff(self, other: Backup | Drive | Path, *, only: str | Sequence[str] = ()) -> dict[str, DiffReport]:
+        """Compares the settings of each drive with a backup, its file or another drive; see `Drive.diff`."""
         settings, name = (await other.backup(), other.name) if isinstance(other, Drive) else backup_of(other)
-        return await self._do("diff", _calls.diff(settings, name))
+        return await self._do("diff", _calls.diff(settings, name, only))
 
     async def record(
         self,
@@ -609,7 +633,7 @@ class Axis:
         return await self._move(self._axis.move_to, *order, wait, optional_span(timeout))
 
     async def _move(self, motion: Callable[P, str], *arguments: P.args, **named: P.kwargs) -> MotionReport:
-        return MotionReport._of(json.loads(await waiting.motion(self._axis.interrupt, motion, *arguments, **named)))
+        return MotionReport._of(json.loads(await waiting.motion(self._drive, self._axis.interrupt, motion, *arguments, **named)))
 
     async def home(self, *, timeout: Duration = 60.0) -> MotionReport:
         """Sets the home position by the homing procedure of the drive."""

@@ -214,6 +214,11 @@ class SweepResult:
         return Failure(row["seed"], row["variables"], results, row["digest"], self._jobs[place])
 
     @property
+    def versions(self) -> tuple[str, ...]:
+        """Versions of the package that the runs are of. There is one: a worker with another build is refused."""
+        return tuple(dict.fromkeys(job.build[0] for job in self._jobs))
+
+    @property
     def columns(self) -> tuple[str, ...]:
         """Names of the columns."""
         return tuple(name for name, _ in self._table.columns())
@@ -248,7 +253,7 @@ class _Job:
     until: float | str | None
     vary: tuple[tuple[str, str, list[str], int | None], ...]
     measure: Measure | None
-    build: tuple[str, str | None, str]
+    build: tuple[str, str | None, str, list[str]]
 
     def campaign(self) -> _profidrive.Campaign:
         """The campaign, where this computer has the same build."""

@@ -38,11 +38,11 @@ class StateChanged:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> StateChanged:
         return cls(
-            time=_number(data["time"]),
-            time_ns=data["time_ns"],
-            drive=data["drive"],
-            old=State(data["old"]),
-            new=State(data["new"]),
+            _number(data["time"]),
+            data["time_ns"],
+            data["drive"],
+            State(data["old"]),
+            State(data["new"]),
         )
 
 
@@ -58,8 +58,8 @@ class DriveMessage:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> DriveMessage:
         return cls(
-            number=data["number"],
-            text=data["text"],
+            data["number"],
+            data["text"],
         )
 
 
@@ -79,10 +79,10 @@ class FaultRaised:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> FaultRaised:
         return cls(
-            time=_number(data["time"]),
-            time_ns=data["time_ns"],
-            drive=data["drive"],
-            fault=DriveMessage._of(data["fault"]),
+            _number(data["time"]),
+            data["time_ns"],
+            data["drive"],
+            DriveMessage._of(data["fault"]),
         )
 
 
@@ -102,10 +102,10 @@ class FaultCleared:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> FaultCleared:
         return cls(
-            time=_number(data["time"]),
-            time_ns=data["time_ns"],
-            drive=data["drive"],
-            fault=DriveMessage._of(data["fault"]),
+            _number(data["time"]),
+            data["time_ns"],
+            data["drive"],
+            DriveMessage._of(data["fault"]),
         )
 
 
@@ -125,10 +125,10 @@ class WarningRaised:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> WarningRaised:
         return cls(
-            time=_number(data["time"]),
-            time_ns=data["time_ns"],
-            drive=data["drive"],
-            warning=DriveMessage._of(data["warning"]),
+            _number(data["time"]),
+            data["time_ns"],
+            data["drive"],
+            DriveMessage._of(data["warning"]),
         )
 
 
@@ -148,10 +148,10 @@ class WarningCleared:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> WarningCleared:
         return cls(
-            time=_number(data["time"]),
-            time_ns=data["time_ns"],
-            drive=data["drive"],
-            warning=DriveMessage._of(data["warning"]),
+            _number(data["time"]),
+            data["time_ns"],
+            data["drive"],
+            DriveMessage._of(data["warning"]),
         )
 
 
@@ -179,14 +179,14 @@ class Sample:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> Sample:
         return cls(
-            time=_number(data["time"]),
-            time_ns=data["time_ns"],
-            drive=data["drive"],
-            stw1=data["stw1"],
-            zsw1=data["zsw1"],
-            speed=_number(data["speed"]),
-            position=_number(data["position"]),
-            current=_number(data["current"]),
+            _number(data["time"]),
+            data["time_ns"],
+            data["drive"],
+            data["stw1"],
+            data["zsw1"],
+            _number(data["speed"]),
+            _number(data["position"]),
+            _number(data["current"]),
         )
 
 
@@ -206,10 +206,10 @@ class Connected:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> Connected:
         return cls(
-            time=_number(data["time"]),
-            time_ns=data["time_ns"],
-            drive=data["drive"],
-            controller=data["controller"],
+            _number(data["time"]),
+            data["time_ns"],
+            data["drive"],
+            data["controller"],
         )
 
 
@@ -229,10 +229,10 @@ class Exchanging:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> Exchanging:
         return cls(
-            time=_number(data["time"]),
-            time_ns=data["time_ns"],
-            drive=data["drive"],
-            telegram=data["telegram"],
+            _number(data["time"]),
+            data["time_ns"],
+            data["drive"],
+            data["telegram"],
         )
 
 
@@ -254,11 +254,11 @@ class ConnectionLost:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> ConnectionLost:
         return cls(
-            time=_number(data["time"]),
-            time_ns=data["time_ns"],
-            drive=data["drive"],
-            cause=data["cause"],
-            status=data["status"],
+            _number(data["time"]),
+            data["time_ns"],
+            data["drive"],
+            data["cause"],
+            data["status"],
         )
 
 
@@ -276,9 +276,9 @@ class Released:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> Released:
         return cls(
-            time=_number(data["time"]),
-            time_ns=data["time_ns"],
-            drive=data["drive"],
+            _number(data["time"]),
+            data["time_ns"],
+            data["drive"],
         )
 
 
@@ -300,11 +300,11 @@ class Injected:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> Injected:
         return cls(
-            time=_number(data["time"]),
-            time_ns=data["time_ns"],
-            drive=data["drive"],
-            action=data["action"],
-            duration=data["duration"],
+            _number(data["time"]),
+            data["time_ns"],
+            data["drive"],
+            data["action"],
+            data["duration"],
         )
 
 
@@ -324,10 +324,10 @@ class Restored:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> Restored:
         return cls(
-            time=_number(data["time"]),
-            time_ns=data["time_ns"],
-            drive=data["drive"],
-            action=data["action"],
+            _number(data["time"]),
+            data["time_ns"],
+            data["drive"],
+            data["action"],
         )
 
 
@@ -347,10 +347,10 @@ class TargetReached:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> TargetReached:
         return cls(
-            time=_number(data["time"]),
-            time_ns=data["time_ns"],
-            drive=data["drive"],
-            position=_number(data["position"]),
+            _number(data["time"]),
+            data["time_ns"],
+            data["drive"],
+            _number(data["position"]),
         )
 
 
@@ -368,9 +368,9 @@ class Homed:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> Homed:
         return cls(
-            time=_number(data["time"]),
-            time_ns=data["time_ns"],
-            drive=data["drive"],
+            _number(data["time"]),
+            data["time_ns"],
+            data["drive"],
         )
 
 
@@ -394,12 +394,12 @@ class SetpointIgnored:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> SetpointIgnored:
         return cls(
-            time=_number(data["time"]),
-            time_ns=data["time_ns"],
-            drive=data["drive"],
-            parameter=data["parameter"],
-            pnu=data["pnu"],
-            raw=data["raw"],
+            _number(data["time"]),
+            data["time_ns"],
+            data["drive"],
+            data["parameter"],
+            data["pnu"],
+            data["raw"],
         )
 
 
@@ -431,14 +431,14 @@ class ParameterReading:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> ParameterReading:
         return cls(
-            name=data["name"],
-            parameter=data["parameter"],
-            pnu=data["pnu"],
-            index=data["index"],
-            value=data["value"],
-            unit=data["unit"],
-            raw=data["raw"],
-            text=data["text"],
+            data["name"],
+            data["parameter"],
+            data["pnu"],
+            data["index"],
+            data["value"],
+            data["unit"],
+            data["raw"],
+            data["text"],
         )
 
     def to_pint(self, ureg: UnitRegistry[Any]) -> pint.Quantity[Any]:
@@ -481,11 +481,11 @@ class ParameterWritten:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> ParameterWritten:
         return cls(
-            time=_number(data["time"]),
-            time_ns=data["time_ns"],
-            drive=data["drive"],
-            reading=ParameterReading._of(data["reading"]),
-            by=WrittenBy(data["by"]),
+            _number(data["time"]),
+            data["time_ns"],
+            data["drive"],
+            ParameterReading._of(data["reading"]),
+            WrittenBy(data["by"]),
         )
 
 
@@ -505,10 +505,10 @@ class Note:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> Note:
         return cls(
-            time=_number(data["time"]),
-            time_ns=data["time_ns"],
-            drive=data["drive"],
-            text=data["text"],
+            _number(data["time"]),
+            data["time_ns"],
+            data["drive"],
+            data["text"],
         )
 
 
@@ -589,10 +589,10 @@ class Nearest:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> Nearest:
         return cls(
-            quantity=data["quantity"],
-            value=_number(data["value"]),
-            unit=data["unit"],
-            time=_number(data["time"]),
+            data["quantity"],
+            _number(data["value"]),
+            data["unit"],
+            _number(data["time"]),
         )
 
 
@@ -626,17 +626,17 @@ class ExpectationResult:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> ExpectationResult:
         return cls(
-            file=data["file"],
-            name=data["name"],
-            line=data["line"],
-            drive=data["drive"],
-            outcome=Outcome(data["outcome"]),
-            expected=data["expected"],
-            actual=data["actual"],
-            time=_number(data["time"]),
-            nearest=None if data["nearest"] is None else Nearest._of(data["nearest"]),
-            last_events=tuple(event_of(item) for item in data["last_events"]),
-            seed=data["seed"],
+            data["file"],
+            data["name"],
+            data["line"],
+            data["drive"],
+            Outcome(data["outcome"]),
+            data["expected"],
+            data["actual"],
+            _number(data["time"]),
+            None if data["nearest"] is None else Nearest._of(data["nearest"]),
+            tuple(event_of(item) for item in data["last_events"]),
+            data["seed"],
         )
 
     def __str__(self) -> str:

@@ -38,13 +38,13 @@ class CaptureSample:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> CaptureSample:
         return cls(
-            slot=data["slot"],
-            subslot=data["subslot"],
-            signal=data["signal"],
-            raw=data["raw"],
-            value=_number(data["value"]),
-            unit=data["unit"],
-            assumed=data.get("assumed"),
+            data["slot"],
+            data["subslot"],
+            data["signal"],
+            data["raw"],
+            _number(data["value"]),
+            data["unit"],
+            data.get("assumed"),
         )
 
 
@@ -70,13 +70,13 @@ class CaptureState:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> CaptureState:
         return cls(
-            slot=data["slot"],
-            subslot=data["subslot"],
-            telegram=data["telegram"],
-            word=data["word"],
-            before=data["before"],
-            value=data["value"],
-            speed=None if data["speed"] is None else CaptureSample._of(data["speed"]),
+            data["slot"],
+            data["subslot"],
+            data["telegram"],
+            data["word"],
+            data["before"],
+            data["value"],
+            None if data["speed"] is None else CaptureSample._of(data["speed"]),
         )
 
 
@@ -94,9 +94,9 @@ class CaptureJob:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> CaptureJob:
         return cls(
-            channel=data["channel"],
-            request_frame=data.get("request_frame"),
-            document=data,
+            data["channel"],
+            data.get("request_frame"),
+            data,
         )
 
 
@@ -114,9 +114,9 @@ class CaptureDcpResult:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> CaptureDcpResult:
         return cls(
-            option=data["option"],
-            suboption=data["suboption"],
-            error=data["error"],
+            data["option"],
+            data["suboption"],
+            data["error"],
         )
 
 
@@ -146,15 +146,15 @@ class CaptureDcp:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> CaptureDcp:
         return cls(
-            service=data["service"],
-            response=data["response"],
-            xid=data["xid"],
-            name=data["name"],
-            ip=data["ip"],
-            prefix=data["prefix"],
-            vendor=data["vendor"],
-            device=data["device"],
-            results=tuple(CaptureDcpResult._of(item) for item in data.get("results", ())),
+            data["service"],
+            data["response"],
+            data["xid"],
+            data["name"],
+            data["ip"],
+            data["prefix"],
+            data["vendor"],
+            data["device"],
+            tuple(CaptureDcpResult._of(item) for item in data.get("results", ())),
         )
 
 
@@ -176,11 +176,11 @@ class CaptureConnectSubmodule:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> CaptureConnectSubmodule:
         return cls(
-            subslot=data["subslot"],
-            ident=data["ident"],
-            input=data.get("input"),
-            output=data.get("output"),
-            state=data.get("state"),
+            data["subslot"],
+            data["ident"],
+            data.get("input"),
+            data.get("output"),
+            data.get("state"),
         )
 
 
@@ -226,23 +226,23 @@ class CaptureConnect:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> CaptureConnect:
         return cls(
-            step=data["step"],
-            api=data.get("api"),
-            ar_type=data.get("ar_type"),
-            ar_uuid=data.get("ar_uuid"),
-            command=data.get("command"),
-            cycle=data.get("cycle"),
-            direction=data.get("direction"),
-            frame_id=data.get("frame_id"),
-            ident=data.get("ident"),
-            octets=data.get("octets"),
-            session=data.get("session"),
-            slot=data.get("slot"),
-            state=data.get("state"),
-            status=data.get("status"),
-            submodules=tuple(CaptureConnectSubmodule._of(item) for item in data.get("submodules", ())),
-            telegram=data.get("telegram"),
-            watchdog=data.get("watchdog"),
+            data["step"],
+            data.get("api"),
+            data.get("ar_type"),
+            data.get("ar_uuid"),
+            data.get("command"),
+            data.get("cycle"),
+            data.get("direction"),
+            data.get("frame_id"),
+            data.get("ident"),
+            data.get("octets"),
+            data.get("session"),
+            data.get("slot"),
+            data.get("state"),
+            data.get("status"),
+            tuple(CaptureConnectSubmodule._of(item) for item in data.get("submodules", ())),
+            data.get("telegram"),
+            data.get("watchdog"),
         )
 
 
@@ -272,15 +272,15 @@ class CaptureRecord:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> CaptureRecord:
         return cls(
-            service=data["service"],
-            api=data["api"],
-            slot=data["slot"],
-            subslot=data["subslot"],
-            index=data["index"],
-            octets=data["octets"],
-            content=data.get("content"),
-            request_frame=data.get("request_frame"),
-            status=data.get("status"),
+            data["service"],
+            data["api"],
+            data["slot"],
+            data["subslot"],
+            data["index"],
+            data["octets"],
+            data.get("content"),
+            data.get("request_frame"),
+            data.get("status"),
         )
 
 
@@ -310,15 +310,15 @@ class CaptureDiagnosis:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> CaptureDiagnosis:
         return cls(
-            usi=data["usi"],
-            channel=data["channel"],
-            specifier=data["specifier"],
-            severity=data["severity"],
-            error_type=data["error_type"],
-            error=data["error"],
-            ext_error_type=data["ext_error_type"],
-            add_value=data["add_value"],
-            qualifier=data["qualifier"],
+            data["usi"],
+            data["channel"],
+            data["specifier"],
+            data["severity"],
+            data["error_type"],
+            data["error"],
+            data["ext_error_type"],
+            data["add_value"],
+            data["qualifier"],
         )
 
 
@@ -348,15 +348,15 @@ class CaptureAlarm:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> CaptureAlarm:
         return cls(
-            step=data["step"],
-            alarm_type=data.get("alarm_type"),
-            api=data.get("api"),
-            diagnosis=tuple(CaptureDiagnosis._of(item) for item in data.get("diagnosis", ())),
-            priority=data.get("priority"),
-            sequence=data.get("sequence"),
-            slot=data.get("slot"),
-            status=data.get("status"),
-            subslot=data.get("subslot"),
+            data["step"],
+            data.get("alarm_type"),
+            data.get("api"),
+            tuple(CaptureDiagnosis._of(item) for item in data.get("diagnosis", ())),
+            data.get("priority"),
+            data.get("sequence"),
+            data.get("slot"),
+            data.get("status"),
+            data.get("subslot"),
         )
 
 
@@ -380,12 +380,12 @@ class CaptureCyclic:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> CaptureCyclic:
         return cls(
-            iops=data.get("iops"),
-            problem=data.get("problem"),
-            run=data.get("run"),
-            slot=data.get("slot"),
-            status=data.get("status"),
-            valid=data.get("valid"),
+            data.get("iops"),
+            data.get("problem"),
+            data.get("run"),
+            data.get("slot"),
+            data.get("status"),
+            data.get("valid"),
         )
 
 
@@ -405,10 +405,10 @@ class CaptureNeighbour:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> CaptureNeighbour:
         return cls(
-            port=data["port"],
-            station=data["station"],
-            ip=data["ip"],
-            ttl=data["ttl"],
+            data["port"],
+            data["station"],
+            data["ip"],
+            data["ttl"],
         )
 
 
@@ -422,7 +422,7 @@ class Malformed:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> Malformed:
         return cls(
-            offset=data["offset"],
+            data["offset"],
         )
 
 
@@ -440,9 +440,9 @@ class Unanswered:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> Unanswered:
         return cls(
-            what=data["what"],
-            sent=data["sent"],
-            waited=_number(data["waited"]),
+            data["what"],
+            data["sent"],
+            _number(data["waited"]),
         )
 
 
@@ -456,7 +456,7 @@ class Unasked:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> Unasked:
         return cls(
-            what=data["what"],
+            data["what"],
         )
 
 
@@ -474,9 +474,9 @@ class Late:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> Late:
         return cls(
-            what=data["what"],
-            sent=data["sent"],
-            waited=_number(data["waited"]),
+            data["what"],
+            data["sent"],
+            _number(data["waited"]),
         )
 
 
@@ -496,10 +496,10 @@ class DuplicateName:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> DuplicateName:
         return cls(
-            name=data["name"],
-            mac=data["mac"],
-            other=data["other"],
-            ago=_number(data["ago"]),
+            data["name"],
+            data["mac"],
+            data["other"],
+            _number(data["ago"]),
         )
 
 
@@ -517,9 +517,9 @@ class DuplicateAddress:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> DuplicateAddress:
         return cls(
-            ip=data["ip"],
-            mac=data["mac"],
-            other=data["other"],
+            data["ip"],
+            data["mac"],
+            data["other"],
         )
 
 
@@ -533,7 +533,7 @@ class ArpFlood:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> ArpFlood:
         return cls(
-            frames=data["frames"],
+            data["frames"],
         )
 
 
@@ -547,7 +547,7 @@ class Lost:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> Lost:
         return cls(
-            frames=data["frames"],
+            data["frames"],
         )
 
 
@@ -563,8 +563,8 @@ class Silent:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> Silent:
         return cls(
-            gap=_number(data["gap"]),
-            watchdog=_number(data["watchdog"]),
+            _number(data["gap"]),
+            _number(data["watchdog"]),
         )
 
 
@@ -578,7 +578,7 @@ class Rejected:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> Rejected:
         return cls(
-            status=data["status"],
+            data["status"],
         )
 
 
@@ -592,7 +592,7 @@ class Unknown:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> Unknown:
         return cls(
-            service=data["service"],
+            data["service"],
         )
 
 
@@ -606,7 +606,7 @@ class Repeated:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> Repeated:
         return cls(
-            sequence=data["sequence"],
+            data["sequence"],
         )
 
 
@@ -690,8 +690,8 @@ class CaptureParty:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> CaptureParty:
         return cls(
-            mac=data["mac"],
-            ip=data["ip"],
+            data["mac"],
+            data["ip"],
         )
 
 
@@ -736,17 +736,17 @@ class CaptureEvent:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> CaptureEvent:
         return cls(
-            frame=data["frame"],
-            time=_number(data["time"]),
-            from_=data["from"],
-            to=data["to"],
-            source=CaptureParty._of(data["source"]),
-            target=CaptureParty._of(data["target"]),
-            topic=data["topic"],
-            text=data["text"],
-            weight=Weight(data["weight"]),
-            kind=data["kind"],
-            data=_CAPTURE_EVENTS[data["kind"]](data["data"]),
+            data["frame"],
+            _number(data["time"]),
+            data["from"],
+            data["to"],
+            CaptureParty._of(data["source"]),
+            CaptureParty._of(data["target"]),
+            data["topic"],
+            data["text"],
+            Weight(data["weight"]),
+            data["kind"],
+            _CAPTURE_EVENTS[data["kind"]](data["data"]),
         )
 
 
@@ -778,16 +778,16 @@ class StreamSummary:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> StreamSummary:
         return cls(
-            from_=data["from"],
-            to=data["to"],
-            direction=data["direction"],
-            frames=data["frames"],
-            cycle=_number(data["cycle"]),
-            jitter_p50=data["jitter_p50"],
-            jitter_p99=data["jitter_p99"],
-            lost=data["lost"],
-            repeated=data["repeated"],
-            longest_gap=_number(data["longest_gap"]),
+            data["from"],
+            data["to"],
+            data["direction"],
+            data["frames"],
+            _number(data["cycle"]),
+            data["jitter_p50"],
+            data["jitter_p99"],
+            data["lost"],
+            data["repeated"],
+            _number(data["longest_gap"]),
         )
 
 
@@ -815,14 +815,14 @@ class DeviceSummary:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> DeviceSummary:
         return cls(
-            device=data["device"],
-            mac=data["mac"],
-            ip=data["ip"],
-            restarts=data["restarts"],
-            connection_losses=data["connection_losses"],
-            alarms=data["alarms"],
-            faults=data["faults"],
-            streams=tuple(StreamSummary._of(item) for item in data["streams"]),
+            data["device"],
+            data["mac"],
+            data["ip"],
+            data["restarts"],
+            data["connection_losses"],
+            data["alarms"],
+            data["faults"],
+            tuple(StreamSummary._of(item) for item in data["streams"]),
         )
 
 
@@ -848,12 +848,12 @@ class FrameNode:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> FrameNode:
         return cls(
-            name=data["name"],
-            value=data["value"],
-            start=data["start"],
-            end=data["end"],
-            weight=Weight(data["weight"]),
-            children=tuple(FrameNode._of(item) for item in data.get("children", ())),
+            data["name"],
+            data["value"],
+            data["start"],
+            data["end"],
+            Weight(data["weight"]),
+            tuple(FrameNode._of(item) for item in data.get("children", ())),
         )
 
 

@@ -161,6 +161,15 @@ class Served:
         """What has happened until now, with times from the start; the last 100,000 events."""
         return tuple(event_of(event) for event in json.loads(self._running.events()))
 
+    @property
+    def trace(self) -> Trace:
+        """What has happened until now, and what the drives were like, with times from the start.
+
+        The run is one in real time: its `digest` is that of its events, and no second run has the same. `cut` is the time up to
+        which there was room.
+        """
+        return Trace(self._running.trace())
+
     def __getitem__(self, drive: str) -> ServedDrive:
         return ServedDrive(self, chosen(self.drives, drive, "drive"))
 

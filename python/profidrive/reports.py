@@ -40,10 +40,10 @@ class Word:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> Word:
         return cls(
-            number=data["number"],
-            hex=data["hex"],
-            bits=tuple(item for item in data["bits"]),
-            meaning=data["meaning"],
+            data["number"],
+            data["hex"],
+            tuple(item for item in data["bits"]),
+            data["meaning"],
         )
 
 
@@ -67,12 +67,12 @@ class ParameterError:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> ParameterError:
         return cls(
-            number=data["number"],
-            meaning=data["meaning"],
-            information=data["information"],
-            remedy=data["remedy"],
-            channel=data["channel"],
-            sent=data["sent"],
+            data["number"],
+            data["meaning"],
+            data["information"],
+            data["remedy"],
+            data["channel"],
+            data["sent"],
         )
 
 
@@ -114,21 +114,21 @@ class Parameter:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> Parameter:
         return cls(
-            pnu=data["pnu"],
-            index=data["index"],
-            number=data["number"],
-            name=data["name"],
-            value=data["value"],
-            text=data["text"],
-            unit=data["unit"],
-            meaning=data["meaning"],
-            word=None if data["word"] is None else Word._of(data["word"]),
-            beyond=data["beyond"],
-            raw=data["raw"],
-            hex=data["hex"],
-            format=data["format"],
-            writable=data["writable"],
-            error=None if data["error"] is None else ParameterError._of(data["error"]),
+            data["pnu"],
+            data["index"],
+            data["number"],
+            data["name"],
+            data["value"],
+            data["text"],
+            data["unit"],
+            data["meaning"],
+            None if data["word"] is None else Word._of(data["word"]),
+            data["beyond"],
+            data["raw"],
+            data["hex"],
+            data["format"],
+            data["writable"],
+            None if data["error"] is None else ParameterError._of(data["error"]),
         )
 
     def to_pint(self, ureg: UnitRegistry[Any]) -> pint.Quantity[Any]:
@@ -154,8 +154,8 @@ class ParametersReport:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> ParametersReport:
         return cls(
-            drive=data["drive"],
-            parameters=tuple(Parameter._of(item) for item in data["parameters"]),
+            data["drive"],
+            tuple(Parameter._of(item) for item in data["parameters"]),
         )
 
 
@@ -173,9 +173,9 @@ class Action:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> Action:
         return cls(
-            action=data["action"],
-            arguments=tuple(item for item in data["arguments"]),
-            command=data["command"],
+            data["action"],
+            tuple(item for item in data["arguments"]),
+            data["command"],
         )
 
 
@@ -193,9 +193,9 @@ class StatusNote:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> StatusNote:
         return cls(
-            cause=data["cause"],
-            sentence=data["sentence"],
-            next=data["next"],
+            data["cause"],
+            data["sentence"],
+            data["next"],
         )
 
 
@@ -226,8 +226,8 @@ class Controller:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> Controller:
         return cls(
-            connected=data["connected"],
-            name=data["name"],
+            data["connected"],
+            data["name"],
         )
 
 
@@ -245,9 +245,9 @@ class Quantity:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> Quantity:
         return cls(
-            value=_number(data["value"]),
-            unit=data["unit"],
-            beyond=data["beyond"],
+            _number(data["value"]),
+            data["unit"],
+            data["beyond"],
         )
 
     def to_pint(self, ureg: UnitRegistry[Any]) -> pint.Quantity[Any]:
@@ -275,9 +275,9 @@ class LoadStatus:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> LoadStatus:
         return cls(
-            position=None if data["position"] is None else Quantity._of(data["position"]),
-            speed=None if data["speed"] is None else Quantity._of(data["speed"]),
-            following_error=None if data["following_error"] is None else Quantity._of(data["following_error"]),
+            None if data["position"] is None else Quantity._of(data["position"]),
+            None if data["speed"] is None else Quantity._of(data["speed"]),
+            None if data["following_error"] is None else Quantity._of(data["following_error"]),
         )
 
 
@@ -299,11 +299,11 @@ class LossReaction:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> LossReaction:
         return cls(
-            action=data["action"],
-            parameter=data["parameter"],
-            setting=data["setting"],
-            after=data["after"],
-            text=data["text"],
+            data["action"],
+            data["parameter"],
+            data["setting"],
+            data["after"],
+            data["text"],
         )
 
 
@@ -339,18 +339,18 @@ class Fault:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> Fault:
         return cls(
-            number=data["number"],
-            meaning=data["meaning"],
-            reaction=data["reaction"],
-            remedy=data["remedy"],
-            parameters=tuple(item for item in data["parameters"]),
-            cleared=data["cleared"],
-            needs_restart=data["needs_restart"],
-            situation=data["situation"],
-            position=data["position"],
-            acknowledged=data["acknowledged"],
-            time=data["time"],
-            value=data["value"],
+            data["number"],
+            data["meaning"],
+            data["reaction"],
+            data["remedy"],
+            tuple(item for item in data["parameters"]),
+            data["cleared"],
+            data["needs_restart"],
+            data["situation"],
+            data["position"],
+            data["acknowledged"],
+            data["time"],
+            data["value"],
         )
 
 
@@ -370,10 +370,10 @@ class Warning:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> Warning:
         return cls(
-            number=data["number"],
-            meaning=data["meaning"],
-            remedy=data["remedy"],
-            parameters=tuple(item for item in data["parameters"]),
+            data["number"],
+            data["meaning"],
+            data["remedy"],
+            tuple(item for item in data["parameters"]),
         )
 
 
@@ -465,46 +465,46 @@ class StatusReport:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> StatusReport:
         return cls(
-            drive=data["drive"],
-            verdict=data["verdict"],
-            cause=data["cause"],
-            sentence=data["sentence"],
-            next=data["next"],
-            actions=tuple(Action._of(item) for item in data["actions"]),
-            notes=tuple(StatusNote._of(item) for item in data["notes"]),
-            state=None if data["state"] is None else DriveState(data["state"]),
-            profile=data["profile"],
-            mode=data["mode"],
-            stw1=None if data["stw1"] is None else Word._of(data["stw1"]),
-            zsw1=None if data["zsw1"] is None else Word._of(data["zsw1"]),
-            fault_bit=data["fault_bit"],
-            warning_bit=data["warning_bit"],
-            state_text=data["state_text"],
-            controller=None if data["controller"] is None else Controller._of(data["controller"]),
-            telegram=data["telegram"],
-            operating_mode=data["operating_mode"],
-            command_source=None if data["command_source"] is None else Word._of(data["command_source"]),
-            disable_sources=None if data["disable_sources"] is None else Word._of(data["disable_sources"]),
-            motion_disable_sources=None if data["motion_disable_sources"] is None else Word._of(data["motion_disable_sources"]),
-            motion_status=None if data["motion_status"] is None else Word._of(data["motion_status"]),
-            torque_allowed=data["torque_allowed"],
-            homed=data["homed"],
-            negative_switch=data["negative_switch"],
-            positive_switch=data["positive_switch"],
-            software_limits=data["software_limits"],
-            bus_voltage=None if data["bus_voltage"] is None else Quantity._of(data["bus_voltage"]),
-            current=None if data["current"] is None else Quantity._of(data["current"]),
-            torque=None if data["torque"] is None else Quantity._of(data["torque"]),
-            temperature=None if data["temperature"] is None else Quantity._of(data["temperature"]),
-            motor_temperature=None if data["motor_temperature"] is None else Quantity._of(data["motor_temperature"]),
-            speed_set=None if data["speed_set"] is None else Quantity._of(data["speed_set"]),
-            speed_actual=None if data["speed_actual"] is None else Quantity._of(data["speed_actual"]),
-            position=None if data["position"] is None else Quantity._of(data["position"]),
-            following_error=None if data["following_error"] is None else Quantity._of(data["following_error"]),
-            load=None if data["load"] is None else LoadStatus._of(data["load"]),
-            on_loss=None if data["on_loss"] is None else LossReaction._of(data["on_loss"]),
-            faults=tuple(Fault._of(item) for item in data["faults"]),
-            warnings=tuple(Warning._of(item) for item in data["warnings"]),
+            data["drive"],
+            data["verdict"],
+            data["cause"],
+            data["sentence"],
+            data["next"],
+            tuple(Action._of(item) for item in data["actions"]),
+            tuple(StatusNote._of(item) for item in data["notes"]),
+            None if data["state"] is None else DriveState(data["state"]),
+            data["profile"],
+            data["mode"],
+            None if data["stw1"] is None else Word._of(data["stw1"]),
+            None if data["zsw1"] is None else Word._of(data["zsw1"]),
+            data["fault_bit"],
+            data["warning_bit"],
+            data["state_text"],
+            None if data["controller"] is None else Controller._of(data["controller"]),
+            data["telegram"],
+            data["operating_mode"],
+            None if data["command_source"] is None else Word._of(data["command_source"]),
+            None if data["disable_sources"] is None else Word._of(data["disable_sources"]),
+            None if data["motion_disable_sources"] is None else Word._of(data["motion_disable_sources"]),
+            None if data["motion_status"] is None else Word._of(data["motion_status"]),
+            data["torque_allowed"],
+            data["homed"],
+            data["negative_switch"],
+            data["positive_switch"],
+            data["software_limits"],
+            None if data["bus_voltage"] is None else Quantity._of(data["bus_voltage"]),
+            None if data["current"] is None else Quantity._of(data["current"]),
+            None if data["torque"] is None else Quantity._of(data["torque"]),
+            None if data["temperature"] is None else Quantity._of(data["temperature"]),
+            None if data["motor_temperature"] is None else Quantity._of(data["motor_temperature"]),
+            None if data["speed_set"] is None else Quantity._of(data["speed_set"]),
+            None if data["speed_actual"] is None else Quantity._of(data["speed_actual"]),
+            None if data["position"] is None else Quantity._of(data["position"]),
+            None if data["following_error"] is None else Quantity._of(data["following_error"]),
+            None if data["load"] is None else LoadStatus._of(data["load"]),
+            None if data["on_loss"] is None else LossReaction._of(data["on_loss"]),
+            tuple(Fault._of(item) for item in data["faults"]),
+            tuple(Warning._of(item) for item in data["warnings"]),
         )
 
     @property
@@ -538,10 +538,10 @@ class LogEntry:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> LogEntry:
         return cls(
-            number=data["number"],
-            meaning=data["meaning"],
-            value=data["value"],
-            time=data["time"],
+            data["number"],
+            data["meaning"],
+            data["value"],
+            data["time"],
         )
 
 
@@ -579,19 +579,19 @@ class FaultsReport:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> FaultsReport:
         return cls(
-            drive=data["drive"],
-            counter=data["counter"],
-            counts=data["counts"],
-            situation_counter=data["situation_counter"],
-            situations=data["situations"],
-            faults_per_situation=data["faults_per_situation"],
-            fault_bit=data["fault_bit"],
-            warning_bit=data["warning_bit"],
-            faults=tuple(Fault._of(item) for item in data["faults"]),
-            acknowledged=data["acknowledged"],
-            warnings=tuple(Warning._of(item) for item in data["warnings"]),
-            log=tuple(LogEntry._of(item) for item in data["log"]),
-            history=data["history"],
+            data["drive"],
+            data["counter"],
+            data["counts"],
+            data["situation_counter"],
+            data["situations"],
+            data["faults_per_situation"],
+            data["fault_bit"],
+            data["warning_bit"],
+            tuple(Fault._of(item) for item in data["faults"]),
+            data["acknowledged"],
+            tuple(Warning._of(item) for item in data["warnings"]),
+            tuple(LogEntry._of(item) for item in data["log"]),
+            data["history"],
         )
 
 
@@ -640,24 +640,24 @@ class SettingChange:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> SettingChange:
         return cls(
-            pnu=data["pnu"],
-            index=data["index"],
-            name=data["name"],
-            old=None if data["old"] is None else Parameter._of(data["old"]),
-            new=Parameter._of(data["new"]),
-            asked=data["asked"],
-            rounded=data["rounded"],
-            minimum=data["minimum"],
-            maximum=data["maximum"],
-            step=data["step"],
-            same=data["same"],
-            sent=data["sent"],
-            written=data["written"],
-            differs=data["differs"],
-            read_back=None if data["read_back"] is None else Parameter._of(data["read_back"]),
-            can_be_kept=data["can_be_kept"],
-            saved=data["saved"],
-            error=None if data["error"] is None else ParameterError._of(data["error"]),
+            data["pnu"],
+            data["index"],
+            data["name"],
+            None if data["old"] is None else Parameter._of(data["old"]),
+            Parameter._of(data["new"]),
+            data["asked"],
+            data["rounded"],
+            data["minimum"],
+            data["maximum"],
+            data["step"],
+            data["same"],
+            data["sent"],
+            data["written"],
+            data["differs"],
+            None if data["read_back"] is None else Parameter._of(data["read_back"]),
+            data["can_be_kept"],
+            data["saved"],
+            None if data["error"] is None else ParameterError._of(data["error"]),
         )
 
 
@@ -677,10 +677,10 @@ class WriteReport:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> WriteReport:
         return cls(
-            drive=data["drive"],
-            dry_run=data["dry_run"],
-            changes=tuple(SettingChange._of(item) for item in data["changes"]),
-            controller=None if data["controller"] is None else Controller._of(data["controller"]),
+            data["drive"],
+            data["dry_run"],
+            tuple(SettingChange._of(item) for item in data["changes"]),
+            None if data["controller"] is None else Controller._of(data["controller"]),
         )
 
 
@@ -708,14 +708,14 @@ class StopReport:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> StopReport:
         return cls(
-            drive=data["drive"],
-            sent=data["sent"],
-            speed_before=None if data["speed_before"] is None else Quantity._of(data["speed_before"]),
-            speed=None if data["speed"] is None else Quantity._of(data["speed"]),
-            enabled=data["enabled"],
-            at_rest=data["at_rest"],
-            controller=None if data["controller"] is None else Controller._of(data["controller"]),
-            unread=data["unread"],
+            data["drive"],
+            data["sent"],
+            None if data["speed_before"] is None else Quantity._of(data["speed_before"]),
+            None if data["speed"] is None else Quantity._of(data["speed"]),
+            data["enabled"],
+            data["at_rest"],
+            None if data["controller"] is None else Controller._of(data["controller"]),
+            data["unread"],
         )
 
 
@@ -731,8 +731,8 @@ class Frames:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> Frames:
         return cls(
-            received=data["received"],
-            missed=data["missed"],
+            data["received"],
+            data["missed"],
         )
 
 
@@ -752,10 +752,10 @@ class PutBack:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> PutBack:
         return cls(
-            parameter=data["parameter"],
-            number=data["number"],
-            value=data["value"],
-            failed=data["failed"],
+            data["parameter"],
+            data["number"],
+            data["value"],
+            data["failed"],
         )
 
 
@@ -795,20 +795,20 @@ class MoveReport:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> MoveReport:
         return cls(
-            drive=data["drive"],
-            from_=None if data["from"] is None else Quantity._of(data["from"]),
-            target=None if data["target"] is None else Quantity._of(data["target"]),
-            speed=Quantity._of(data["speed"]),
-            acceleration=Quantity._of(data["acceleration"]),
-            deceleration=Quantity._of(data["deceleration"]),
-            duration=data["duration"],
-            satzanw=data["satzanw"],
-            mdi_tarpos=data["mdi_tarpos"],
-            mdi_velocity=data["mdi_velocity"],
-            mdi_acc=data["mdi_acc"],
-            mdi_dec=data["mdi_dec"],
-            mdi_mod=data["mdi_mod"],
-            objections=tuple(item for item in data["objections"]),
+            data["drive"],
+            None if data["from"] is None else Quantity._of(data["from"]),
+            None if data["target"] is None else Quantity._of(data["target"]),
+            Quantity._of(data["speed"]),
+            Quantity._of(data["acceleration"]),
+            Quantity._of(data["deceleration"]),
+            data["duration"],
+            data["satzanw"],
+            data["mdi_tarpos"],
+            data["mdi_velocity"],
+            data["mdi_acc"],
+            data["mdi_dec"],
+            data["mdi_mod"],
+            tuple(item for item in data["objections"]),
         )
 
 
@@ -860,25 +860,25 @@ reported nothing any more or was not under control."""
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> MotionReport:
         return cls(
-            released=data["released"],
-            rest=data["rest"],
-            coasts=data["coasts"],
-            interrupted=data["interrupted"],
-            frames=Frames._of(data["frames"]),
-            put_back=tuple(PutBack._of(item) for item in data["put_back"]),
-            reached=data["reached"],
-            speed=None if data["speed"] is None else Quantity._of(data["speed"]),
-            highest_speed=None if data["highest_speed"] is None else Quantity._of(data["highest_speed"]),
-            time_at_speed=data["time_at_speed"],
-            distance=None if data["distance"] is None else Quantity._of(data["distance"]),
-            position=None if data["position"] is None else Quantity._of(data["position"]),
-            left_to=None if data["left_to"] is None else Quantity._of(data["left_to"]),
-            homed=data["homed"],
-            task=data["task"],
-            active_task=data["active_task"],
-            plan=None if data["plan"] is None else MoveReport._of(data["plan"]),
-            acknowledged=data["acknowledged"],
-            faults=tuple(Fault._of(item) for item in data["faults"]),
+            data["released"],
+            data["rest"],
+            data["coasts"],
+            data["interrupted"],
+            Frames._of(data["frames"]),
+            tuple(PutBack._of(item) for item in data["put_back"]),
+            data["reached"],
+            None if data["speed"] is None else Quantity._of(data["speed"]),
+            None if data["highest_speed"] is None else Quantity._of(data["highest_speed"]),
+            data["time_at_speed"],
+            None if data["distance"] is None else Quantity._of(data["distance"]),
+            None if data["position"] is None else Quantity._of(data["position"]),
+            None if data["left_to"] is None else Quantity._of(data["left_to"]),
+            data["homed"],
+            data["task"],
+            data["active_task"],
+            None if data["plan"] is None else MoveReport._of(data["plan"]),
+            data["acknowledged"],
+            tuple(Fault._of(item) for item in data["faults"]),
         )
 
 
@@ -918,20 +918,20 @@ class AxisState:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> AxisState:
         return cls(
-            time=_number(data["time"]),
-            state=None if data["state"] is None else DriveState(data["state"]),
-            profile=data["profile"],
-            mode=data["mode"],
-            stw1=None if data["stw1"] is None else Word._of(data["stw1"]),
-            zsw1=None if data["zsw1"] is None else Word._of(data["zsw1"]),
-            fault_bit=data["fault_bit"],
-            warning_bit=data["warning_bit"],
-            connected=data["connected"],
-            speed_set=None if data["speed_set"] is None else Quantity._of(data["speed_set"]),
-            speed_actual=None if data["speed_actual"] is None else Quantity._of(data["speed_actual"]),
-            target=None if data["target"] is None else Quantity._of(data["target"]),
-            position=None if data["position"] is None else Quantity._of(data["position"]),
-            following_error=None if data["following_error"] is None else Quantity._of(data["following_error"]),
+            _number(data["time"]),
+            None if data["state"] is None else DriveState(data["state"]),
+            data["profile"],
+            data["mode"],
+            None if data["stw1"] is None else Word._of(data["stw1"]),
+            None if data["zsw1"] is None else Word._of(data["zsw1"]),
+            data["fault_bit"],
+            data["warning_bit"],
+            data["connected"],
+            None if data["speed_set"] is None else Quantity._of(data["speed_set"]),
+            None if data["speed_actual"] is None else Quantity._of(data["speed_actual"]),
+            None if data["target"] is None else Quantity._of(data["target"]),
+            None if data["position"] is None else Quantity._of(data["position"]),
+            None if data["following_error"] is None else Quantity._of(data["following_error"]),
         )
 
 
@@ -947,8 +947,8 @@ class ValueText:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> ValueText:
         return cls(
-            value=data["value"],
-            text=data["text"],
+            data["value"],
+            data["text"],
         )
 
 
@@ -998,25 +998,25 @@ class ParameterDescription:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> ParameterDescription:
         return cls(
-            pnu=data["pnu"],
-            index=data["index"],
-            number=data["number"],
-            name=data["name"],
-            common_names=tuple(item for item in data["common_names"]),
-            description=data["description"],
-            unit=data["unit"],
-            access=data["access"],
-            elements=data["elements"],
-            octets=data["octets"],
-            signed=data["signed"],
-            high=data["high"],
-            saved=data["saved"],
-            minimum=data["minimum"],
-            maximum=data["maximum"],
-            default=data["default"],
-            choices=tuple(ValueText._of(item) for item in data["choices"]),
-            bits=tuple(ValueText._of(item) for item in data["bits"]),
-            source=data["source"],
+            data["pnu"],
+            data["index"],
+            data["number"],
+            data["name"],
+            tuple(item for item in data["common_names"]),
+            data["description"],
+            data["unit"],
+            data["access"],
+            data["elements"],
+            data["octets"],
+            data["signed"],
+            data["high"],
+            data["saved"],
+            data["minimum"],
+            data["maximum"],
+            data["default"],
+            tuple(ValueText._of(item) for item in data["choices"]),
+            tuple(ValueText._of(item) for item in data["bits"]),
+            data["source"],
         )
 
 
@@ -1046,15 +1046,15 @@ class ReportedDescription:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> ReportedDescription:
         return cls(
-            name=data["name"],
-            data_type=data["data_type"],
-            unit=data["unit"],
-            minimum=data["minimum"],
-            maximum=data["maximum"],
-            elements=data["elements"],
-            read_only=data["read_only"],
-            changed=data["changed"],
-            texts=tuple(ValueText._of(item) for item in data["texts"]),
+            data["name"],
+            data["data_type"],
+            data["unit"],
+            data["minimum"],
+            data["maximum"],
+            data["elements"],
+            data["read_only"],
+            data["changed"],
+            tuple(ValueText._of(item) for item in data["texts"]),
         )
 
 
@@ -1081,13 +1081,13 @@ class DescribeReport:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> DescribeReport:
         return cls(
-            drive=data["drive"],
-            model=data["model"],
-            parameter=None if data["parameter"] is None else ParameterDescription._of(data["parameter"]),
-            saved_by=data["saved_by"],
-            scaling=data["scaling"],
-            reported=None if data["reported"] is None else ReportedDescription._of(data["reported"]),
-            values=tuple(Parameter._of(item) for item in data["values"]),
+            data["drive"],
+            data["model"],
+            None if data["parameter"] is None else ParameterDescription._of(data["parameter"]),
+            data["saved_by"],
+            data["scaling"],
+            None if data["reported"] is None else ReportedDescription._of(data["reported"]),
+            tuple(Parameter._of(item) for item in data["values"]),
         )
 
 
@@ -1109,11 +1109,11 @@ class ListReport:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> ListReport:
         return cls(
-            drive=data["drive"],
-            model=data["model"],
-            parameters=tuple(ParameterDescription._of(item) for item in data["parameters"]),
-            numbers=tuple(item for item in data["numbers"]),
-            values=tuple(Parameter._of(item) for item in data["values"]),
+            data["drive"],
+            data["model"],
+            tuple(ParameterDescription._of(item) for item in data["parameters"]),
+            tuple(item for item in data["numbers"]),
+            tuple(Parameter._of(item) for item in data["values"]),
         )
 
 
@@ -1151,19 +1151,19 @@ class Station:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> Station:
         return cls(
-            name=data["name"],
-            mac=data["mac"],
-            ip=data["ip"],
-            mask=data["mask"],
-            prefix=data["prefix"],
-            gateway=data["gateway"],
-            vendor_id=data["vendor_id"],
-            vendor=data["vendor"],
-            device_id=data["device_id"],
-            instance=data["instance"],
-            type=data["type"],
-            role=data["role"],
-            model=data["model"],
+            data["name"],
+            data["mac"],
+            data["ip"],
+            data["mask"],
+            data["prefix"],
+            data["gateway"],
+            data["vendor_id"],
+            data["vendor"],
+            data["device_id"],
+            data["instance"],
+            data["type"],
+            data["role"],
+            data["model"],
         )
 
 
@@ -1197,17 +1197,17 @@ class Identity:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> Identity:
         return cls(
-            vendor_id=data["vendor_id"],
-            order_id=data["order_id"],
-            serial_number=data["serial_number"],
-            hardware_revision=data["hardware_revision"],
-            software_revision=data["software_revision"],
-            profile_id=data["profile_id"],
-            profile_type=data["profile_type"],
-            function=data["function"],
-            location=data["location"],
-            installed=data["installed"],
-            descriptor=data["descriptor"],
+            data["vendor_id"],
+            data["order_id"],
+            data["serial_number"],
+            data["hardware_revision"],
+            data["software_revision"],
+            data["profile_id"],
+            data["profile_type"],
+            data["function"],
+            data["location"],
+            data["installed"],
+            data["descriptor"],
         )
 
 
@@ -1227,10 +1227,10 @@ class Neighbour:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> Neighbour:
         return cls(
-            own_port=data["own_port"],
-            port=data["port"],
-            station=data["station"],
-            mac=data["mac"],
+            data["own_port"],
+            data["port"],
+            data["station"],
+            data["mac"],
         )
 
 
@@ -1246,8 +1246,8 @@ class Submodule:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> Submodule:
         return cls(
-            subslot=data["subslot"],
-            ident=data["ident"],
+            data["subslot"],
+            data["ident"],
         )
 
 
@@ -1267,10 +1267,10 @@ class Module:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> Module:
         return cls(
-            api=data["api"],
-            slot=data["slot"],
-            ident=data["ident"],
-            submodules=tuple(Submodule._of(item) for item in data["submodules"]),
+            data["api"],
+            data["slot"],
+            data["ident"],
+            tuple(Submodule._of(item) for item in data["submodules"]),
         )
 
 
@@ -1290,10 +1290,10 @@ class Software:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> Software:
         return cls(
-            manufacturer=data["manufacturer"],
-            kind=data["kind"],
-            version=data["version"],
-            date=data["date"],
+            data["manufacturer"],
+            data["kind"],
+            data["version"],
+            data["date"],
         )
 
 
@@ -1309,8 +1309,8 @@ class ProfileVersion:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> ProfileVersion:
         return cls(
-            number=data["number"],
-            version=data["version"],
+            data["number"],
+            data["version"],
         )
 
 
@@ -1334,12 +1334,12 @@ class DriveObject:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> DriveObject:
         return cls(
-            manufacturer=data["manufacturer"],
-            kind=data["kind"],
-            version=data["version"],
-            date=data["date"],
-            class_=data["class"],
-            id=data["id"],
+            data["manufacturer"],
+            data["kind"],
+            data["version"],
+            data["date"],
+            data["class"],
+            data["id"],
         )
 
 
@@ -1357,9 +1357,9 @@ class ProfileIdentity:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> ProfileIdentity:
         return cls(
-            drive_unit=None if data["drive_unit"] is None else Software._of(data["drive_unit"]),
-            profile=None if data["profile"] is None else ProfileVersion._of(data["profile"]),
-            drive_object=None if data["drive_object"] is None else DriveObject._of(data["drive_object"]),
+            None if data["drive_unit"] is None else Software._of(data["drive_unit"]),
+            None if data["profile"] is None else ProfileVersion._of(data["profile"]),
+            None if data["drive_object"] is None else DriveObject._of(data["drive_object"]),
         )
 
 
@@ -1411,26 +1411,26 @@ class InfoReport:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> InfoReport:
         return cls(
-            drive=data["drive"],
-            model=data["model"],
-            is_drive=data["is_drive"],
-            station=Station._of(data["station"]),
-            identity=None if data["identity"] is None else Identity._of(data["identity"]),
-            state=None if data["state"] is None else DriveState(data["state"]),
-            profile=data["profile"],
-            mode=data["mode"],
-            stw1=None if data["stw1"] is None else Word._of(data["stw1"]),
-            zsw1=None if data["zsw1"] is None else Word._of(data["zsw1"]),
-            fault_bit=data["fault_bit"],
-            warning_bit=data["warning_bit"],
-            controller=None if data["controller"] is None else Controller._of(data["controller"]),
-            neighbours=tuple(Neighbour._of(item) for item in data["neighbours"]),
-            modules=tuple(Module._of(item) for item in data["modules"]),
-            route=data["route"],
-            identification=ProfileIdentity._of(data["identification"]),
-            parameters=tuple(Parameter._of(item) for item in data["parameters"]),
-            faults=tuple(Fault._of(item) for item in data["faults"]),
-            refused=tuple(item for item in data["refused"]),
+            data["drive"],
+            data["model"],
+            data["is_drive"],
+            Station._of(data["station"]),
+            None if data["identity"] is None else Identity._of(data["identity"]),
+            None if data["state"] is None else DriveState(data["state"]),
+            data["profile"],
+            data["mode"],
+            None if data["stw1"] is None else Word._of(data["stw1"]),
+            None if data["zsw1"] is None else Word._of(data["zsw1"]),
+            data["fault_bit"],
+            data["warning_bit"],
+            None if data["controller"] is None else Controller._of(data["controller"]),
+            tuple(Neighbour._of(item) for item in data["neighbours"]),
+            tuple(Module._of(item) for item in data["modules"]),
+            data["route"],
+            ProfileIdentity._of(data["identification"]),
+            tuple(Parameter._of(item) for item in data["parameters"]),
+            tuple(Fault._of(item) for item in data["faults"]),
+            tuple(item for item in data["refused"]),
         )
 
 
@@ -1493,22 +1493,22 @@ class Scanned:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> Scanned:
         return cls(
-            name=data["name"],
-            mac=data["mac"],
-            ip=data["ip"],
-            mask=data["mask"],
-            prefix=data["prefix"],
-            gateway=data["gateway"],
-            vendor_id=data["vendor_id"],
-            vendor=data["vendor"],
-            device_id=data["device_id"],
-            instance=data["instance"],
-            type=data["type"],
-            role=data["role"],
-            model=data["model"],
-            remarks=tuple(Remark(item) for item in data["remarks"]),
-            info=None if data["info"] is None else InfoReport._of(data["info"]),
-            unread=data["unread"],
+            data["name"],
+            data["mac"],
+            data["ip"],
+            data["mask"],
+            data["prefix"],
+            data["gateway"],
+            data["vendor_id"],
+            data["vendor"],
+            data["device_id"],
+            data["instance"],
+            data["type"],
+            data["role"],
+            data["model"],
+            tuple(Remark(item) for item in data["remarks"]),
+            None if data["info"] is None else InfoReport._of(data["info"]),
+            data["unread"],
         )
 
 
@@ -1522,7 +1522,7 @@ class ScanReport:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> ScanReport:
         return cls(
-            stations=tuple(Scanned._of(item) for item in data["stations"]),
+            tuple(Scanned._of(item) for item in data["stations"]),
         )
 
     def __len__(self) -> int:
@@ -1559,11 +1559,11 @@ class NameReport:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> NameReport:
         return cls(
-            mac=data["mac"],
-            old=data["old"],
-            name=data["name"],
-            permanent=data["permanent"],
-            dry_run=data["dry_run"],
+            data["mac"],
+            data["old"],
+            data["name"],
+            data["permanent"],
+            data["dry_run"],
         )
 
 
@@ -1589,13 +1589,13 @@ class IpReport:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> IpReport:
         return cls(
-            mac=data["mac"],
-            name=data["name"],
-            ip=data["ip"],
-            mask=data["mask"],
-            gateway=data["gateway"],
-            permanent=data["permanent"],
-            dry_run=data["dry_run"],
+            data["mac"],
+            data["name"],
+            data["ip"],
+            data["mask"],
+            data["gateway"],
+            data["permanent"],
+            data["dry_run"],
         )
 
 
@@ -1609,7 +1609,7 @@ class BlinkReport:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> BlinkReport:
         return cls(
-            mac=data["mac"],
+            data["mac"],
         )
 
 
@@ -1627,9 +1627,9 @@ class NumberedTask:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> NumberedTask:
         return cls(
-            number=data["number"],
-            empty=data["empty"],
-            values=tuple(Parameter._of(item) for item in data["values"]),
+            data["number"],
+            data["empty"],
+            tuple(Parameter._of(item) for item in data["values"]),
         )
 
 
@@ -1655,13 +1655,13 @@ class BackupReport:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> BackupReport:
         return cls(
-            drive=data["drive"],
-            model=data["model"],
-            file=data["file"],
-            parameters=tuple(Parameter._of(item) for item in data["parameters"]),
-            refused=tuple(Parameter._of(item) for item in data["refused"]),
-            tasks=None if data["tasks"] is None else tuple(NumberedTask._of(item) for item in data["tasks"]),
-            complete=data["complete"],
+            data["drive"],
+            data["model"],
+            data["file"],
+            tuple(Parameter._of(item) for item in data["parameters"]),
+            tuple(Parameter._of(item) for item in data["refused"]),
+            None if data["tasks"] is None else tuple(NumberedTask._of(item) for item in data["tasks"]),
+            data["complete"],
         )
 
 
@@ -1685,12 +1685,12 @@ class Difference:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> Difference:
         return cls(
-            pnu=data["pnu"],
-            index=data["index"],
-            name=data["name"],
-            connection=data["connection"],
-            left=None if data["left"] is None else Parameter._of(data["left"]),
-            right=None if data["right"] is None else Parameter._of(data["right"]),
+            data["pnu"],
+            data["index"],
+            data["name"],
+            data["connection"],
+            None if data["left"] is None else Parameter._of(data["left"]),
+            None if data["right"] is None else Parameter._of(data["right"]),
         )
 
 
@@ -1706,8 +1706,8 @@ class MotionTask:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> MotionTask:
         return cls(
-            empty=data["empty"],
-            values=tuple(Parameter._of(item) for item in data["values"]),
+            data["empty"],
+            tuple(Parameter._of(item) for item in data["values"]),
         )
 
 
@@ -1725,9 +1725,9 @@ class TaskDifference:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> TaskDifference:
         return cls(
-            number=data["number"],
-            left=MotionTask._of(data["left"]),
-            right=MotionTask._of(data["right"]),
+            data["number"],
+            MotionTask._of(data["left"]),
+            MotionTask._of(data["right"]),
         )
 
 
@@ -1747,10 +1747,10 @@ class DiffReport:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> DiffReport:
         return cls(
-            left=data["left"],
-            right=data["right"],
-            differences=tuple(Difference._of(item) for item in data["differences"]),
-            tasks=tuple(TaskDifference._of(item) for item in data["tasks"]),
+            data["left"],
+            data["right"],
+            tuple(Difference._of(item) for item in data["differences"]),
+            tuple(TaskDifference._of(item) for item in data["tasks"]),
         )
 
     def _repr_html_(self) -> str:
@@ -1774,9 +1774,9 @@ class SkippedSetting:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> SkippedSetting:
         return cls(
-            why=data["why"],
-            refused=data["refused"],
-            setting=Parameter._of(data["setting"]),
+            data["why"],
+            data["refused"],
+            Parameter._of(data["setting"]),
         )
 
 
@@ -1798,11 +1798,11 @@ class MotionTaskChange:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> MotionTaskChange:
         return cls(
-            number=data["number"],
-            old=MotionTask._of(data["old"]),
-            new=MotionTask._of(data["new"]),
-            step=data["step"],
-            error=None if data["error"] is None else ParameterError._of(data["error"]),
+            data["number"],
+            MotionTask._of(data["old"]),
+            MotionTask._of(data["new"]),
+            data["step"],
+            None if data["error"] is None else ParameterError._of(data["error"]),
         )
 
 
@@ -1834,16 +1834,16 @@ class RestoreReport:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> RestoreReport:
         return cls(
-            drive=data["drive"],
-            file=data["file"],
-            dry_run=data["dry_run"],
-            complete=data["complete"],
-            saved=data["saved"],
-            way_back=data["way_back"],
-            changes=tuple(SettingChange._of(item) for item in data["changes"]),
-            skipped=tuple(SkippedSetting._of(item) for item in data["skipped"]),
-            tasks=tuple(MotionTaskChange._of(item) for item in data["tasks"]),
-            tasks_left_out=data["tasks_left_out"],
+            data["drive"],
+            data["file"],
+            data["dry_run"],
+            data["complete"],
+            data["saved"],
+            data["way_back"],
+            tuple(SettingChange._of(item) for item in data["changes"]),
+            tuple(SkippedSetting._of(item) for item in data["skipped"]),
+            tuple(MotionTaskChange._of(item) for item in data["tasks"]),
+            data["tasks_left_out"],
         )
 
 
@@ -1865,11 +1865,11 @@ class GsdmlProblem:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> GsdmlProblem:
         return cls(
-            severity=data["severity"],
-            rule=data["rule"],
-            line=data["line"],
-            column=data["column"],
-            message=data["message"],
+            data["severity"],
+            data["rule"],
+            data["line"],
+            data["column"],
+            data["message"],
         )
 
 
@@ -1893,12 +1893,12 @@ class GsdmlCheckReport:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> GsdmlCheckReport:
         return cls(
-            file=data["file"],
-            sound=data["sound"],
-            usable=data["usable"],
-            problems=tuple(GsdmlProblem._of(item) for item in data["problems"]),
-            left_out=data["left_out"],
-            pictures=tuple(item for item in data["pictures"]),
+            data["file"],
+            data["sound"],
+            data["usable"],
+            tuple(GsdmlProblem._of(item) for item in data["problems"]),
+            data["left_out"],
+            tuple(item for item in data["pictures"]),
         )
 
 
@@ -1916,9 +1916,9 @@ class GsdmlItem:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> GsdmlItem:
         return cls(
-            type=data["type"],
-            octets=data["octets"],
-            name=data["name"],
+            data["type"],
+            data["octets"],
+            data["name"],
         )
 
 
@@ -1950,16 +1950,16 @@ class GsdmlSubmodule:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> GsdmlSubmodule:
         return cls(
-            id=data["id"],
-            name=data["name"],
-            subslots=data["subslots"],
-            pluggable=data["pluggable"],
-            ident=data["ident"],
-            api=data["api"],
-            input=data["input"],
-            output=data["output"],
-            input_items=tuple(GsdmlItem._of(item) for item in data["input_items"]),
-            output_items=tuple(GsdmlItem._of(item) for item in data["output_items"]),
+            data["id"],
+            data["name"],
+            data["subslots"],
+            data["pluggable"],
+            data["ident"],
+            data["api"],
+            data["input"],
+            data["output"],
+            tuple(GsdmlItem._of(item) for item in data["input_items"]),
+            tuple(GsdmlItem._of(item) for item in data["output_items"]),
         )
 
 
@@ -1975,8 +1975,8 @@ class GsdmlSystemSubmodule:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> GsdmlSystemSubmodule:
         return cls(
-            subslot=data["subslot"],
-            ident=data["ident"],
+            data["subslot"],
+            data["ident"],
         )
 
 
@@ -2028,26 +2028,26 @@ class GsdmlAccessPoint:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> GsdmlAccessPoint:
         return cls(
-            id=data["id"],
-            name=data["name"],
-            order_number=data["order_number"],
-            hardware=data["hardware"],
-            software=data["software"],
-            module_ident=data["module_ident"],
-            slots=data["slots"],
-            min_device_interval=data["min_device_interval"],
-            instance=data["instance"],
-            reset_modes=data["reset_modes"],
-            max_input=data["max_input"],
-            max_output=data["max_output"],
-            submodules=tuple(GsdmlSubmodule._of(item) for item in data["submodules"]),
-            interface=None if data["interface"] is None else GsdmlSystemSubmodule._of(data["interface"]),
-            ports=tuple(GsdmlSystemSubmodule._of(item) for item in data["ports"]),
-            conformance_class=data["conformance_class"],
-            modules=tuple(item for item in data["modules"]),
-            rt_classes=tuple(item for item in data["rt_classes"]),
-            start_up=tuple(item for item in data["start_up"]),
-            protocols=tuple(item for item in data["protocols"]),
+            data["id"],
+            data["name"],
+            data["order_number"],
+            data["hardware"],
+            data["software"],
+            data["module_ident"],
+            data["slots"],
+            data["min_device_interval"],
+            data["instance"],
+            data["reset_modes"],
+            data["max_input"],
+            data["max_output"],
+            tuple(GsdmlSubmodule._of(item) for item in data["submodules"]),
+            None if data["interface"] is None else GsdmlSystemSubmodule._of(data["interface"]),
+            tuple(GsdmlSystemSubmodule._of(item) for item in data["ports"]),
+            data["conformance_class"],
+            tuple(item for item in data["modules"]),
+            tuple(item for item in data["rt_classes"]),
+            tuple(item for item in data["start_up"]),
+            tuple(item for item in data["protocols"]),
         )
 
 
@@ -2071,12 +2071,12 @@ class GsdmlModule:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> GsdmlModule:
         return cls(
-            id=data["id"],
-            name=data["name"],
-            ident=data["ident"],
-            info=data["info"],
-            slots=data["slots"],
-            submodules=tuple(GsdmlSubmodule._of(item) for item in data["submodules"]),
+            data["id"],
+            data["name"],
+            data["ident"],
+            data["info"],
+            data["slots"],
+            tuple(GsdmlSubmodule._of(item) for item in data["submodules"]),
         )
 
 
@@ -2110,17 +2110,17 @@ class GsdmlShowReport:
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> GsdmlShowReport:
         return cls(
-            schema_version=data["schema_version"],
-            vendor_id=data["vendor_id"],
-            device_id=data["device_id"],
-            vendor=data["vendor"],
-            info=data["info"],
-            main_family=data["main_family"],
-            product_family=data["product_family"],
-            access_points=tuple(GsdmlAccessPoint._of(item) for item in data["access_points"]),
-            modules=tuple(GsdmlModule._of(item) for item in data["modules"]),
-            texts={key: item for key, item in data["texts"].items()},
-            languages={key: {key: item for key, item in item.items()} for key, item in data["languages"].items()},
+            data["schema_version"],
+            data["vendor_id"],
+            data["device_id"],
+            data["vendor"],
+            data["info"],
+            data["main_family"],
+            data["product_family"],
+            tuple(GsdmlAccessPoint._of(item) for item in data["access_points"]),
+            tuple(GsdmlModule._of(item) for item in data["modules"]),
+            {key: item for key, item in data["texts"].items()},
+            {key: {key: item for key, item in item.items()} for key, item in data["languages"].items()},
         )
 
 

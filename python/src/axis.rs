@@ -18,8 +18,9 @@ use pyo3::prelude::*;
 
 use crate::attention::LOOK;
 use crate::errors::{Failure, closed, of_motion};
+use crate::joined::locked;
 use crate::log::{self, Logger};
-use crate::network::{Place, locked};
+use crate::network::Place;
 use crate::time::{Span, seconds};
 use crate::trace::document;
 

@@ -17,7 +17,7 @@ use serde_json::json;
 
 use crate::attention::LOOK;
 use crate::errors::Failure;
-use crate::network::locked;
+use crate::joined::locked;
 use crate::time::Span;
 use crate::trace::document;
 

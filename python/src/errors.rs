@@ -84,6 +84,14 @@ impl Failure {
         )
     }
 
+    /// Returns the error with what to do about it.
+    pub fn hinted(self, hint: &str) -> Self {
+        Self {
+            hint: Some(hint.to_owned()),
+            ..self
+        }
+    }
+
     /// Returns the error with the drive that it is about.
     pub fn about(self, drive: &str) -> Self {
         self.with(json!({ "drive": drive }))

@@ -9,6 +9,7 @@ mod campaign;
 mod capture;
 mod description;
 mod errors;
+mod joined;
 mod log;
 mod network;
 mod plant;
@@ -25,12 +26,18 @@ use pyo3::prelude::*;
 
 /// Version, and how the binding was built.
 #[pyfunction]
-fn build_info() -> (&'static str, Option<&'static str>, &'static str) {
+fn build_info() -> (
+    &'static str,
+    Option<&'static str>,
+    &'static str,
+    Vec<&'static str>,
+) {
     let profile = if cfg!(debug_assertions) { "dev" } else { "release" };
     (
         env!("CARGO_PKG_VERSION"),
         option_env!("PROFIDRIVE_COMMIT"),
         profile,
+        profidrive::FEATURES.to_vec(),
     )
 }
 
@@ -55,7 +62,7 @@ fn _profidrive(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<plant::Plant>()?;
     module.add_class::<world::World>()?;
     module.add_function(wrap_pyfunction!(network::open, module)?)?;
-    module.add_function(wrap_pyfunction!(network::leave_all, module)?)?;
+    module.add_function(wrap_pyfunction!(joined::leave_all, module)?)?;
     module.add_function(wrap_pyfunction!(axis::hold_together, module)?)?;
     module.add_function(wrap_pyfunction!(axis::release_together, module)?)?;
     module.add_function(wrap_pyfunction!(description::gsdml_check, module)?)?;

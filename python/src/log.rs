@@ -13,7 +13,7 @@ use profidrive::motion;
 use pyo3::prelude::*;
 use pyo3::types::PyModule;
 
-use crate::network::locked;
+use crate::joined::locked;
 
 /// Records that wait at most.
 const ROOM: usize = 1024;

@@ -16,7 +16,8 @@ use serde_json::{Value, json};
 
 use crate::attention::LOOK;
 use crate::errors::{Failure, explained, of_client};
-use crate::network::{Place, locked};
+use crate::joined::locked;
+use crate::network::Place;
 use crate::table::{Table, write};
 use crate::time::seconds;
 

@@ -7,26 +7,30 @@ use std::thread::{JoinHandle, spawn};
 
 use ::network::system::Stop;
 use ::plant::control_socket::{InjectRequest, target};
-use ::plant::host::{Drives, Event, EventSender, Host, HostConfig, HostError, StatePlace, events};
+use ::plant::host::{Drives, Event, EventSender, Host, HostConfig, HostError, HostTrace, StatePlace, events};
 use ::plant::{ExpectationResult, PlantPlan};
 use client::ErrorKind;
 use pyo3::prelude::*;
 
 use crate::attention::LOOK;
 use crate::errors::{Failure, explained};
+use crate::joined::locked;
 use crate::log::{self, Logger};
-use crate::network::locked;
 use crate::time::Span;
-use crate::trace::document;
+use crate::trace::{Trace, document};
 
 /// Events that are kept.
 const KEPT: usize = 100_000;
+/// The most octets of the trace, about. It is copied for each look.
+const TRACE: usize = 64 << 20;
 
 type Ended = Result<Vec<ExpectationResult>, HostError>;
 
 /// Drives that run on an interface until it is closed.
 #[pyclass(frozen, module = "profidrive._profidrive")]
 pub struct Served {
+    plan: Arc<PlantPlan>,
+    trace: HostTrace,
     stop: Stop,
     happened: Arc<Mutex<VecDeque<::plant::Event>>>,
     thread: Mutex<Option<JoinHandle<Ended>>>,
@@ -36,7 +40,9 @@ impl Served {
     /// Starts the drives of a plant; they are ready when it returns.
     pub fn start(plan: &PlantPlan, interface: String, state: Option<PathBuf>) -> Result<Self, Failure> {
         let stop = Stop::new().map_err(|error| Failure::new(ErrorKind::Local, error.to_string()))?;
+        let trace = HostTrace::default();
         let config = HostConfig {
+            trace: Some((trace.clone(), TRACE)),
             interface,
             drives: Drives::Plans(plan.drives.clone()),
             seed: plan.seed,
@@ -64,6 +70,8 @@ impl Served {
         let kept = Arc::clone(&happened);
         spawn(move || received.for_each(|event| keep(&kept, &event)));
         Ok(Self {
+            plan: Arc::new(plan.clone()),
+            trace,
             stop,
             happened,
             thread: Mutex::new(Some(thread)),
@@ -117,6 +125,13 @@ impl Served {
     /// What has happened, a JSON list; the last 100,000 events.
     fn events(&self, py: Python<'_>) -> PyResult<String> {
         Ok(py.detach(|| document(&*locked(&self.happened)))?)
+    }
+
+    /// What has happened until now, and what the drives were like.
+    fn trace(&self, py: Python<'_>) -> PyResult<Trace> {
+        let trace = py.detach(|| self.trace.until_now());
+        let trace = trace.ok_or_else(|| Failure::internal(&"the drives keep no trace"))?;
+        Ok(Trace::kept(Arc::clone(&self.plan), trace))
     }
 
     /// Ends the drives.

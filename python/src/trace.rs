@@ -45,6 +45,15 @@ impl Trace {
         }
     }
 
+    /// A trace that does not grow.
+    pub fn kept(plan: Arc<PlantPlan>, trace: ::plant::Trace) -> Self {
+        Self {
+            plan,
+            cell: Arc::new(Cell::from(trace)),
+            running: None,
+        }
+    }
+
     fn get(&self, py: Python<'_>) -> Result<&::plant::Trace, Failure> {
         if let (None, Some(running)) = (self.cell.get(), &self.running) {
             py.detach(|| fill(&self.cell, running));

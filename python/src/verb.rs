@@ -1,6 +1,7 @@
 //! What is done with a drive, or with each of many.
 
 use std::path::PathBuf;
+use std::time::Duration;
 
 use client::backup::{Backup, Pattern};
 use client::change::Choice;
@@ -17,9 +18,11 @@ use serde_json::json;
 
 use crate::errors::{Failure, explained, of_client, of_motion};
 use crate::log::{self, Logger};
-use crate::network::STOP;
 use crate::trace::document;
 use crate::words::Calls;
+
+/// How long a stop may take that is not that of an axis under control.
+const STOP: Duration = Duration::from_secs(10);
 
 /// A call for a drive. It returns a document.
 #[pyclass(frozen, module = "profidrive._profidrive")]
@@ -44,13 +47,21 @@ enum What {
     },
     Stop(StopWay),
     Backup,
-    Diff(Box<Backup>, String),
+    Diff(Box<Backup>, String, Vec<Pattern>),
     Restore(Box<Backup>, Restore, String, Option<PathBuf>),
 }
 
 fn reference(name: &str) -> Result<ParameterReference, Failure> {
     let reference = name.parse::<ParameterReference>();
     reference.map_err(|error| of_client(&Error::from(ParameterProblem::from(error))))
+}
+
+fn patterns(only: &[String]) -> Result<Vec<Pattern>, Failure> {
+    let pattern = |one: &String| {
+        let pattern = one.parse::<Pattern>();
+        pattern.map_err(|error| Failure::usage(format!("{one}: {error}")))
+    };
+    only.iter().map(pattern).collect()
 }
 
 fn settings_of(text: &str) -> Result<Box<Backup>, Failure> {
@@ -70,13 +81,23 @@ impl Verb {
     }
 
     #[staticmethod]
-    fn write(values: Vec<(String, String)>, save: bool, dry_run: bool) -> PyResult<Self> {
+    fn write(
+        values: Vec<(String, String)>,
+        save: bool,
+        dry_run: bool,
+        beside_controller: bool,
+    ) -> PyResult<Self> {
         let assignments = values.iter().map(|(name, value)| {
             let assignment = format!("{name}={value}").parse::<Assignment>();
             assignment.map_err(|problem| of_client(&Error::from(problem)))
         });
         let assignments = assignments.collect::<Result<_, _>>()?;
-        Ok(Self(What::Write(assignments, Write { save, dry_run })))
+        let wanted = Write {
+            save,
+            dry_run,
+            beside_controller,
+        };
+        Ok(Self(What::Write(assignments, wanted)))
     }
 
     #[staticmethod]
@@ -119,10 +140,10 @@ impl Verb {
         Self(What::Backup)
     }
 
-    /// Compares the settings of the drive with those of a text.
+    /// Compares the settings of the drive with those of a text, or those of them that are meant.
     #[staticmethod]
-    fn diff(text: &str, name: String) -> PyResult<Self> {
-        Ok(Self(What::Diff(settings_of(text)?, name)))
+    fn diff(text: &str, name: String, only: Vec<String>) -> PyResult<Self> {
+        Ok(Self(What::Diff(settings_of(text)?, name, patterns(&only)?)))
     }
 
     /// Writes the settings of a text; with `dry_run` nothing.
@@ -135,12 +156,8 @@ impl Verb {
         dry_run: bool,
         way_back: Option<PathBuf>,
     ) -> PyResult<Self> {
-        let only = only.iter().map(|one| {
-            let pattern = one.parse::<Pattern>();
-            pattern.map_err(|error| Failure::usage(format!("{one}: {error}")))
-        });
         let choice = Choice {
-            only: only.collect::<Result<_, _>>()?,
+            only: patterns(&only)?,
             ..Choice::default()
         };
         let wanted = Restore {
@@ -233,10 +250,11 @@ impl Verb {
                 document(&report.map_err(|error| of_motion(&error))?)
             }
             What::Backup => backup(session, drive).await,
-            What::Diff(file, name) => {
+            What::Diff(file, name, only) => {
                 let found = settings::as_in(session, drive, file).await;
                 let found = found.map_err(|error| of_compare(&error))?;
-                let comparison = Comparison::new(&found, file).map_err(|error| of_compare(&error))?;
+                let comparison = Comparison::new(&found, file).and_then(|comparison| comparison.only(only));
+                let comparison = comparison.map_err(|error| of_compare(&error))?;
                 document(&comparison.report(&drive.label(), name, &Calls))
             }
             What::Restore(file, wanted, name, way_back) => {
@@ -290,6 +308,9 @@ async fn read(
     document(&json!({ "report": report, "problems": problems }))
 }
 
+/// What to do about a drive that a controller has.
+const BESIDE: &str = "with beside_controller=True it is written all the same: the new values count for the motion of the controller at once";
+
 async fn write(
     session: &mut Session,
     drive: &mut Drive,
@@ -297,7 +318,10 @@ async fn write(
     wanted: Write,
 ) -> Result<String, Failure> {
     let written = parameters::write(session, drive, assignments, wanted).await;
-    let written = written.map_err(|error| of_client(&error))?;
+    let written = written.map_err(|error| match &error {
+        Error::AtWork { .. } => of_client(&error).hinted(BESIDE),
+        _ => of_client(&error),
+    })?;
     let report = written.report(drive, &Calls);
     let problems = written.problems(&drive.label());
     let Some(first) = problems.first() else {

@@ -16,8 +16,9 @@ use serde_json::json;
 
 use crate::attention::LOOK;
 use crate::errors::{Failure, explained, of_world};
+use crate::joined::{Joined, locked};
 use crate::log;
-use crate::network::{Joined, Network, locked};
+use crate::network::Network;
 use crate::table::unwritten;
 use crate::time::{Span, seconds};
 use crate::trace::{Cell, Trace, event, fill, inline, lost, results};

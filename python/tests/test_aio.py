@@ -7,6 +7,7 @@ import subprocess
 import sys
 from collections.abc import Coroutine
 from pathlib import Path
+from queue import SimpleQueue
 from typing import Any, TypeVar
 
 import pytest
@@ -14,8 +15,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import profidrive
-from profidrive import Plant, State, World, aio
-from profidrive.errors import NotReached, ProfidriveError, UnknownParameter
+from profidrive import Plant, State, World, _waiting, aio
+from profidrive.errors import InterruptedCall, NotReached, ProfidriveError, UnknownParameter
 
 T = TypeVar("T")
 
@@ -148,6 +149,84 @@ def test_a_cancelled_task_leaves_the_block_first(world: World) -> None:
         with pytest.raises(asyncio.CancelledError):
             await task
         assert abs(world["akd-1"].speed) < 1, "a second one does not leave the stop"
+
+    run(work())
+
+
+def test_a_cancelled_write_says_what_became_of_it(world: World) -> None:
+    async def work() -> list[str]:
+        drive = aio.network_of(world)["akd-1"]
+        await drive.read("DRV.ACC")
+        notes = []
+        for values, dry_run in (({"DRV.ACC": 5000.0, "DRV.DEC": 4000.0}, False), ({"DRV.ACC": 1000.0}, True)):
+            writing = asyncio.create_task(drive.write(values, dry_run=dry_run))
+            await asyncio.sleep(0)
+            writing.cancel()
+            with pytest.raises(asyncio.CancelledError) as cancelled:
+                await writing
+            notes.append(getattr(cancelled.value, "__notes__", []))
+        # what was sent goes on
+        while (await drive.read("DRV.DEC")).value == 3000:
+            await asyncio.sleep(0)
+        assert notes[1] == []
+        return notes[0]
+
+    notes = run(work())
+    if sys.version_info >= (3, 11):
+        [note] = notes
+        assert note.startswith("akd-1: DRV.ACC, DRV.DEC: ")
+        assert note.split(": ")[2] in ("in doubt", "written")
+
+
+def test_a_change_that_was_not_begun_is_dropped() -> None:
+    """Its thread has other work until after it was cancelled."""
+    inbox: SimpleQueue[_waiting._Begun[Any]] = SimpleQueue()
+
+    async def work() -> tuple[list[str], list[int]]:
+        written: list[int] = []
+        _waiting._IDLE.append(inbox)
+        writing = asyncio.create_task(_waiting.asynchronous.change("akd-1", ["DRV.ACC"], written.append, 1))
+        await asyncio.sleep(0)
+        writing.cancel()
+        with pytest.raises(asyncio.CancelledError) as cancelled:
+            await writing
+        inbox.get(timeout=1).carry_out()
+        return getattr(cancelled.value, "__notes__", []), written
+
+    notes, written = run(work())
+    assert written == []
+    if sys.version_info >= (3, 11):
+        assert notes == ["akd-1: DRV.ACC: not written: nothing was sent"]
+
+
+def test_a_cancelled_motion_says_that_its_axis_is_stopped(world: World) -> None:
+    async def work() -> list[str]:
+        async with aio.network_of(world)["akd-1"].control(max_speed="600rpm") as axis:
+            moving = asyncio.create_task(axis.run("300rpm", for_="100000s"))
+            while abs(axis.speed or 0) < 250:
+                await asyncio.sleep(0)
+            moving.cancel()
+            with pytest.raises(asyncio.CancelledError) as cancelled:
+                await moving
+            return getattr(cancelled.value, "__notes__", [])
+
+    notes = run(work())
+    if sys.version_info >= (3, 11):
+        assert notes == ["akd-1: the axis is stopped along its ramp"]
+
+
+def test_a_stop_is_not_cancelled(world: World) -> None:
+    async def work() -> None:
+        network = aio.network_of(world)
+        with pytest.raises(InterruptedCall):
+            async with network["akd-1"].control(max_speed="600rpm") as axis:
+                await axis.run("300rpm")
+                stopping = asyncio.create_task(network["akd-1"].stop())
+                await asyncio.sleep(0)
+                stopping.cancel()
+                with pytest.raises(asyncio.CancelledError):
+                    await stopping
+                assert abs(axis.speed or 0) < 1
 
     run(work())
 

@@ -75,6 +75,7 @@ def test_rows_do_not_depend_on_the_executor_or_the_size_of_chunks(plant: Plant, 
     seen: list[Progress] = []
     first = sweep(plant, seeds=range(12), vary=vary, until="6s", measure=highest, executor=pool, chunk=5, progress=seen.append)
     assert len(first) == 24
+    assert first.versions == (build_info().version,)
     assert (seen[-1].done, seen[-1].total) == (24, 24)
     with ThreadPoolExecutor(2) as threads:
         second = sweep(PRESS, seeds=range(12), vary=vary, until="6s", measure=highest, executor=threads)
@@ -201,7 +202,7 @@ def test_a_killed_worker_loses_nothing_that_is_done(plant: Plant, tmp_path: Path
 
 def test_a_worker_with_another_version_is_refused(plant: Plant) -> None:
     [job] = _jobs(plant, "10ms", {}, None)
-    other = type(job)(job.text, job.until, job.vary, None, ("0.0.1", None, "release"))
+    other = type(job)(job.text, job.until, job.vary, None, ("0.0.1", None, "release", []))
     with pytest.raises(UsageError, match=rf"{re.escape(build_info().version)}.*0\.0\.1"):
         _run(other, [1])
 

@@ -99,6 +99,7 @@ def test_the_build_is_described() -> None:
     assert version is not None
     assert info.version == version[1]
     assert info.profile in ("dev", "release")
+    assert {"gsdml", "raw-ethernet", "recording", "simulate"} <= set(info.features)
 
 
 @pytest.mark.parametrize(("page", "tests"), [("python/README.md", 3), ("docs/src/python.md", 5)])

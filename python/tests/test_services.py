@@ -25,6 +25,8 @@ from profidrive.errors import (
 from profidrive.events import ParameterWritten
 from profidrive.units import to_pint
 
+PRESS = Path(__file__).parents[2] / "examples" / "plants" / "press.toml"
+
 
 @pytest.fixture
 def world() -> World:
@@ -195,6 +197,12 @@ def test_settings_are_saved_compared_and_restored(world: World, tmp_path: Path) 
     differences = drive.diff(file).differences
     assert [one.name for one in differences] == ["DRV.ACC", "DRV.DEC"]
     assert [one.name for one in drive.diff(world.network["akd-2"]).differences] == ["DRV.ACC", "DRV.DEC"]
+    assert [one.name for one in drive.diff(file, only="DRV.A*").differences] == ["DRV.ACC"]
+    assert [one.name for one in drive.diff(file, only=["p922", "DRV.DEC"]).differences] == ["DRV.DEC"]
+    compared = world.network.select("akd-*").diff(saved, only="DRV.DEC")
+    assert {name: len(report.differences) for name, report in compared.items()} == {"akd-1": 1, "akd-2": 0}
+    with pytest.raises(UsageError, match=r"DVR\.ACC means no setting"):
+        drive.diff(file, only="DVR.ACC")
     planned = drive.plan_restore(file, only=["DRV.ACC"])
     assert planned.dry_run
     assert [change.name for change in planned.changes] == ["DRV.ACC"]
@@ -227,6 +235,33 @@ def test_a_drive_with_a_controller_is_not_restored_and_faults_are_acknowledged(w
     assert acknowledged.acknowledged
     assert drive.faults().faults == ()
     assert drive.ack().acknowledged is False
+
+
+def test_a_drive_of_a_controller_is_written_by_consent_only() -> None:
+    world = Plant.from_file(PRESS).start()
+    world.run(until="3s")
+    drive = world.network["press-1"]
+    with pytest.raises(SafetyError, match="is not written") as refused:
+        drive.write({"DRV.ACC": "4000rpm/s"})
+    assert refused.value.owner == "plc-1"
+    assert "beside_controller=True" in str(refused.value.hint)
+    planned = drive.write({"DRV.ACC": "4000rpm/s"}, dry_run=True).controller
+    assert planned is not None
+    assert planned.name == "plc-1"
+    assert world.trace.only(ParameterWritten) == ()
+    drive.write({"DRV.ACC": "4000rpm/s"}, beside_controller=True)
+    assert drive.read("DRV.ACC").value == pytest.approx(4000, abs=2)
+    with pytest.raises(DriveGroupError) as failed:
+        world.network.select("all").write({"DRV.ACC": "3000rpm/s"})
+    assert "press-1" in failed.value.errors
+
+
+def test_the_own_axis_is_no_other_controller(world: World) -> None:
+    drive = world.network["akd-1"]
+    with drive.control(max_speed="600rpm") as axis:
+        axis.run("100rpm")
+        drive.write({"DRV.ACC": "4000rpm/s"})
+    assert drive.read("DRV.ACC").value == pytest.approx(4000, abs=2)
 
 
 def test_signals_are_recorded_as_a_table(world: World, tmp_path: Path) -> None:

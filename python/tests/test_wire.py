@@ -366,6 +366,13 @@ with plant.serve("dev0") as served, profidrive.open("ctl0", timeout="5s") as net
         pass
     assert [event.fault.number for event in served["akd-1"].events if isinstance(event, FaultRaised)] == [439]
     assert len([event for event in served.events if isinstance(event, Injected)]) == 2
+    first, trace = served.trace, served.trace
+    assert [event.fault.number for event in trace.only(FaultRaised)] == [439]
+    # the axis has turned, and stands since
+    speeds = trace.of("akd-1").samples["speed"]
+    assert speeds.max() > 290 and abs(trace.at(trace.end)["akd-1"].speed) < 1
+    trace.expect({"always": True, "drive": "akd-1", "speed": "-20rpm..330rpm"}, {"within": "60s", "drive": "akd-1", "fault": 439})
+    assert trace.digest == first.digest and trace.cut is None and trace.end > first.end > 0.5
     try:
         served["akd-1"].inject("load=x")
     except UsageError as error:

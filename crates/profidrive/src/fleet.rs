@@ -298,7 +298,8 @@ pub async fn each<T, E: From<DriveError>>(
         async move {
             match drive {
                 Ok(mut drive) => {
-                    let result = work(&mut session, &mut drive).await;
+                    // in a box: work on a drive has thousands of octets, and that of many would be moved from place to place
+                    let result = Box::pin(work(&mut session, &mut drive)).await;
                     let drive = Some(drive);
                     Member { name, drive, result }
                 }

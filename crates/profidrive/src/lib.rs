@@ -104,6 +104,26 @@ mod simulate;
 mod state_folder;
 pub mod traffic;
 
+/// The features that this library was built with, by name.
+///
+/// ```
+/// assert_eq!(profidrive::FEATURES.contains(&"gsdml"), cfg!(feature = "gsdml"));
+/// ```
+pub const FEATURES: &[&str] = &[
+    #[cfg(feature = "documents")]
+    "documents",
+    #[cfg(feature = "gsdml")]
+    "gsdml",
+    #[cfg(feature = "raw-ethernet")]
+    "raw-ethernet",
+    #[cfg(feature = "recording")]
+    "recording",
+    #[cfg(feature = "schema")]
+    "schema",
+    #[cfg(feature = "simulate")]
+    "simulate",
+];
+
 pub use carrier::{CarrierError, serial_settings};
 /// The services of a drive, and the types of this library that come from there.
 pub use client;

@@ -203,7 +203,9 @@ impl Running {
         traffic: Option<Traffic>,
     ) -> Result<Network, OpenError> {
         let ip = self.plan.client_address()?;
-        let config = ControllerConfig::new(MAC, ip, "profidrive", self.plan.seed);
+        // not that of a controller of the plant, which has the seed of the plant or one near it: both would give their connections the
+        // same identifiers, and a drive refuses the second one
+        let config = ControllerConfig::new(MAC, ip, "profidrive", !self.plan.seed);
         let plant = self.plant.clone();
         let network = if real_time {
             let start = |engine| ByTheClock::start(engine, plant.clone()).map_err(OpenError::Thread);

@@ -340,9 +340,12 @@ impl Writer<'_> {
             "\n    @classmethod\n    def _of(cls, data: Mapping[str, Any]) -> {name}:\n        return cls("
         )?;
         for (field, _, kind) in &rows {
-            let made = (kind.made)(&format!("data[{field:?}]"));
-            let field = attribute(field);
-            writeln!(self.text, "            {field}={made},")?;
+            // by place: names cost a third of the time of a long list
+            writeln!(
+                self.text,
+                "            {},",
+                (kind.made)(&format!("data[{field:?}]"))
+            )?;
         }
         writeln!(self.text, "        )")?;
         for (_, method) in METHODS.iter().filter(|(class, _)| *class == name) {

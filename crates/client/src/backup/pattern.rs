@@ -4,6 +4,7 @@ use std::str::FromStr;
 
 use profile::notation::{Elements, ParameterReference, ReferenceError, Target, wildcard_fits};
 
+use super::task::Name;
 use profile::value::Reading;
 
 /// A name with `*` for any part and `?` for any character, or a number with its elements.
@@ -49,6 +50,12 @@ impl Pattern {
                     })
             }
         }
+    }
+
+    /// Returns true when it means the motion task of a number: `MT*`, `MT[3]`.
+    #[must_use]
+    pub fn means_task(&self, number: u16) -> bool {
+        self.names(&Name(number).to_string())
     }
 
     /// As written.

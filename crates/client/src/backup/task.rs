@@ -337,7 +337,7 @@ pub fn compare_tasks(left: &Backup, right: &Backup) -> Vec<TaskDifference> {
 
 /// True when a person means this task: `MT*`, `MT[3]`.
 pub(crate) fn is_meant(only: &[Pattern], number: u16) -> bool {
-    only.is_empty() || only.iter().any(|one| one.names(&Name(number).to_string()))
+    only.is_empty() || only.iter().any(|one| one.means_task(number))
 }
 
 #[cfg(test)]

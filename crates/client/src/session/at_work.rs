@@ -31,6 +31,12 @@ impl Session {
         idle(drive, undone, works)
     }
 
+    /// Returns true while this program has the axis of a drive. [`owner`](Self::owner) then has the name of this program.
+    #[must_use]
+    pub fn has_axis(&self, drive: &Drive) -> bool {
+        self.engine.records().own_axis(drive).is_some()
+    }
+
     /// Reads whether the axis of a drive turns or its power stage is on; `None` for one that is off and stands, that cannot be read,
     /// or that does not report its speed or state.
     ///

@@ -1,5 +1,5 @@
-//! The checks of expectations while drives run on a network. Their clock starts with the first connection of a
-//! controller: before that nothing drives the plant.
+//! Those who watch drives that run on a network: the checks of expectations, and the trace. The clock of the checks starts with the
+//! first connection of a controller: before that nothing drives the plant.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -10,6 +10,7 @@ use profile::catalogue::Catalogue;
 use profinet::Instant;
 use virtual_drive::station::StationEvent;
 
+use super::kept::{HostTrace, Keeper};
 use crate::event::Unit;
 use crate::expect::{Expectation, ExpectationResult, Live, Monitor, Outcome};
 use crate::trace::{Event, EventKind};
@@ -26,6 +27,8 @@ pub(super) struct Expected {
     running: Option<(Instant, Monitor)>,
     /// No drive was looked at since the clock started.
     fresh: bool,
+    /// The trace, where one is kept.
+    keeper: Option<Keeper>,
 }
 
 #[derive(Debug)]
@@ -45,7 +48,27 @@ impl Expected {
             numbers: BTreeMap::new(),
             running: None,
             fresh: false,
+            keeper: None,
         }
+    }
+
+    /// Keeps a trace of the drives that were added, of about `limit` octets at most.
+    pub fn keep(&mut self, kept: HostTrace, limit: usize, start: Instant, runner: &Runner) {
+        let names = self.drives.iter().map(|drive| &*drive.name);
+        let mut keeper = Keeper::begin(kept, start, self.seed, names, limit);
+        keeper.look(start, self.seen(runner));
+        self.keeper = Some(keeper);
+    }
+
+    /// Returns each drive as it is now, in the order of the plant.
+    fn seen<'r>(&self, runner: &'r Runner) -> impl Iterator<Item = Live<'r>> {
+        self.drives.iter().filter_map(|drive| {
+            let unit = runner.station::<Unit>(drive.id)?;
+            Some(Live {
+                drive: unit.inner().endpoint().drive(),
+                connected: drive.connected,
+            })
+        })
     }
 
     /// Adds the next drive of the plant.
@@ -60,7 +83,7 @@ impl Expected {
 
     /// Takes an event of a station.
     pub fn take(&mut self, id: StationId, at: Instant, event: &StationEvent, catalogue: &Catalogue) {
-        if self.expectations.is_empty() {
+        if self.expectations.is_empty() && self.keeper.is_none() {
             return;
         }
         let number = self.numbers.get(&id).copied();
@@ -71,7 +94,8 @@ impl Expected {
                 _ => {}
             }
         }
-        if matches!(event, StationEvent::Connected { controller: true, .. }) && self.running.is_none() {
+        let begins = matches!(event, StationEvent::Connected { controller: true, .. });
+        if begins && self.running.is_none() && !self.expectations.is_empty() {
             let monitor = Monitor::new(&self.expectations, self.drives.len(), self.seed);
             self.running = Some((at, monitor));
             self.fresh = true;
@@ -85,13 +109,25 @@ impl Expected {
     pub fn note(&mut self, id: StationId, at: Instant, kind: EventKind) {
         let number = self.numbers.get(&id).copied();
         let drive = number.and_then(|number| Some((number, self.drives.get(number)?)));
-        if let (Some((start, monitor)), Some((number, drive))) = (&mut self.running, drive) {
-            monitor.note(number, &Event::new(at - *start, &drive.name, kind));
+        let Some((number, drive)) = drive else {
+            return;
+        };
+        if let Some((start, monitor)) = &mut self.running {
+            monitor.note(number, &Event::new(at - *start, &drive.name, kind.clone()));
+        }
+        if let Some(keeper) = &mut self.keeper {
+            keeper.note(number, Event::new(keeper.time(at), &drive.name, kind));
         }
     }
 
     /// Looks at the drives to which something happened in this turn; at all of them when the clock has just started.
     pub fn look(&mut self, at: Instant, runner: &Runner) {
+        if let Some(mut keeper) = self.keeper.take() {
+            if !runner.touched().is_empty() {
+                keeper.look(at, self.seen(runner));
+            }
+            self.keeper = Some(keeper);
+        }
         let Some((start, monitor)) = &mut self.running else {
             return;
         };

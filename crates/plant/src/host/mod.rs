@@ -12,6 +12,7 @@ mod event;
 mod expected;
 mod fleet;
 mod injection;
+mod kept;
 mod load;
 mod persistence;
 mod save_queue;
@@ -46,6 +47,7 @@ pub use duplicate_check::Duplicate;
 pub use error::HostError;
 pub use event::{DriveEvent, Event, EventSender, Events, SaveResult, Saved, events};
 pub use fleet::{Fleet, FleetError, MacChoice, interval};
+pub use kept::HostTrace;
 pub use load::{Load, Overload};
 pub use serial::{SerialHost, SerialHostConfig};
 pub use state_folder::{DriveState, Found, StateFolder};
@@ -116,6 +118,8 @@ pub struct HostConfig {
     pub capture: Option<PathBuf>,
     /// What is expected of the drives of a plant. Times count from the first connection of a controller.
     pub expectations: Vec<Expectation>,
+    /// A trace of the drives, and the most octets that it may take, about; `None` where none is kept.
+    pub trace: Option<(HostTrace, usize)>,
     /// How long the simulation goes on; `None` until it is stopped.
     pub time: Option<Duration>,
     /// Time between two reports of its [`Load`]; `None` for no reports.
@@ -270,6 +274,9 @@ impl Host {
         for (number, (plan, drive, station)) in stations.into_iter().enumerate() {
             let seed = config.seed.wrapping_add(number as u64);
             ready.push(host.attach(&plan.drive, drive, station, seed)?);
+        }
+        if let Some((kept, limit)) = config.trace {
+            host.expected.keep(kept, limit, start, &host.runner);
         }
         // who waits for the drives to be ready may use the control socket at once
         host.control_socket = open_control_socket(bell, &host.events);

@@ -16,6 +16,8 @@ pub struct Write {
     pub save: bool,
     /// Nothing is written.
     pub dry_run: bool,
+    /// Also where another controller has the drive, for whose motion the new values count at once. A plan is made in any case.
+    pub beside_controller: bool,
 }
 
 /// What was written, or in a dry run would be.
@@ -127,10 +129,11 @@ impl Written {
 }
 
 /// Checks assignments, writes them in their order and reads them back. What the drive has already is not written, except to
-/// save it. A controller that has the drive is no obstacle: [`Written::affected_controller`] has its name.
+/// save it.
 ///
 /// # Errors
-/// A wrong assignment, before anything is written, or a drive that cannot be reached. What the drive refuses is in
+/// A wrong assignment, before anything is written, [`Error::AtWork`] for a drive that a controller has, without
+/// [`beside_controller`](Write::beside_controller), or a drive that cannot be reached. What the drive refuses is in
 /// [`Written::problems`].
 pub async fn write(
     session: &mut Session,
@@ -181,12 +184,21 @@ async fn commanded(
 /// Writes what was planned, and reads it back: see [`write()`].
 ///
 /// # Errors
-/// When the drive cannot be reached. What it refuses is in [`Written::problems`].
+/// [`Error::AtWork`] where a controller had the drive when it was planned, without [`beside_controller`](Write::beside_controller),
+/// and when the drive cannot be reached. What it refuses is in [`Written::problems`].
 pub async fn carry_out(
     session: &mut Session,
     drive: &mut Drive,
     mut planned: Written,
 ) -> Result<Written, Error> {
+    let is_refused = !planned.wanted.beside_controller && !session.has_axis(drive);
+    if let (true, Some(Some(name))) = (is_refused, &planned.controller) {
+        return Err(Error::AtWork {
+            drive: drive.label(),
+            undone: "written",
+            works: AtWork::Controller(name.clone()),
+        });
+    }
     session.apply(drive, &mut planned.set).await?;
     Ok(planned)
 }

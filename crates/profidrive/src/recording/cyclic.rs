@@ -12,8 +12,9 @@ use super::table::{Column, Kind, Value};
 
 /// Samples of one drive that are buffered: about four seconds of the shortest cycle.
 pub(super) const WAITING: usize = 4096;
-/// Interval at which buffered samples are read. Their time stamps are those of their arrival.
-const TAKEN: Duration = Duration::from_millis(20);
+/// Interval at which buffered samples are read. Their time stamps are those of their arrival. Each look wakes two threads, which costs
+/// as much as a cycle of the connection.
+const TAKEN: Duration = Duration::from_millis(50);
 /// Time between two attempts to connect to a drive that was lost or is in use.
 const AGAIN: Duration = Duration::from_secs(1);
 

@@ -1,6 +1,6 @@
 //! Comparing settings.
 
-use client::backup::{self, Backup, Difference, TaskCoverage, TaskDifference};
+use client::backup::{self, Backup, Difference, Pattern, TaskCoverage, TaskDifference};
 use client::{Drive, Error, ErrorKind, Session};
 use profile::catalogue::Role;
 
@@ -30,6 +30,9 @@ pub enum CompareError {
         /// Its model.
         model: &'static str,
     },
+    /// No setting of either side is meant by a pattern.
+    #[error("{0} means no setting of either side")]
+    NoneMeant(String),
     /// The drive cannot be reached, or refuses.
     #[error(transparent)]
     Client(#[from] Error),
@@ -40,7 +43,7 @@ impl CompareError {
     #[must_use]
     pub fn kind(&self) -> ErrorKind {
         match self {
-            Self::OtherModel { .. } | Self::Misfit(_) => ErrorKind::Usage,
+            Self::OtherModel { .. } | Self::Misfit(_) | Self::NoneMeant(_) => ErrorKind::Usage,
             Self::NotDelivered { .. } => ErrorKind::Unsupported,
             Self::Client(error) => error.kind(),
         }
@@ -132,6 +135,48 @@ impl<'b> Comparison<'b> {
             settings: backup::compare(left, right),
             tasks: backup::compare_tasks(left, right),
         })
+    }
+
+    /// Returns it without what none of these patterns means; all of it where there is none.
+    ///
+    /// ```
+    /// use profidrive::client::backup::Backup;
+    /// use profidrive::settings::Comparison;
+    ///
+    /// let head = "profidrive backup 1\nmodel: AKD\nvendor: 0x0105\ndevice: 0x0001\n";
+    /// let left = Backup::read(format!("{head}p922 = 1\np2108 = 3000 rpm/s\n"))?;
+    /// let right = Backup::read(format!("{head}p922 = 9\np2108 = 5000 rpm/s\n"))?;
+    /// let telegram = Comparison::new(&left, &right)?.only(&["p922".parse()?])?;
+    /// assert_eq!((telegram.count(), telegram.of_connection()), (1, 1));
+    /// let error = Comparison::new(&left, &right)?.only(&["DVR.*".parse()?]).unwrap_err();
+    /// assert_eq!(error.to_string(), "DVR.* means no setting of either side");
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`CompareError::NoneMeant`] for a pattern that means no setting of either side: a name with a mistake would look like
+    /// settings that are equal.
+    pub fn only(mut self, patterns: &[Pattern]) -> Result<Self, CompareError> {
+        let sides = [self.left, self.right];
+        let means = |pattern: &&Pattern| {
+            let setting = |side: &&Backup| side.readings().iter().any(|reading| pattern.means(reading));
+            let task = |number: u16| pattern.means_task(number);
+            sides.iter().any(setting) || sides.iter().any(|side| side.task_numbers().into_iter().any(task))
+        };
+        if let Some(none) = patterns.iter().find(|pattern| !means(pattern)) {
+            return Err(CompareError::NoneMeant(none.text().to_owned()));
+        }
+        if patterns.is_empty() {
+            return Ok(self);
+        }
+        let meant = |one: &Difference| {
+            let reading = one.reading();
+            reading.is_some_and(|reading| patterns.iter().any(|pattern| pattern.means(reading)))
+        };
+        self.settings.retain(meant);
+        let tasks = |one: &TaskDifference| patterns.iter().any(|pattern| pattern.means_task(one.number));
+        self.tasks.retain(tasks);
+        Ok(self)
     }
 
     /// Returns true where the controller decides over a setting by connecting: telegram, mapping, command source, address.

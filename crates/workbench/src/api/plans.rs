@@ -104,6 +104,8 @@ async fn plan_values(shared: Arc<Shared>, job: Arc<Job>, id: String, wanted: New
     let how = Write {
         save: wanted.save,
         dry_run: false,
+        // the plan names it, and a person agrees to that
+        beside_controller: true,
     };
     match parameters::plan(&mut network, &mut drive, &good, how).await {
         Ok(written) if refusals.is_empty() => {

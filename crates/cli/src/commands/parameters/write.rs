@@ -28,6 +28,7 @@ pub fn write(args: &Write, target: &Target, output: &Output) -> Result<(), Failu
     let wanted = Wanted {
         save: args.save,
         dry_run: args.dry_run,
+        beside_controller: true,
     };
     if connect::selector(target, output)?.single().is_none() {
         return many(args, &assignments, wanted, target, output);

@@ -139,6 +139,7 @@ fn on_network(
         interface,
         seed: plant.as_ref().map_or(1, |plant| plant.seed),
         load_every: None,
+        trace: None,
         expectations: Vec::new(),
         time: args.time.or_else(|| plant.as_ref()?.duration),
         drives: match plant {
