@@ -135,7 +135,7 @@ def kill(frame, event, _):
     return kill
 
 script = '''
-drive.write({"DRV.ACC": "5000rpm/s"})
+drive.write({"DRV.ACC": "5000rpm/s"}, beside_controller=True)
 with drive.control(max_speed="600rpm", cycle="128ms") as axis:
     axis.ack()
     axis.run("300rpm")

@@ -123,7 +123,7 @@ impl Expected {
     /// Looks at the drives to which something happened in this turn; at all of them when the clock has just started.
     pub fn look(&mut self, at: Instant, runner: &Runner) {
         if let Some(mut keeper) = self.keeper.take() {
-            if !runner.touched().is_empty() {
+            if keeper.has_events() || !runner.touched().is_empty() {
                 keeper.look(at, self.seen(runner));
             }
             self.keeper = Some(keeper);

@@ -70,6 +70,11 @@ impl Keeper {
         self.waiting.push((drive, event));
     }
 
+    /// Whether events wait to be taken.
+    pub const fn has_events(&self) -> bool {
+        !self.waiting.is_empty()
+    }
+
     /// Returns the time of the trace.
     pub fn time(&self, at: Instant) -> std::time::Duration {
         at.saturating_since(self.start)

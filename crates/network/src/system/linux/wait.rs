@@ -119,9 +119,10 @@ fn called_by(calls: &Calls) -> [libc::pollfd; 2] {
     [stop, bell].map(|event| readable(event.map_or(-1, |event| event.fd())))
 }
 
-/// Places of the packet socket and the stop flag among the descriptors; the bell and the UDP sockets follow.
+/// Places of the packet socket, the stop flag and the bell among the descriptors; the UDP sockets follow.
 const PACKET: usize = 0;
 const STOP: usize = 1;
+const BELL: usize = 2;
 const UDP: usize = 3;
 
 /// What a medium waits for, again and again.
@@ -169,7 +170,12 @@ impl Waiting {
 
     /// Returns true if a call arrived.
     pub fn called(&self, calls: &Calls) -> bool {
-        calls.was_rung() || self.revents(STOP) != 0
+        let is_raised = self.revents(BELL) != 0;
+        if let (true, Some(bell)) = (is_raised, &calls.bell) {
+            // its flag may have been taken before its event was raised: that would end each wait at once until it rings again
+            bell.event().clear();
+        }
+        calls.was_rung() || is_raised || self.revents(STOP) != 0
     }
 
     /// Returns whether the port at `index` may have something.
