@@ -6,6 +6,7 @@ import hashlib
 import json
 import math
 import os
+import sys
 import time
 from collections import deque
 from collections.abc import Callable, Container, Iterator, Mapping, Sequence
@@ -77,6 +78,33 @@ class Progress(NamedTuple):
     """Runs that are done."""
     total: int
     failures: int
+
+
+class _Line:
+    """The progress of a sweep as a line of the terminal, written twice a second at most."""
+
+    def __init__(self) -> None:
+        self._next = 0.0
+        self._is_open = False
+
+    def __call__(self, progress: Progress) -> None:
+        now = time.monotonic()
+        if now < self._next and progress.done < progress.total:
+            return
+        self._next, self._is_open = now + 0.5, True
+        text = f"{progress.done} of {progress.total} runs, {progress.failures} failed"
+        # what is left of a longer line is erased
+        print(f"\r{text}\x1b[K", end="", file=sys.stderr, flush=True)
+
+    def close(self) -> None:
+        """Ends the line, if there is one."""
+        if self._is_open:
+            print(file=sys.stderr, flush=True)
+        self._is_open = False
+
+
+def _is_terminal() -> bool:
+    return sys.stderr is not None and sys.stderr.isatty()
 
 
 @dataclass(frozen=True)
@@ -369,7 +397,7 @@ def sweep(
     retries: int = 2,
     out: Path | None = None,
     stop_after: int | None = None,
-    progress: Callable[[Progress], None] | None = None,
+    progress: bool | Callable[[Progress], None] = True,
 ) -> SweepResult:
     """Runs a plant with many seeds and checks the expectations of its file, in other processes.
 
@@ -388,7 +416,7 @@ def sweep(
         retries: how often a task that failed is repeated. Then it is divided, to find the seed.
         out: a folder for what is done: the same sweep goes on there where it ended. `manifest.json` is there when it is complete.
         stop_after: ends after so many failures.
-        progress: is called after each task.
+        progress: is called after each task; True writes a line where standard error is a terminal, False nothing.
 
     Raises:
         LocalError: when a process of its own pool ended.
@@ -398,6 +426,8 @@ def sweep(
     jobs = _jobs(source, until, vary or {}, measure)
     if not jobs:
         raise UsageError("a list of values that vary is empty")
+    line = _Line() if progress is True and _is_terminal() else None
+    report = line if isinstance(progress, bool) else progress
     folder = _Folder(out)
     wanted = dict.fromkeys(map(seed_of, seeds))
     done = [_Done() for _ in jobs]
@@ -415,8 +445,8 @@ def sweep(
         runs = _profidrive.Runs.from_ipc(octets)
         folder.keep(jobs[place], runs)
         done[place].add(runs, wanted)
-        if progress is not None:
-            progress(Progress(total(), len(jobs) * len(wanted), failures()))
+        if report is not None:
+            report(Progress(total(), len(jobs) * len(wanted), failures()))
 
     def enough() -> bool:
         return stop_after is not None and failures() >= stop_after
@@ -445,8 +475,12 @@ def sweep(
                 raise
             raise LocalError(f"a process of the sweep ended: {error}", hint=_ENDED) from error
         finally:
+            if line is not None:
+                line.close()
             if executor is None:
                 pool.shutdown(cancel_futures=True)
+    elif line is not None:
+        line.close()
     if total() == len(jobs) * len(wanted):
         folder.finish(_profidrive.build_info(), total(), failures())
     return _result(jobs, done, list(wanted))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 import os
 import re
@@ -236,6 +237,26 @@ def test_a_program_that_its_processes_cannot_import_is_named(tmp_path: Path) -> 
     last = ended.stderr[ended.stderr.rindex("profidrive.errors.") :]
     assert last.startswith("profidrive.errors.LocalError: a process of the sweep ended")
     assert 'if __name__ == "__main__":' in last
+
+
+class Terminal(io.StringIO):
+    def isatty(self) -> bool:
+        return True
+
+
+def test_progress_is_a_line_of_a_terminal(pool: Executor, monkeypatch: pytest.MonkeyPatch) -> None:
+    plant = Plant.from_toml(LOSSY)
+    terminal, file, quiet = Terminal(), io.StringIO(), Terminal()
+    monkeypatch.setattr(sys, "stderr", terminal)
+    result = sweep(plant, seeds=range(8), executor=pool, chunk=4)
+    shown = terminal.getvalue()
+    assert shown.startswith("\r4 of 8 runs, ")
+    assert shown.endswith(f"\r8 of 8 runs, {len(result.failures)} failed\x1b[K\n")
+    monkeypatch.setattr(sys, "stderr", file)
+    sweep(plant, seeds=range(1), executor=pool, chunk=4)
+    monkeypatch.setattr(sys, "stderr", quiet)
+    sweep(plant, seeds=range(1), executor=pool, chunk=4, progress=False)
+    assert (file.getvalue(), quiet.getvalue()) == ("", "")
 
 
 def test_ctrl_c_ends_a_sweep() -> None:
