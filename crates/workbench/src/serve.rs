@@ -16,7 +16,7 @@ use hyper_util::service::TowerToHyperService;
 use profidrive::client::{Advice, ErrorKind};
 use profidrive::plant::PlantError;
 use profidrive::traffic::Traffic;
-use profidrive::{Explained, First, Network, OpenError, Rank, Stop, now};
+use profidrive::{Explained, First, Network, OpenError, Rank, Stop, Transport, now};
 use tokio::io::{AsyncRead, AsyncWrite};
 use tokio::net::TcpListener;
 use tokio::sync::Semaphore;
@@ -25,7 +25,7 @@ use tower_http::limit::RequestBodyLimitLayer;
 use tower_http::timeout::TimeoutLayer;
 
 use crate::access::{Attempts, Once, Peer, Places, Sessions, Tls, TlsError, Tokens, guard, secure};
-use crate::api::{large_router, nothing, router};
+use crate::api::{large_router, nothing, router, while_it_runs};
 use crate::assets;
 use crate::audit::Audit;
 use crate::board::Board;
@@ -256,6 +256,7 @@ impl Server {
             ..
         } = self;
         let flag = stop.clone();
+        let transport = network.transport().clone();
         network.interrupt_with(move || flag.is_stopped());
         let runtime = tokio::runtime::Builder::new_multi_thread()
             .worker_threads(2)
@@ -275,6 +276,10 @@ impl Server {
             }
             Ok(())
         });
+        if let Transport::Plant(plant) = transport {
+            // what ends needs the time of the plant
+            plant.pause(false);
+        }
         runtime.shutdown_timeout(Duration::from_secs(1));
         drop(network);
         served
@@ -303,6 +308,7 @@ fn app(shared: Arc<Shared>) -> Router {
         .route("/api/{*path}", any(nothing))
         .fallback(assets::serve)
         .layer(RequestBodyLimitLayer::new(BODY))
+        .layer(from_fn_with_state(Arc::clone(&shared), while_it_runs))
         .layer(in_time(REQUEST_TIME))
         .merge(large_router().layer(in_time(UPLOAD_TIME)))
         .layer(from_fn_with_state(Arc::clone(&shared), guard))

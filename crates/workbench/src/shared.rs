@@ -5,8 +5,8 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
 use axum::http::StatusCode;
-use profidrive::Caller as Network;
 use profidrive::plant::{Happened, PlantSource};
+use profidrive::{Caller as Network, Transport};
 use tokio::sync::Semaphore;
 
 use crate::access::{Attempts, Once, Places, Role, Sessions, Tokens};
@@ -74,6 +74,11 @@ impl Shared {
     /// Returns the plant of virtual drives as it was started last.
     pub fn plant(&self) -> MutexGuard<'_, Option<PlantSource>> {
         self.plant.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Returns whether the time of the plant stands still, so that no drive answers.
+    pub fn is_paused(&self) -> bool {
+        matches!(self.network.transport(), Transport::Plant(plant) if plant.is_paused())
     }
 
     pub fn happened(&self) -> MutexGuard<'_, Vec<Happened>> {

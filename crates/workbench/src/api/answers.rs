@@ -26,6 +26,7 @@ pub(super) fn complete(description: &mut Value) {
             }
             if of_drive {
                 answer(answers, "404", "No such drive has answered");
+                answer(answers, "409", "The time of the plant stands still");
                 answer(answers, "504", "The drive does not answer");
             }
             let problems = answers.iter_mut().filter(|(status, _)| status.as_str() >= "400");

@@ -2,9 +2,11 @@
 
 use std::sync::Arc;
 
-use axum::extract::State;
 use axum::extract::rejection::JsonRejection;
+use axum::extract::{Request, State};
 use axum::http::StatusCode;
+use axum::middleware::Next;
+use axum::response::{IntoResponse, Response};
 use axum::{Extension, Json};
 use profidrive::plant::PlantSource;
 use profidrive::{OpenError, Transport};
@@ -16,6 +18,10 @@ use crate::access::Caller;
 use crate::act::{Intent, carry_out};
 use crate::problem::Problem;
 use crate::shared::Shared;
+
+/// Why no drive answers.
+pub(crate) const STANDS_STILL: &str =
+    "the time of the plant stands still, so no drive answers: let it go on first";
 
 /// A plant file that is checked or started.
 #[derive(Debug, Deserialize, Serialize, JsonSchema)]
@@ -45,6 +51,32 @@ pub(super) struct PlantProblem {
 #[serde(deny_unknown_fields)]
 pub(super) struct PlantClock {
     paused: bool,
+}
+
+const CONTROLS: &str = "this server controls an axis: release it first";
+/// Parts of the interface that wait for drives.
+const OF_DRIVES: [&str; 4] = [
+    "/api/v1/drives/",
+    "/api/v1/stations/",
+    "/api/v1/plans/",
+    "/api/v1/compare",
+];
+/// What this server knows of a drive without its answer.
+const KNOWN: [&str; 3] = ["/machine", "/telegram", "/parameters"];
+
+/// Refuses what waits for a drive while the time of the plant stands still.
+pub(crate) async fn while_it_runs(
+    State(shared): State<Arc<Shared>>,
+    request: Request,
+    next: Next,
+) -> Response {
+    let path = request.uri().path();
+    let waits =
+        OF_DRIVES.iter().any(|of| path.starts_with(of)) && !KNOWN.iter().any(|end| path.ends_with(end));
+    if waits && shared.is_paused() {
+        return refused(StatusCode::CONFLICT, STANDS_STILL).into_response();
+    }
+    next.run(request).await
 }
 
 fn refused(status: StatusCode, detail: &str) -> Problem {
@@ -95,8 +127,7 @@ pub(super) async fn restart(
         .parse()
         .map_err(|error| Problem::new(StatusCode::BAD_REQUEST, "usage", &format!("{error}")))?;
     if shared.control.has_axes() {
-        let detail = "this server controls an axis: release it first";
-        return Err(refused(StatusCode::CONFLICT, detail));
+        return Err(refused(StatusCode::CONFLICT, CONTROLS));
     }
     let intent = Intent {
         action: "restart",
@@ -140,8 +171,7 @@ pub(super) async fn clock(
         return Err(no_simulation());
     };
     if wanted.paused && shared.control.has_axes() {
-        let detail = "this server controls an axis: release it first";
-        return Err(refused(StatusCode::CONFLICT, detail));
+        return Err(refused(StatusCode::CONFLICT, CONTROLS));
     }
     let intent = Intent {
         action: "clock",
@@ -149,8 +179,14 @@ pub(super) async fn clock(
         value: Some(if wanted.paused { "paused" } else { "real" }.to_owned()),
         changes: Vec::new(),
     };
+    let at = Arc::clone(&shared);
     let work = async move {
         plant.pause(wanted.paused);
+        // one that was taken meanwhile; one that is taken from now on sees the pause
+        if wanted.paused && at.control.has_axes() {
+            plant.pause(false);
+            return Err(refused(StatusCode::CONFLICT, CONTROLS));
+        }
         Ok(wanted)
     };
     carry_out(shared, &caller, intent, work).await.map(Json)

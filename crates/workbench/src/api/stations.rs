@@ -21,6 +21,8 @@ pub(crate) struct StationsReport {
     age: Option<f64>,
     /// Why the last search failed.
     failure: Option<Error>,
+    /// Whether the time of the plant stands still.
+    paused: bool,
 }
 
 impl StationsReport {
@@ -36,6 +38,7 @@ impl StationsReport {
                 .collect(),
             age: since(stations.searched),
             failure: stations.failure.clone(),
+            paused: shared.is_paused(),
         })
     }
 }

@@ -22,6 +22,7 @@ use super::running::{Command, Order, Reply, Running, StopBy, conflict};
 use super::{HOLD, LEASE};
 use crate::access::{Caller, Role};
 use crate::act::{self, Intent};
+use crate::api::STANDS_STILL;
 use crate::problem::Problem;
 use crate::settings::Source;
 use crate::shared::Shared;
@@ -432,6 +433,12 @@ impl Page {
         };
         let (running, queue) = Running::new(drive, lease, &self.caller.who, hold.purpose, stop_by);
         control.axes().insert(drive.to_owned(), Arc::clone(&running));
+        // after it is there, so that the time of the plant either goes on or is not stopped any more
+        if self.shared.is_paused() {
+            control.axes().remove(drive);
+            control.ledger().give_back(drive, lease);
+            return refused(STANDS_STILL);
+        }
         self.own.push(Arc::clone(&running));
         let (shared, caller) = (Arc::clone(&self.shared), self.caller.clone());
         tokio::spawn(attend(

@@ -9,7 +9,7 @@ use profidrive::report::{Error, FaultsReport};
 use schemars::JsonSchema;
 use serde::Serialize;
 use tokio::task::JoinSet;
-use tokio::time::{MissedTickBehavior, interval, sleep};
+use tokio::time::{MissedTickBehavior, interval, sleep, timeout};
 
 use super::hub::Topic;
 use super::samples::{acyclic, cyclic};
@@ -23,6 +23,8 @@ const SHAFTS: Duration = Duration::from_millis(100);
 const FAULTS: Duration = Duration::from_secs(1);
 /// The least time between two pictures of the network, however many drives are read in it.
 const NETWORK: Duration = Duration::from_millis(100);
+/// Between two looks whether the time of a plant stands still.
+const PAUSED: Duration = Duration::from_millis(500);
 
 /// The faults of a drive, or why they were not read.
 #[derive(Debug, Serialize, JsonSchema)]
@@ -45,14 +47,15 @@ pub(crate) async fn produce(shared: Arc<Shared>) {
 async fn network(shared: Arc<Shared>) {
     let mut changes = shared.board.changes();
     loop {
+        let paused = shared.is_paused();
         if shared.hub.is_wanted(&Topic::Network) {
             shared.hub.publish(&Topic::Network, &StationsReport::now(&shared));
         }
         sleep(NETWORK).await;
-        // fails only when the board is gone
-        if changes.changed().await.is_err() {
-            return;
-        }
+        // while the time of a plant stands still no station changes
+        while let Err(_elapsed) = timeout(PAUSED, changes.changed()).await
+            && shared.is_paused() == paused
+        {}
     }
 }
 
