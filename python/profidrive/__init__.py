@@ -86,7 +86,7 @@ class BuildInfo(NamedTuple):
     profile: str
     """`release` or `dev`."""
     features: tuple[str, ...]
-    """Features of the library: `raw-ethernet` is missing where no network interface can be opened."""
+    """Features of the library, such as `raw-ethernet`."""
 
 
 def build_info() -> BuildInfo:

@@ -193,7 +193,7 @@ class Drive:
         if call.is_stop:
             document = waiting.lasting(self._network.one, *what, limit)
         else:
-            document = waiting.change(self.name, call.changes, self._network.one, *what, limit)
+            document = waiting.change(self.name, call.changes, lambda _: [(self.name, None)], self._network.one, *what, limit)
         return call.made(json.loads(document))
 
     @overload
@@ -286,7 +286,7 @@ class Drive:
             only: names, with `*` for any part, and numbers of the settings that are compared; all where there is none.
 
         Raises:
-            UsageError: for a backup of another kind of drive, and for what means no setting of either side.
+            UsageError: for a backup of another kind of drive, and where `only` matches no setting of either side.
         """
         if isinstance(other, Drive):
             return self._do(_calls.diff(other.backup(), other.name, only))
@@ -306,7 +306,7 @@ class Drive:
 
         Args:
             only: names, numbers and groups of the settings that are restored; all where there is none.
-            save: the drive saves them over power-off, where all are as they are to be.
+            save: the drive saves them over power-off, if all values were verified.
 
         Raises:
             SafetyError: for a backup of another kind of drive, and while a controller is connected.
@@ -384,6 +384,10 @@ class Drive:
         return f"<Drive {self.name}>"
 
 
+def _errors_of(done: Sequence[tuple[str, str | None, object]]) -> list[tuple[str, object]]:
+    return [(name, error) for name, _, error in done]
+
+
 class Drives(Sequence[Drive]):
     """Drives of a network. A call is carried out on all of them at the same time and returns a mapping by name.
 
@@ -424,7 +428,8 @@ class Drives(Sequence[Drive]):
         if call.is_stop:
             done = waiting.lasting(self._network.each, *asked, limit)
         else:
-            done = waiting.change(", ".join(self._names), call.changes, self._network.each, *asked, limit)
+            names = ", ".join(self._names)
+            done = waiting.change(names, call.changes, _errors_of, self._network.each, *asked, limit)
         for name, document, error in done:
             try:
                 if document is None:

@@ -7,12 +7,13 @@ from collections.abc import Mapping
 from contextlib import suppress
 from datetime import timedelta
 from decimal import Decimal
+from enum import IntFlag
 from numbers import Integral, Real
 from pathlib import PurePath
 from typing import Any
 
 from profidrive.errors import UsageError
-from profidrive.types import Duration, HasUnits, Value
+from profidrive.types import Duration, HasUnits, State, Value
 
 _TIMES = ("at", "within", "after", "for")
 
@@ -69,9 +70,16 @@ def seed_of(seed: int) -> int:
 def document(values: Mapping[str, object]) -> str:
     """A mapping as a JSON object."""
     try:
-        return json.dumps(dict(values), default=_plain, allow_nan=False)
+        return json.dumps({name: _written(value) for name, value in values.items()}, default=_plain, allow_nan=False)
     except (TypeError, ValueError) as error:
         raise UsageError(f"{dict(values)!r}: {error}") from error
+
+
+def _written(value: object) -> object:
+    """A state, and bits of a word that are set, as a plant file has them; for JSON both are numbers."""
+    if isinstance(value, State):
+        return f"S{int(value)}"
+    return f"{value:#06x}/{value:#06x}" if isinstance(value, IntFlag) else value
 
 
 def _plain(value: Any) -> object:

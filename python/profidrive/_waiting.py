@@ -4,15 +4,19 @@ from __future__ import annotations
 
 import os
 from _thread import allocate_lock, start_new_thread
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from queue import SimpleQueue
 from typing import TYPE_CHECKING, Any, Generic, ParamSpec, TypeVar
+
+from profidrive.errors import PartialWrite, RefusedError, SafetyError, UsageError
 
 if TYPE_CHECKING:
     import asyncio
 
 P = ParamSpec("P")
 T = TypeVar("T")
+Parts = Callable[[T], Iterable[tuple[str, object]]]
+"""The drives of a result, each with its error."""
 
 _KEPT = 64
 """Threads that are kept for later calls."""
@@ -31,9 +35,11 @@ class synchronous:
         return function(*arguments, **named)
 
     @staticmethod
-    def change(drive: str, what: Sequence[str], function: Callable[P, T], /, *arguments: P.args, **named: P.kwargs) -> T:
+    def change(
+        drive: str, what: Sequence[str], parts: Parts[T], function: Callable[P, T], /, *arguments: P.args, **named: P.kwargs
+    ) -> T:
         """Carries out a call that changes this of a drive."""
-        del drive, what
+        del drive, what, parts
         return function(*arguments, **named)
 
     @staticmethod
@@ -53,20 +59,34 @@ class asynchronous:
 
     @staticmethod
     async def call(function: Callable[P, T], /, *arguments: P.args, **named: P.kwargs) -> T:
-        """Carries out a call. Where its task is cancelled it goes on to its end, which no one waits for."""
-        return await _Begun(function, *arguments, **named).future
+        """Carries out a call. Where its task is cancelled it is dropped, or goes on to its end if it was begun."""
+        from asyncio import CancelledError
+
+        begun = _Begun(function, *arguments, **named)
+        try:
+            return await begun.future
+        except CancelledError:
+            begun.give_up()
+            raise
 
     @staticmethod
-    async def change(drive: str, what: Sequence[str], function: Callable[P, T], /, *arguments: P.args, **named: P.kwargs) -> T:
-        """Carries out a call that changes this of a drive. Where its task is cancelled a note says what became of it."""
+    async def change(
+        drive: str, what: Sequence[str], parts: Parts[T], function: Callable[P, T], /, *arguments: P.args, **named: P.kwargs
+    ) -> T:
+        """Carries out a call that changes this of a drive. Where its task is cancelled notes say what became of it.
+
+        `parts` names the drives of a result, each with its error.
+        """
         from asyncio import CancelledError
 
         begun = _Begun(function, *arguments, **named)
         try:
             return await begun.future
         except CancelledError as cancelled:
+            fates = begun.fates(drive, parts)
             if what:
-                _note(cancelled, f"{drive}: {', '.join(what)}: {begun.fate()}")
+                for name, fate in fates:
+                    _note(cancelled, f"{name}: {', '.join(what)}: {fate}")
             raise
 
     @staticmethod
@@ -105,6 +125,17 @@ class asynchronous:
             return result
 
 
+def _became(error: object) -> str:
+    """What became of a change that ended so."""
+    if error is None:
+        return "written"
+    if isinstance(error, PartialWrite):
+        return f"written in part: {error}"
+    # each of them comes before the first value is written, or refuses the only one
+    is_clear = isinstance(error, UsageError | SafetyError | RefusedError)
+    return f"{'not written' if is_clear else 'in doubt'}: {error}"
+
+
 def _note(error: BaseException, text: str) -> None:
     # from Python 3.11 on
     if hasattr(error, "add_note"):
@@ -114,7 +145,7 @@ def _note(error: BaseException, text: str) -> None:
 class _Begun(Generic[T]):
     """Work in a thread that holds up neither the event loop nor the end of the program."""
 
-    __slots__ = ("_claim", "_error", "_is_done", "_loop", "_work", "future")
+    __slots__ = ("_claim", "_error", "_is_done", "_loop", "_result", "_work", "future")
 
     def __init__(self, function: Callable[P, T], /, *arguments: P.args, **named: P.kwargs) -> None:
         import asyncio
@@ -124,6 +155,7 @@ class _Begun(Generic[T]):
         self._claim = allocate_lock()
         self._is_done = False
         self._error: BaseException | None = None
+        self._result: T | None = None
         self.future: asyncio.Future[T] = self._loop.create_future()
         try:
             inbox = _IDLE.pop()
@@ -136,7 +168,9 @@ class _Begun(Generic[T]):
         """Does the work, in its thread, unless it was given up."""
         function, arguments, named = self._work
         try:
-            return function(*arguments, **named) if self._claim.acquire(False) else None
+            if self._claim.acquire(False):
+                self._result = function(*arguments, **named)
+            return self._result
         except BaseException as error:
             self._error = error
             return None
@@ -163,13 +197,15 @@ class _Begun(Generic[T]):
         """Gives the work up; false where it was begun."""
         return self._claim.acquire(False)
 
-    def fate(self) -> str:
-        """What became of a change whose task was cancelled."""
+    def fates(self, drive: str, parts: Parts[T]) -> list[tuple[str, str]]:
+        """What became of a change whose task was cancelled, by drives."""
         if self.give_up():
-            return "not written: nothing was sent"
+            return [(drive, "not written: nothing was sent")]
         if not self._is_done:
-            return "in doubt: it goes on, and the log will have its result"
-        return "written" if self._error is None else f"in doubt: {self._error}"
+            return [(drive, "in doubt: it goes on, and the log will have its result")]
+        if self._result is None:
+            return [(drive, _became(self._error))]
+        return [(name, _became(error)) for name, error in parts(self._result)]
 
 
 def _wait_for_work(inbox: SimpleQueue[_Begun[Any]]) -> None:

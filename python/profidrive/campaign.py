@@ -9,13 +9,14 @@ import os
 import sys
 import time
 from collections import deque
-from collections.abc import Callable, Container, Iterator, Mapping, Sequence
+from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, ProcessPoolExecutor, wait
 from contextlib import suppress
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cache, cached_property
 from itertools import product
 from multiprocessing import get_context
+from types import CodeType
 from typing import Any, Literal, NamedTuple, overload
 
 from profidrive import _profidrive
@@ -273,6 +274,32 @@ class SweepResult:
         return f"<SweepResult of {len(self)} runs, {len(self._runs.failures())} failed>"
 
 
+@cache
+def _build() -> tuple[str, str]:
+    """What must be equal where runs are to be: the version, and the library itself, whatever its version says."""
+    digest = hashlib.sha256()
+    with open(_profidrive.__file__, "rb") as library:
+        while part := library.read(1 << 20):
+            digest.update(part)
+    return _profidrive.build_info()[0], digest.hexdigest()[:16]
+
+
+def _identity(measure: Measure | None) -> object:
+    """What a function is and does, but for what it calls."""
+    if measure is None:
+        return None
+    code = getattr(measure, "__code__", None)
+    return [measure.__module__, getattr(measure, "__qualname__", ""), None if code is None else _content(code)]
+
+
+def _content(code: CodeType) -> list[object]:
+    constants = [
+        _content(one) if isinstance(one, CodeType) else sorted(map(repr, one)) if isinstance(one, frozenset) else repr(one)
+        for one in code.co_consts
+    ]
+    return [code.co_code.hex(), list(code.co_names), constants]
+
+
 @dataclass(frozen=True)
 class _Job:
     """Runs of one plant: everything a worker needs."""
@@ -281,19 +308,19 @@ class _Job:
     until: float | str | None
     vary: tuple[tuple[str, str, list[str], int | None], ...]
     measure: Measure | None
-    build: tuple[str, str | None, str, list[str]]
+    build: tuple[str, str]
 
     def campaign(self) -> _profidrive.Campaign:
         """The campaign, where this computer has the same build."""
-        own = _profidrive.build_info()
-        if tuple(own) != tuple(self.build):
-            raise UsageError(f"a worker has profidrive {own}, the program has {self.build}: install the same on all of them")
+        own = _build()
+        if own != self.build:
+            found, wanted = (f"{version} (library {digest})" for version, digest in (own, self.build))
+            raise UsageError(f"a worker has profidrive {found}, the program has {wanted}: install the same on all of them")
         return _profidrive.Campaign(_profidrive.Plant.from_toml(self.text), self.until, list(self.vary))
 
     def key(self) -> str:
         """What decides over its rows."""
-        measure = None if self.measure is None else f"{self.measure.__module__}.{self.measure.__qualname__}"
-        known = json.dumps([self.text, str(self.until), self.vary, measure, self.build])
+        known = json.dumps([self.text, str(self.until), self.vary, _identity(self.measure), self.build])
         return hashlib.sha256(known.encode()).hexdigest()[:16]
 
 
@@ -377,11 +404,17 @@ def _jobs(
 ) -> list[_Job]:
     drawn = tuple((path, how.kind, list(how.values), None) for path, how in vary.items() if isinstance(how, Distribution))
     # each value of a list is that of a job, so that the text stays that of the file
-    lists = {path: list(choice(*how).values) for path, how in vary.items() if not isinstance(how, Distribution)}
+    lists = {path: list(choice(*_listed(path, how)).values) for path, how in vary.items() if not isinstance(how, Distribution)}
     crossed = [[(path, "choice", values, place) for place in range(len(values))] for path, values in lists.items()]
-    build = _profidrive.build_info()
+    build = _build()
     text, end = plant.to_toml(), optional_span(until)
     return [_Job(text, end, (*point, *drawn), measure, build) for point in product(*crossed)]
+
+
+def _listed(path: str, values: object) -> Sequence[object]:
+    if isinstance(values, Sequence) and not isinstance(values, str | bytes):
+        return values
+    raise UsageError(f"{path} = {values!r}: give a list of values, or a distribution such as uniform(1, 2)")
 
 
 def sweep(
@@ -409,7 +442,8 @@ def sweep(
         vary: values by their paths: a list, all of whose values are combined with those of the other lists, or a distribution.
         until: how long each run lasts; the `duration` of the plant where it is None. An expectation that is not decided by then
             did not come true (`not_ended`).
-        measure: a function of a module that makes numbers of a trace.
+        measure: a function of a module that makes numbers of a trace. With `out` rows of an earlier call are used again where its
+            own text is the same, whatever the functions that it calls do.
         executor: any executor of `concurrent.futures`; a pool of processes of this computer where it is None.
         chunk: runs of one task; `"auto"` makes tasks of some 2 s.
         in_flight: tasks that wait in the executor.
@@ -428,6 +462,8 @@ def sweep(
         raise UsageError("a list of values that vary is empty")
     line = _Line() if progress is True and _is_terminal() else None
     report = line if isinstance(progress, bool) else progress
+    if not isinstance(seeds, Iterable):
+        raise UsageError(f"seeds={seeds!r}: give a range or a list, such as range(1000)")
     folder = _Folder(out)
     wanted = dict.fromkeys(map(seed_of, seeds))
     done = [_Done() for _ in jobs]
@@ -482,7 +518,7 @@ def sweep(
     elif line is not None:
         line.close()
     if total() == len(jobs) * len(wanted):
-        folder.finish(_profidrive.build_info(), total(), failures())
+        folder.finish(_build(), total(), failures())
     return _result(jobs, done, list(wanted))
 
 

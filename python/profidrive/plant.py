@@ -52,7 +52,7 @@ class Plant:
 
     @property
     def seed(self) -> int:
-        """What decides everything that happens by chance."""
+        """Seed of all random events."""
         return self._plant.seed
 
     @property
@@ -78,7 +78,7 @@ class Plant:
         """Returns the plant at its start.
 
         Args:
-            seed: what decides everything that happens by chance; that of the plant where it is None.
+            seed: seed of all random events; that of the plant where it is None.
             capture: a new file for all frames (`.pcapng`).
             machine: the machine file of `World.network`, as `profidrive.open` has it.
         """
@@ -163,9 +163,9 @@ class Served:
 
     @property
     def trace(self) -> Trace:
-        """What has happened until now, and what the drives were like, with times from the start.
+        """What has happened until now, and the states of the drives, with times from the start.
 
-        The run is one in real time: its `digest` is that of its events, and no second run has the same. `cut` is the time up to
+        The run is one in real time: its `digest` is that of its events, and another run has another one. `cut` is the time up to
         which there was room.
         """
         return Trace(self._running.trace())
@@ -270,7 +270,7 @@ class World:
 
 
 class VirtualDrive:
-    """The truth of the simulation about a drive, without a frame on the network."""
+    """The simulated state of a drive, without a frame on the network."""
 
     __slots__ = ("_world", "name")
 
@@ -347,7 +347,7 @@ class VirtualDrive:
         return ParameterReading._of(json.loads(self._world.read(self.name, parameter)))
 
     def write(self, values: Mapping[str, Value]) -> tuple[ParameterReading, ...]:
-        """Writes parameters in this order, not saved, and returns them as the drive reports them since."""
+        """Writes parameters in this order, not saved, and returns them as read back."""
         written = [self._world.write(self.name, name, value_text(value)) for name, value in values.items()]
         return tuple(ParameterReading._of(json.loads(reading)) for reading in written)
 

@@ -221,14 +221,15 @@ def pytest_runtest_makereport(
     item: pytest.Item, call: pytest.CallInfo[None]
 ) -> Generator[None, pytest.TestReport, pytest.TestReport]:
     watches = item.stash.get(_WATCHES, [])
-    if call.when == "call" and watches:
-        failed = call.excinfo is not None and not call.excinfo.errisinstance((pytest.skip.Exception,))
+    failed = call.excinfo is not None and not call.excinfo.errisinstance((pytest.skip.Exception,))
+    # what a fixture of the test does with its plant fails before the test is called
+    if watches and (call.when == "call" or (call.when == "setup" and call.excinfo is not None)):
         if failed and call.excinfo is not None:
             error = call.excinfo.value
             try:
-                _report(item, watches[-1], error.results if isinstance(error, ExpectationFailed) else ())
+                _report(item, call.when, watches[-1], error.results if isinstance(error, ExpectationFailed) else ())
             except (ProfidriveError, OSError) as wrong:
-                item.add_report_section("call", "profidrive trace", f"the report cannot be written: {wrong}\n")
+                item.add_report_section(call.when, "profidrive trace", f"the report cannot be written: {wrong}\n")
         for watch in watches:
             if watch.capture is not None and not (failed and watch is watches[-1]):
                 watch.capture.unlink(missing_ok=True)
@@ -236,9 +237,9 @@ def pytest_runtest_makereport(
     return (yield)
 
 
-def _report(item: pytest.Item, watch: _Watch, results: tuple[ExpectationResult, ...]) -> None:
+def _report(item: pytest.Item, when: str, watch: _Watch, results: tuple[ExpectationResult, ...]) -> None:
     trace = watch.world.trace
-    item.add_report_section("call", "profidrive trace", _last_events(item, trace, results))
+    item.add_report_section(when, "profidrive trace", _last_events(item, trace, results))
     folder = item.config.getoption("--profidrive-report")
     if folder is None:
         return
@@ -257,7 +258,7 @@ def _report(item: pytest.Item, watch: _Watch, results: tuple[ExpectationResult, 
     for file in files:
         item.user_properties.append(("profidrive", str(file)))
         # GitLab and Jenkins take attachments from the output of a test
-        item.add_report_section("call", "stdout", f"[[ATTACHMENT|{file.resolve()}]]\n")
+        item.add_report_section(when, "stdout", f"[[ATTACHMENT|{file.resolve()}]]\n")
 
 
 def _last_events(item: pytest.Item, trace: Trace, results: tuple[ExpectationResult, ...]) -> str:
@@ -284,7 +285,8 @@ def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> PlantFile 
     if file_path.suffix != ".toml" or not parent.config.getini("profidrive_collect_plants"):
         return None
     text = file_path.read_text(encoding="utf-8", errors="replace")
-    if re.search(r"^\s*\[\[drive\]\]", text, re.M) and re.search(r"^\s*expect\s*=", text, re.M):
+    # its drives may be in a file that it includes
+    if re.search(r"^\s*(expect\s*=|\[\[\s*expect\s*\]\])", text, re.M):
         found: PlantFile = PlantFile.from_parent(parent, path=file_path)
         return found
     return None

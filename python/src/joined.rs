@@ -34,7 +34,7 @@ pub struct Joined {
     /// For the first answer to each call; `None` for the usual time.
     timeout: Option<Duration>,
     pub opening: Opening,
-    /// Whose groups can be selected.
+    /// The machine file; its groups can be selected.
     pub machine: Option<Machine>,
     pub drives: Mutex<HashMap<String, Drive>>,
     /// What goes on beside the calls that wait. On a real network it has threads of its own; in a plant time passes for it only
@@ -199,33 +199,48 @@ impl Joined {
     /// Leaves the network: every axis is brought to rest and released. Signals make that a quick stop, then end the wait for it,
     /// and so does the end of the time.
     pub fn close(&self, limit: Option<Duration>) -> PyResult<()> {
-        let Some(network) = locked(&self.network).take() else {
-            return Ok(());
+        close_all(&[self], limit)
+    }
+}
+
+/// Leaves networks, all at once, as [`Joined::close`] does: none waits for the stops of another one.
+fn close_all(all: &[&Joined], limit: Option<Duration>) -> PyResult<()> {
+    let (done, ended) = mpsc::channel();
+    let mut left = 0;
+    for joined in all {
+        let Some(network) = locked(&joined.network).take() else {
+            continue;
         };
         log::info(Logger::Network, || "close".to_owned());
-        let (done, ended) = mpsc::channel();
+        left += 1;
+        let done = done.clone();
         std::thread::spawn(move || {
             drop(network);
             // no caller waits any more where the time is over
             let _ = done.send(());
         });
-        let requests = [StopRequests::default()];
-        let mut signals = Signals::new(&requests);
-        let [requests] = &requests;
-        let begin = Clock::now();
-        let mut hurried = false;
-        while ended.recv_timeout(LOOK) == Err(mpsc::RecvTimeoutError::Timeout) {
-            signals.look();
-            if requests.is_urgent() && !hurried {
-                hurried = true;
-                self.caller.stop_all(true);
-            }
-            if requests.is_final() || limit.is_some_and(|limit| begin.elapsed() >= limit) {
-                break;
+    }
+    let requests = [StopRequests::default()];
+    let mut signals = Signals::new(&requests);
+    let [requests] = &requests;
+    let begin = Clock::now();
+    let mut hurried = false;
+    while left > 0 {
+        if ended.recv_timeout(LOOK).is_ok() {
+            left -= 1;
+        }
+        signals.look();
+        if requests.is_urgent() && !hurried {
+            hurried = true;
+            for joined in all {
+                joined.caller.stop_all(true);
             }
         }
-        signals.raised()
+        if requests.is_final() || limit.is_some_and(|limit| begin.elapsed() >= limit) {
+            break;
+        }
     }
+    signals.raised()
 }
 
 impl Drop for Joined {
@@ -269,12 +284,15 @@ impl From<DriveError> for Failure {
 #[pyfunction]
 pub fn leave_all(py: Python<'_>, seconds: f64) -> PyResult<()> {
     let open: Vec<_> = locked(&OPEN).iter().filter_map(Weak::upgrade).collect();
+    let usable: Vec<&Joined> = open
+        .iter()
+        .map(|joined| &**joined)
+        .filter(|joined| joined.usable().is_ok())
+        .collect();
     py.detach(|| {
-        let begin = Clock::now();
-        for joined in open.into_iter().filter(|joined| joined.usable().is_ok()) {
-            let limit = Duration::try_from_secs_f64(seconds).unwrap_or_default();
-            joined.close(Some(limit.saturating_sub(begin.elapsed())))?;
-        }
-        Ok(())
+        close_all(
+            &usable,
+            Some(Duration::try_from_secs_f64(seconds).unwrap_or_default()),
+        )
     })
 }

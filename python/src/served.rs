@@ -127,7 +127,7 @@ impl Served {
         Ok(py.detach(|| document(&*locked(&self.happened)))?)
     }
 
-    /// What has happened until now, and what the drives were like.
+    /// What has happened until now, and the states of the drives.
     fn trace(&self, py: Python<'_>) -> PyResult<Trace> {
         let trace = py.detach(|| self.trace.until_now());
         let trace = trace.ok_or_else(|| Failure::internal(&"the drives keep no trace"))?;

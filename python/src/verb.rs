@@ -309,7 +309,8 @@ async fn read(
 }
 
 /// What to do about a drive that a controller has.
-const BESIDE: &str = "with beside_controller=True it is written all the same: the new values count for the motion of the controller at once";
+const BESIDE: &str =
+    "beside_controller=True writes anyway: the new values take effect while the controller moves the axis";
 
 async fn write(
     session: &mut Session,

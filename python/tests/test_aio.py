@@ -178,6 +178,31 @@ def test_a_cancelled_write_says_what_became_of_it(world: World) -> None:
         assert note.split(": ")[2] in ("in doubt", "written")
 
 
+def test_a_cancelled_write_that_was_refused_is_not_written(world: World) -> None:
+    """The thread has the refusal before the event loop sees it."""
+
+    async def work() -> list[list[str]]:
+        network = aio.network_of(world)
+        drives = await network.select("akd-1")
+        notes = []
+        for target in (network["akd-1"], drives):
+            inbox: SimpleQueue[_waiting._Begun[Any]] = SimpleQueue()
+            _waiting._IDLE.append(inbox)
+            writing = asyncio.create_task(target.write({"DRV.ACC": "4000 furlongs"}))
+            await asyncio.sleep(0)
+            inbox.get(timeout=1).carry_out()
+            writing.cancel()
+            with pytest.raises(asyncio.CancelledError) as cancelled:
+                await writing
+            notes.append(getattr(cancelled.value, "__notes__", []))
+        return notes
+
+    for notes in run(work()):
+        if sys.version_info >= (3, 11):
+            [note] = notes
+            assert note.startswith("akd-1: DRV.ACC: not written: ")
+
+
 def test_a_change_that_was_not_begun_is_dropped() -> None:
     """Its thread has other work until after it was cancelled."""
     inbox: SimpleQueue[_waiting._Begun[Any]] = SimpleQueue()
@@ -185,7 +210,7 @@ def test_a_change_that_was_not_begun_is_dropped() -> None:
     async def work() -> tuple[list[str], list[int]]:
         written: list[int] = []
         _waiting._IDLE.append(inbox)
-        writing = asyncio.create_task(_waiting.asynchronous.change("akd-1", ["DRV.ACC"], written.append, 1))
+        writing = asyncio.create_task(_waiting.asynchronous.change("akd-1", ["DRV.ACC"], lambda _: [], written.append, 1))
         await asyncio.sleep(0)
         writing.cancel()
         with pytest.raises(asyncio.CancelledError) as cancelled:

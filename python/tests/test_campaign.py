@@ -203,7 +203,7 @@ def test_a_killed_worker_loses_nothing_that_is_done(plant: Plant, tmp_path: Path
 
 def test_a_worker_with_another_version_is_refused(plant: Plant) -> None:
     [job] = _jobs(plant, "10ms", {}, None)
-    other = type(job)(job.text, job.until, job.vary, None, ("0.0.1", None, "release", []))
+    other = type(job)(job.text, job.until, job.vary, None, ("0.0.1", "0"))
     with pytest.raises(UsageError, match=rf"{re.escape(build_info().version)}.*0\.0\.1"):
         _run(other, [1])
 
@@ -257,6 +257,35 @@ def test_progress_is_a_line_of_a_terminal(pool: Executor, monkeypatch: pytest.Mo
     monkeypatch.setattr(sys, "stderr", quiet)
     sweep(plant, seeds=range(1), executor=pool, chunk=4, progress=False)
     assert (file.getvalue(), quiet.getvalue()) == ("", "")
+
+
+def one(trace: Trace) -> dict[str, float]:
+    return {"number": 1.0}
+
+
+def two(trace: Trace) -> dict[str, float]:
+    return {"number": 2.0}
+
+
+def test_rows_of_a_folder_are_those_of_the_same_measure(plant: Plant, tmp_path: Path) -> None:
+    two.__qualname__ = one.__qualname__
+    with ThreadPoolExecutor(1) as threads:
+        found = [
+            [
+                row.measures["number"]
+                for row in sweep(plant, seeds=[1], until="100ms", measure=measure, executor=threads, out=tmp_path)
+            ]
+            for measure in (one, two, one)
+        ]
+    assert found == [[1.0], [2.0], [1.0]]
+    assert len(list(tmp_path.glob("*.parquet"))) == 2, "the last one was read"
+
+
+def test_values_and_seeds_are_lists(plant: Plant) -> None:
+    with pytest.raises(UsageError, match=r"friction = 0\.2: give a list"):
+        sweep(plant, seeds=[1], vary={"drive.press-1.load.friction": 0.2})  # type: ignore[dict-item]
+    with pytest.raises(UsageError, match=r"seeds=5: give a range"):
+        sweep(plant, seeds=5)  # type: ignore[arg-type]
 
 
 def test_ctrl_c_ends_a_sweep() -> None:

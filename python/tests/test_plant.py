@@ -14,7 +14,7 @@ import numpy
 import pint
 import pytest
 
-from profidrive import Plant, State
+from profidrive import Plant, State, Zsw1
 from profidrive._values import value_text
 from profidrive.errors import (
     ExpectationFailed,
@@ -98,6 +98,8 @@ def test_a_run_waits_for_conditions_and_returns_the_event(press: Plant) -> None:
     assert lost.fault.number == 702
     assert lost.time < begin + 0.06
     assert world["press-1"].faults[0].number == 702
+    # the constants of the package are conditions too
+    world.run_until("press-1", state=State.S1, zsw1=Zsw1.FAULT, timeout="100ms")
     world.run_until("press-1", moving=False, for_=0.1, timeout=5)
     assert not world["press-1"].moving
 

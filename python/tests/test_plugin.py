@@ -115,6 +115,30 @@ def test_a_report_has_events_samples_picture_and_frames(pytester: pytest.Pyteste
     assert Path(attached[3]).read_bytes()[:4] == b"\x0a\x0d\x0d\x0a"
 
 
+def test_a_fixture_that_fails_has_a_report_too(pytester: pytest.Pytester) -> None:
+    pytester.makepyfile("""
+        import pytest
+
+        @pytest.fixture
+        def ready(world):
+            world.run_until("press-1", fault=702, timeout="100ms")
+
+        @pytest.fixture
+        def absent(world):
+            pytest.skip("not here")
+
+        def test_ready(ready):
+            pass
+
+        def test_absent(absent):
+            pass
+    """)
+    result = pytester.runpytest("--profidrive-report", "report")
+    result.assert_outcomes(errors=1, skipped=1)
+    result.stdout.fnmatch_lines(["*profidrive trace*"])
+    assert len(list(pytester.path.joinpath("report").iterdir())) == 4
+
+
 def test_a_report_that_cannot_be_written_does_not_hide_the_failure(pytester: pytest.Pytester) -> None:
     pytester.makepyfile(LOST)
     pytester.path.joinpath("taken").write_text("a file")
@@ -135,6 +159,12 @@ def test_plant_files_with_expectations_are_tests_where_they_are_wanted(pytester:
     result = pytester.runpytest()
     result.assert_outcomes(passed=4, failed=1)
     result.stdout.fnmatch_lines(["*line 7: press-1: reaches speed: not met", "*actual: *", "*profidrive trace*"])
+    # expectations as tables
+    pytester.path.joinpath("press.toml").unlink()
+    pytester.path.joinpath("other.toml").write_text(
+        'duration = "1s"\n[[expect]]\nname = "rests"\nalways = true\ndrive = "akd-1"\nmoving = false\n[[drive]]\nname = "akd-1"\n'
+    )
+    pytester.runpytest("--override-ini", "python_files=none").assert_outcomes(passed=1)
 
 
 def test_mistakes_of_markers_are_errors_of_the_test(pytester: pytest.Pytester) -> None:

@@ -201,7 +201,7 @@ def test_settings_are_saved_compared_and_restored(world: World, tmp_path: Path) 
     assert [one.name for one in drive.diff(file, only=["p922", "DRV.DEC"]).differences] == ["DRV.DEC"]
     compared = world.network.select("akd-*").diff(saved, only="DRV.DEC")
     assert {name: len(report.differences) for name, report in compared.items()} == {"akd-1": 1, "akd-2": 0}
-    with pytest.raises(UsageError, match=r"DVR\.ACC means no setting"):
+    with pytest.raises(UsageError, match=r"DVR\.ACC matches no setting"):
         drive.diff(file, only="DVR.ACC")
     planned = drive.plan_restore(file, only=["DRV.ACC"])
     assert planned.dry_run

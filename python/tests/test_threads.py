@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import asyncio
+import subprocess
+import sys
 import threading
 from collections.abc import Callable, Sequence
 
@@ -190,3 +192,20 @@ def test_threads_that_take_the_same_axis_do_not_end_each_others_connection() -> 
         assert taken[:2] == ["begins", "ends"]
         assert taken in (["begins", "ends"], ["begins", "ends"] * 2, ["begins", "ends"] * 3)
         assert world.trace.only(ConnectionLost) == ()
+
+
+def test_ctrl_c_while_a_program_ends_leaves_no_axis_of_several_networks_turning() -> None:
+    program = """
+import atexit, signal
+from profidrive import Plant
+worlds = [Plant.of("akd").start() for _ in range(2)]
+atexit.register(lambda: print([abs(world["akd-1"].speed) < 1 for world in worlds]))
+for world in worlds:
+    drive = world.network["akd-1"]
+    drive.write({"DRV.DEC": "2rpm/s"})
+    drive.control(max_speed="600rpm", lease="100000s").__enter__().run("500rpm")
+signal.signal(signal.SIGALRM, signal.default_int_handler)
+atexit.register(signal.setitimer, signal.ITIMER_REAL, 0.005)
+"""
+    ended = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60)
+    assert ended.stdout == "[True, True]\n", ended.stderr

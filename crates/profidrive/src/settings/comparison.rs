@@ -31,7 +31,7 @@ pub enum CompareError {
         model: &'static str,
     },
     /// No setting of either side is meant by a pattern.
-    #[error("{0} means no setting of either side")]
+    #[error("{0} matches no setting of either side")]
     NoneMeant(String),
     /// The drive cannot be reached, or refuses.
     #[error(transparent)]
@@ -149,12 +149,12 @@ impl<'b> Comparison<'b> {
     /// let telegram = Comparison::new(&left, &right)?.only(&["p922".parse()?])?;
     /// assert_eq!((telegram.count(), telegram.of_connection()), (1, 1));
     /// let error = Comparison::new(&left, &right)?.only(&["DVR.*".parse()?]).unwrap_err();
-    /// assert_eq!(error.to_string(), "DVR.* means no setting of either side");
+    /// assert_eq!(error.to_string(), "DVR.* matches no setting of either side");
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///
     /// # Errors
-    /// [`CompareError::NoneMeant`] for a pattern that means no setting of either side: a name with a mistake would look like
+    /// [`CompareError::NoneMeant`] for a pattern that matches no setting of either side: a name with a mistake would look like
     /// settings that are equal.
     pub fn only(mut self, patterns: &[Pattern]) -> Result<Self, CompareError> {
         let sides = [self.left, self.right];
