@@ -328,10 +328,36 @@ test("STOP lets an axis coast where that is chosen, a travel ends a motion, and 
     await travel.fill("far");
     await expect(page.getByRole("button", { name: "Take control" })).toBeDisabled();
     await travel.fill("0.5");
+    // the chosen stop and the travel are in sight with the options folded, and of this drive alone
+    const summary = page.locator(".options summary");
+    const chosen = "Options: speed, up to 300 rpm, travel up to 0.5 rev, STOP: power stage off, OFF2: coasts";
+    await expect(summary).toHaveText(chosen);
+    const outside = () =>
+      page.locator(".steps > section").evaluateAll((all) =>
+        all.flatMap((section) => {
+          const { right } = section.getBoundingClientRect();
+          return [...section.querySelectorAll("select, input, p, label")]
+            .filter((one) => one.getBoundingClientRect().right > right)
+            .map((one) => one.outerHTML);
+        }),
+      );
+    expect(await outside()).toEqual([]);
+    await page.screenshot({ path: join(pictures, "control-options.png") });
+    const drives = page.getByRole("combobox", { name: "Drive", exact: true });
+    await drives.selectOption({ label: "axis-2" });
+    await expect(summary).toHaveText("Options: speed, up to 300 rpm, any travel, STOP: quick stop, OFF3");
+    await drives.selectOption(id);
+    await expect(summary).toHaveText(chosen);
     await expect(page.getByText("No beats: this page has no control.")).toBeVisible();
     await enable(page);
     await expect(page.getByText(/^STOP switches its power stage off \(OFF2\)/)).toBeVisible();
     await expect(page.getByText("Beats arrive in time.")).toBeVisible();
+    // the line of STOP says how it stops this axis, that it is no safety function, and its keys: all of it whole
+    const why = page.locator(".frame .why");
+    await expect(why).toContainText("(power stage off, OFF2: coasts). Not a safety function. STOP: Space");
+    const cut = () => why.locator("*").evaluateAll((all) => all.map((one) => one.scrollWidth > one.clientWidth));
+    expect(await cut()).toEqual([false, false, false]);
+    await page.screenshot({ path: join(pictures, "control-frame.png") });
     await page.getByRole("tab", { name: "Velocity" }).click();
     const go = page.getByRole("button", { name: "Turn at this speed" });
     await go.click();
@@ -341,8 +367,14 @@ test("STOP lets an axis coast where that is chosen, a travel ends a motion, and 
     // not on
     await go.click();
     await expect(page.getByText(/would leave the travel of this session, 0.5 rev/)).toBeVisible();
+    await page.getByRole("textbox", { name: "Speed" }).fill("-20");
+    await go.click();
+    await expect.poll(() => speed(page, server.origin, id)).toBeLessThan(-15);
     await page.getByRole("button", { name: /^STOP axis-1/ }).click();
-    await expect(page.getByText("Power stage off")).toBeVisible();
+    await expect(page.getByText("Coasts, nothing brakes it")).toBeVisible();
+    await expect(page.getByText("Power stage off", { exact: true })).toBeVisible();
+    // who pressed STOP has no trouble with it
+    await expect(page.locator(".control .warn, .control .fault")).toHaveCount(0);
     expect(wrong).toEqual([]);
   });
 });

@@ -80,7 +80,7 @@ test("the frame has how regular the cyclic frames are, and values are those the 
   await expect(named("Power stage")).toContainText(/\d \u00b0C/);
   await expect(named("Torque")).toHaveCount(0);
   // 3000 rpm/s are delivered, the demo has 100: both ramps
-  await expect(page.getByText("2 settings")).toBeVisible();
+  await expect(page.getByText("2 settings differ from default")).toBeVisible();
   await page.getByRole("link", { name: "Show them" }).click();
   await expect(page.getByRole("combobox", { name: "Show" })).toHaveValue("changed");
   await expect(page.locator("tr.parameter th")).toHaveText(["DRV.ACC", "DRV.DEC"]);

@@ -154,6 +154,14 @@ test("the log has what was done, follows it, and exports it", async ({ page }) =
     await page.goto(linked);
     await expect(page.getByRole("searchbox", { name: "Search" })).toHaveValue(torque);
     await expect(row).toHaveCount(1);
+    // and one that is followed while it is open
+    await page.evaluate(() => {
+      location.hash = "#text=no+such+text";
+    });
+    await expect(page.getByText("No matching records.")).toBeVisible();
+    await page.goBack();
+    await expect(page.getByRole("searchbox", { name: "Search" })).toHaveValue(torque);
+    await expect(row).toHaveCount(1);
     const file = async (name: string) => {
       const [download] = await Promise.all([
         page.waitForEvent("download"),

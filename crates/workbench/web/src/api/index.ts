@@ -53,7 +53,7 @@ export class Refused extends Error {
 }
 
 /** Makes a request of the interface. Throws `Refused` for a problem, another error where there is no answer. */
-export async function request<T>(path: string, options: RequestInit = {}): Promise<T> {
+export async function ask(path: string, options: RequestInit = {}): Promise<Response> {
   const answer = await fetch(`/api/v1/${path}`, { signal: AbortSignal.timeout(LIMIT), ...options });
   if (!answer.ok) {
     const problem = (await answer.json().catch(() => null)) as Problem | null;
@@ -63,7 +63,12 @@ export async function request<T>(path: string, options: RequestInit = {}): Promi
       [problem?.detail ?? answer.statusText, details.join("; ")].filter(Boolean).join(": "),
     );
   }
-  return (await answer.json()) as T;
+  return answer;
+}
+
+/** The same for an answer in JSON. */
+export async function request<T>(path: string, options: RequestInit = {}): Promise<T> {
+  return (await (await ask(path, options)).json()) as T;
 }
 
 /** Time for something that changes a drive, in ms: the drive may take its time, and the workbench has a limit of its own. */

@@ -154,16 +154,19 @@ function Facts({ station }: { station: Station }) {
 
 function Stop({ station }: { station: Station | undefined }) {
   const count = axes.value.length;
+  const only = count === 1 ? axes.value[0] : undefined;
   const first = stations.value?.find((one) => one.id === axes.value[0]?.drive);
   const name = ownerName(station);
   const why =
     silent.value !== null
       ? t("stop.why.unreachable")
-      : count > 0
-        ? t(axes.value.some(({ stop_by }) => stop_by !== "off3") ? "stop.why.chosen" : "stop.why.own")
-        : name !== null
-          ? t("stop.why.owner", { name })
-          : t("stop.why.none");
+      : only !== undefined
+        ? t("stop.why.one", { how: t(`stop.by.${only.stop_by}`) })
+        : count > 0
+          ? t(axes.value.some(({ stop_by }) => stop_by !== "off3") ? "stop.why.chosen" : "stop.why.own")
+          : name !== null
+            ? t("stop.why.owner", { name })
+            : t("stop.why.none");
   const text =
     silent.value !== null
       ? t("stop.unreachable")
@@ -175,7 +178,7 @@ function Stop({ station }: { station: Station | undefined }) {
   return (
     <>
       <p class="line why" id="stop-why">
-        <bdi>{why}</bdi> <span class="small">{t("stop.safety")}</span>
+        <bdi>{why}</bdi> <span class="small">{t("stop.safety")}</span>{" "}
         {leases.value.size > 0 && <span class="small">{t("frame.control.keys")}</span>}
       </p>
       <button

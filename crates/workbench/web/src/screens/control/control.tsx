@@ -18,8 +18,8 @@ const purpose = signal<"speed" | "position">("speed");
 const mode = signal(false);
 const runs = signal(false);
 const limit = signal("300");
-/** Empty for any way. */
-const travel = signal("");
+/** By drive: empty for any way. */
+const travels = new Map<string, typeof limit>();
 const seen = signal<readonly boolean[]>([false, false, false]);
 const tab = signal<"jog" | "velocity" | "move" | "home" | "task">("jog");
 const jogSpeed = signal("20");
@@ -29,6 +29,12 @@ const relative = signal(true);
 const number = signal("1");
 
 const dash = "\u2013";
+
+function travelOf(id: string): typeof limit {
+  const known = travels.get(id) ?? signal("");
+  travels.set(id, known);
+  return known;
+}
 
 /** What is kept of a drive in this browser: how STOP stops it. */
 const STOP_BY = "profidrive.stop.";
@@ -110,8 +116,10 @@ function Take({ station }: { station: Station }) {
   const real = server.value?.simulation === false;
   const ready = !real || seen.value.every(Boolean);
   const highest = numberOf(limit.value);
+  const travel = travelOf(station.id);
+  const way = travel.value.trim();
   // a travel that is no number is not the same as none
-  const far = travel.value.trim() !== "" && !((numberOf(travel.value) ?? 0) > 0);
+  const far = way !== "" && !((numberOf(travel.value) ?? 0) > 0);
   const other = control.axes.value.find((one) => one.drive === station.id);
   const waits = other !== undefined && axis === undefined && other.phase === "taking";
   if (axis !== undefined) {
@@ -143,7 +151,12 @@ function Take({ station }: { station: Station }) {
       )}
       <details class="options">
         <summary>
-          {t("control.options", { purpose: t(`control.purpose.${purpose.value}`), limit: limit.value.trim() || dash })}
+          {t("control.options", {
+            purpose: t(`control.purpose.${purpose.value}`),
+            limit: limit.value.trim() || dash,
+            travel: way === "" ? t("control.options.anywhere") : t("control.options.travel", { travel: way }),
+            stop: t(`stop.by.${stopBy(station.id)}`),
+          })}
         </summary>
         <label class="field">
           <span>{t("control.purpose")}</span>
@@ -214,19 +227,26 @@ function Take({ station }: { station: Station }) {
   );
 }
 
+/** The trouble of an axis that STOP stopped, in the words of the library. */
+const STOPPED = "it was stopped from elsewhere in this program";
+
 function Enable({ station }: { station: Station }) {
   const axis = control.own(station.id);
   const on = axis?.phase === "enabled" || axis?.phase === "moving";
   const free = axis !== undefined && !axis.busy && axis.phase !== "releasing";
   const other = axis === undefined ? control.heldAxis(station.id) : undefined;
-  const phase = (axis ?? other)?.phase ?? "none";
+  const present = axis ?? other;
+  const coasts = present?.phase === "stopping" && present.stop_by === "off2" && control.stopped.value;
+  const phase = coasts ? "coasting" : (present?.phase ?? "none");
+  // who pressed STOP on this page has no trouble with it
+  const expected = axis?.trouble === STOPPED && control.lastStop.value?.by === control.session.value;
   const faults = station.status?.faults ?? [];
   return (
     <>
       {other && <p>{t("control.taken", { who: other.holder })}</p>}
       <p class={on ? "state live" : "muted"}>{t(`control.phase.${phase}`)}</p>
       {axis?.travel_ended && <p class="warn">{t("control.travel.ended")}</p>}
-      {axis?.trouble && (
+      {axis?.trouble && !expected && (
         <p class="warn">
           <bdi>{sentence([axis.trouble, ...faults.map(faultText)].join("; "))}</bdi>
         </p>

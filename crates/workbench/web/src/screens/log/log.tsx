@@ -67,15 +67,22 @@ async function load(older: boolean): Promise<void> {
 
 /** The filter is a part of the address, so that a link to this screen has it. */
 function keepFilter(): () => void {
-  const kept = new URLSearchParams(location.hash.slice(1));
-  const names = ["text", "drive", "action"] as const;
-  if (kept.size > 0) {
+  const read = () => {
+    const kept = new URLSearchParams(location.hash.slice(1));
+    const names = ["text", "drive", "action"] as const;
     filter.value = { ...NONE, ...Object.fromEntries(names.map((name) => [name, kept.get(name) ?? ""])) };
-  }
-  return effect(() => {
+    tail.value = true;
+  };
+  if (location.hash !== "") read();
+  addEventListener("hashchange", read);
+  const end = effect(() => {
     const hash = query({});
     history.replaceState(history.state, "", location.pathname + location.search + (hash && `#${hash}`));
   });
+  return () => {
+    removeEventListener("hashchange", read);
+    end();
+  };
 }
 
 /** The server keeps frames for this time, in ms. */

@@ -274,10 +274,14 @@ function Care({ station }: { station: Station }) {
           <div>
             <dt>{t("overview.changed")}</dt>
             <dd>
-              {t("overview.changed.count", { count: known.changed })}{" "}
-              <a href={`${address(station.id, "parameters")}${location.search}#only=changed`}>
-                {t("overview.changed.show")}
-              </a>
+              {t(`overview.changed.${known.changed === 0 ? "none" : known.changed === 1 ? "one" : "count"}`, {
+                count: known.changed,
+              })}{" "}
+              {known.changed > 0 && (
+                <a href={`${address(station.id, "parameters")}${location.search}#only=changed`}>
+                  {t("overview.changed.show")}
+                </a>
+              )}
             </dd>
           </div>
         )}

@@ -1,6 +1,6 @@
 import { signal } from "@preact/signals";
-import { useEffect, useState } from "preact/hooks";
-import { type PlantCheck, type Possible, post, request, type Shaft as ShaftState, type Station } from "../../api";
+import { useEffect, useRef, useState } from "preact/hooks";
+import { ask, type PlantCheck, type Possible, post, request, type Shaft as ShaftState, type Station } from "../../api";
 import { downloadText } from "../../parts/download";
 import { foreign, product, sentence } from "../../parts/format";
 import { ownerName, State } from "../../parts/Reason";
@@ -33,7 +33,7 @@ function Recording() {
         </button>
         {running !== null && (
           <a href={`/api/v1/plant/scenario?since=${running.since}`} download="scenario.toml">
-            {t("virtual.record.save", { count: running.count })}
+            {t(running.count === 1 ? "virtual.record.save.one" : "virtual.record.save", { count: running.count })}
           </a>
         )}
       </p>
@@ -44,10 +44,12 @@ function Recording() {
 
 /** The plant file that is edited, and what is wrong with it; the text is empty before it was read. */
 const plant = signal("");
+/** Whether it has edits that no plant was started with. */
+const edited = signal(false);
 const wrong = signal<PlantCheck["problem"]>(null);
 const restarted = signal<{ text: string; failed: boolean } | null>(null);
 const paused = signal(false);
-/** Time without typing after which the file is checked, in ms. */
+/** Time without typing or keys after which the file is checked and a load is sent, in ms. */
 const PAUSE = 300;
 let timer = 0;
 
@@ -55,12 +57,18 @@ let timer = 0;
 const SEED = /^seed *= *(\d+).*$/m;
 
 async function readPlant(): Promise<void> {
-  plant.value = await (await fetch("/api/v1/plant/scenario")).text();
-  wrong.value = null;
+  try {
+    plant.value = await (await ask("plant/scenario")).text();
+    edited.value = false;
+    wrong.value = null;
+  } catch (error) {
+    restarted.value = { text: reason(error), failed: true };
+  }
 }
 
 function edit(text: string): void {
   plant.value = text;
+  edited.value = true;
   clearTimeout(timer);
   timer = window.setTimeout(() => {
     void post<PlantCheck>("plant/check", { text }).then(
@@ -75,8 +83,12 @@ function edit(text: string): void {
 }
 
 async function restart(): Promise<void> {
-  restarted.value = await post<PlantCheck>("plant/restart", { text: plant.value }).then(
-    () => ({ text: t("virtual.restarted"), failed: false }),
+  const text = plant.value;
+  restarted.value = await post<PlantCheck>("plant/restart", { text }).then(
+    () => {
+      edited.value = plant.value !== text;
+      return { text: t("virtual.restarted"), failed: false };
+    },
     (error: unknown) => ({ text: reason(error), failed: true }),
   );
   recording.value = null;
@@ -115,13 +127,15 @@ function Plant() {
   const may = server.value?.role === "control" && silent.value === null;
   const seed = SEED.exec(plant.value)?.[1] ?? "";
   const open = plant.value !== "";
+  // what is typed there, as long as it is typed
+  const [typed, setTyped] = useState<string | null>(null);
   return (
     <section class="happen">
       <h2>{t("virtual.plant.title")}</h2>
       <Clock may={may} />
       <details
         onToggle={(event) => {
-          if (event.currentTarget.open) void readPlant();
+          if (event.currentTarget.open && !edited.value) void readPlant();
         }}
       >
         <summary>{t("virtual.plant")}</summary>
@@ -144,15 +158,20 @@ function Plant() {
           <label class="inline">
             <span>{t("virtual.seed")}</span>
             <input
-              value={seed}
+              value={typed ?? seed}
               size={8}
+              maxLength={15}
               inputMode="numeric"
               autocomplete="off"
               disabled={!may || !open}
               onInput={(event) => {
-                const line = `seed = ${event.currentTarget.value.replace(/\D/g, "") || "0"}`;
+                setTyped(event.currentTarget.value);
+                const digits = event.currentTarget.value.replace(/\D/g, "");
+                if (digits === "") return;
+                const line = `seed = ${Number(digits)}`;
                 edit(SEED.test(plant.value) ? plant.value.replace(SEED, line) : `${line}\n${plant.value}`);
               }}
+              onBlur={() => setTyped(null)}
             />
           </label>
           <button type="button" disabled={!may || !open || wrong.value !== null} onClick={() => void restart()}>
@@ -164,6 +183,9 @@ function Plant() {
             onClick={() => downloadText("plant.toml", "application/toml", plant.value)}
           >
             {t("virtual.plant.save")}
+          </button>
+          <button type="button" onClick={() => void readPlant()}>
+            {t("virtual.plant.again")}
           </button>
         </p>
         <p class="muted small">{t("virtual.plant.how")}</p>
@@ -260,7 +282,10 @@ const HEAVIEST = 5;
 /** A torque against the shaft. */
 function Load({ shaft, may }: { shaft: ShaftState; may: boolean }) {
   const present = shaft.lasting.find(({ event }) => event.startsWith("load="))?.event ?? "load=0Nm";
-  const torque = Number.parseFloat(present.slice("load=".length));
+  // while it has the focus it is where the keys put it, whatever the plant reports meanwhile
+  const [wanted, setWanted] = useState<number | null>(null);
+  const pause = useRef(0);
+  const torque = wanted ?? Number.parseFloat(present.slice("load=".length));
   return (
     <label>
       <span>{t("virtual.load", { torque: torque.toFixed(1) })}</span>
@@ -271,7 +296,15 @@ function Load({ shaft, may }: { shaft: ShaftState; may: boolean }) {
         step={0.1}
         value={torque}
         disabled={!may}
-        onChange={(change) => void inject(shaft.id, `load=${change.currentTarget.value}Nm`, null)}
+        // not every browser focuses it by a click
+        onPointerDown={(press) => press.currentTarget.focus()}
+        onInput={(change) => {
+          const { valueAsNumber } = change.currentTarget;
+          setWanted(valueAsNumber);
+          clearTimeout(pause.current);
+          pause.current = window.setTimeout(() => void inject(shaft.id, `load=${valueAsNumber}Nm`, null), PAUSE);
+        }}
+        onBlur={() => setWanted(null)}
       />
     </label>
   );
@@ -306,7 +339,7 @@ function Happen({ shaft }: { shaft: ShaftState }) {
           </button>
         ))}
       </p>
-      <Load shaft={shaft} may={control && live} />
+      <Load key={shaft.id} shaft={shaft} may={control && live} />
       <label>
         <span>{t("virtual.fault")}</span>
         <select value={fault} onChange={(change) => setFault(change.currentTarget.value)}>
