@@ -2498,6 +2498,8 @@ export interface components {
             age: number | null;
             /** @description Why the last search failed. */
             failure: components["schemas"]["Error"] | null;
+            /** @description Whether the time of the plant stands still. */
+            paused: boolean;
             /** @description All that answered, and those that answered some minutes ago. */
             stations: components["schemas"]["KnownStation"][];
         };
@@ -3660,6 +3662,15 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
+            /** @description The time of the plant stands still */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
             /** @description There is no folder for it */
             503: {
                 headers: {
@@ -3712,6 +3723,15 @@ export interface operations {
             };
             /** @description No such drive has answered */
             404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The time of the plant stands still */
+            409: {
                 headers: {
                     [name: string]: unknown;
                 };
@@ -3778,6 +3798,15 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
+            /** @description The time of the plant stands still */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
             /** @description The drive does not answer */
             504: {
                 headers: {
@@ -3821,6 +3850,15 @@ export interface operations {
             };
             /** @description No such drive has answered */
             404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The time of the plant stands still */
+            409: {
                 headers: {
                     [name: string]: unknown;
                 };
@@ -3878,6 +3916,15 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
+            /** @description The time of the plant stands still */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
             /** @description The drive does not answer */
             504: {
                 headers: {
@@ -3921,6 +3968,15 @@ export interface operations {
             };
             /** @description No such drive has answered */
             404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The time of the plant stands still */
+            409: {
                 headers: {
                     [name: string]: unknown;
                 };
@@ -3982,6 +4038,15 @@ export interface operations {
             };
             /** @description No such drive has answered */
             404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The time of the plant stands still */
+            409: {
                 headers: {
                     [name: string]: unknown;
                 };
@@ -4206,6 +4271,15 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
+            /** @description The time of the plant stands still */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
             /** @description The drive does not answer */
             504: {
                 headers: {
@@ -4249,6 +4323,15 @@ export interface operations {
             };
             /** @description No such drive has answered */
             404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The time of the plant stands still */
+            409: {
                 headers: {
                     [name: string]: unknown;
                 };
@@ -4310,6 +4393,15 @@ export interface operations {
             };
             /** @description No such drive has answered */
             404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The time of the plant stands still */
+            409: {
                 headers: {
                     [name: string]: unknown;
                 };
@@ -5327,6 +5419,15 @@ export interface operations {
             };
             /** @description No such drive has answered */
             404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The time of the plant stands still */
+            409: {
                 headers: {
                     [name: string]: unknown;
                 };

@@ -7,7 +7,7 @@ import { owner, ownerName, person, State } from "../parts/Reason";
 import * as control from "../store/control";
 import { axes, stopped as isStopped, lastStop, leases, refusal, reset, stopState } from "../store/control";
 import { stop, stopText, want } from "../store/live";
-import { aged, type Happening, happened, now, server, silent, stations, topics } from "../store/store";
+import { aged, type Happening, happened, now, paused, server, silent, stations, topics } from "../store/store";
 import { age, t } from "../text";
 import { address, OF_DRIVE, recent, screenOf, stationOf } from "./selected";
 
@@ -262,7 +262,7 @@ export function Frame() {
         </div>
         {simulation && (
           <p class="band simulation">
-            <span>{t("frame.simulation.band")}</span>
+            <span>{t(paused.value ? "frame.simulation.paused" : "frame.simulation.band")}</span>
           </p>
         )}
       </header>

@@ -12,6 +12,7 @@ import {
   failure,
   happened,
   now,
+  paused,
   received,
   searched,
   searching,
@@ -132,6 +133,7 @@ function take(report: Stations): void {
     received.value = performance.now();
     now.value = received.value;
     searched.value = report.age;
+    paused.value = report.paused;
     failure.value = report.failure?.message ?? null;
     tracks.value = extended(tracks.value, report.stations);
   });

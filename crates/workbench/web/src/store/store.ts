@@ -16,6 +16,8 @@ export const received = signal(0);
 export const searched = signal<number | null>(null);
 /** Whether this page waits for a search. */
 export const searching = signal(false);
+/** Whether the time of the plant stands still, so that no drive answers. */
+export const paused = signal(false);
 export const failure = signal<string | null>(null);
 
 /** Where the shafts of virtual drives are, by the identity of the drive. */

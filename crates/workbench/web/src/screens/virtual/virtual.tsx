@@ -6,7 +6,7 @@ import { foreign, product, sentence } from "../../parts/format";
 import { ownerName, State } from "../../parts/Reason";
 import { Shaft } from "../../parts/Shaft";
 import { reason } from "../../store/jobs";
-import { server, shafts, silent, stations } from "../../store/store";
+import { paused, server, shafts, silent, stations } from "../../store/store";
 import { t } from "../../text";
 
 /** The drive that something is to happen to, and what became of the last wish. */
@@ -48,7 +48,6 @@ const plant = signal("");
 const edited = signal(false);
 const wrong = signal<PlantCheck["problem"]>(null);
 const restarted = signal<{ text: string; failed: boolean } | null>(null);
-const paused = signal(false);
 /** Time without typing or keys after which the file is checked and a load is sent, in ms. */
 const PAUSE = 300;
 let timer = 0;
@@ -58,7 +57,8 @@ const SEED = /^seed *= *(\d+).*$/m;
 
 async function readPlant(): Promise<void> {
   try {
-    plant.value = await (await ask("plant/scenario")).text();
+    // without what was injected: that would come again at its time after a restart
+    plant.value = await (await ask(`plant/scenario?since=${Number.MAX_SAFE_INTEGER}`)).text();
     edited.value = false;
     wrong.value = null;
   } catch (error) {
@@ -96,17 +96,9 @@ async function restart(): Promise<void> {
 
 /** Lets the time of the plant stand still, or go on. */
 function Clock({ may }: { may: boolean }) {
-  useEffect(() => {
-    void request<{ paused: boolean }>("plant/drives").then(
-      (now) => {
-        paused.value = now.paused;
-      },
-      () => {},
-    );
-  }, []);
   const set = async (wanted: boolean) => {
     try {
-      paused.value = (await post<{ paused: boolean }>("plant/clock", { paused: wanted })).paused;
+      await post("plant/clock", { paused: wanted });
       restarted.value = null;
     } catch (error) {
       restarted.value = { text: reason(error), failed: true };
