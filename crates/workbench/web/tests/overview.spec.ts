@@ -49,6 +49,8 @@ test("values come with unit, age and the last minute", async ({ entered: page })
   await page.getByRole("link", { name: "press-1" }).click();
   await expect(page.getByRole("img", { name: /Speed, last 60 s: .* rpm/ })).toBeVisible();
   await expect(page.getByText(/Read \d s ago/)).toBeVisible();
+  // the last thing that is read of a drive
+  await expect(page.getByRole("heading", { name: "Backup and rights" })).toBeVisible();
   // values change, and nothing moves its place
   const speed = page.locator(".value").first();
   const shown = () => speed.locator(".main").textContent();
