@@ -197,13 +197,15 @@ def test_threads_that_take_the_same_axis_do_not_end_each_others_connection() -> 
 def test_ctrl_c_while_a_program_ends_leaves_no_axis_of_several_networks_turning() -> None:
     program = """
 import atexit, signal
-from profidrive import Plant
+from profidrive import Plant, _calls
 worlds = [Plant.of("akd").start() for _ in range(2)]
 atexit.register(lambda: print([abs(world["akd-1"].speed) < 1 for world in worlds]))
 for world in worlds:
     drive = world.network["akd-1"]
     drive.write({"DRV.DEC": "2rpm/s"})
     drive.control(max_speed="600rpm", lease="100000s").__enter__().run("500rpm")
+# as a network interface does that is opened
+_calls.leave_at_exit()
 signal.signal(signal.SIGALRM, signal.default_int_handler)
 atexit.register(signal.setitimer, signal.ITIMER_REAL, 0.005)
 """
