@@ -526,12 +526,13 @@ mod tests {
         let file = file(&definitions, &["Event", "ExpectationResult"]).unwrap();
         for expected in [
             "class LinkLost:\n    \"\"\"Gone.\"\"\"\n\n    time: float\n    \"\"\"Seconds.\"\"\"\n    why: str | None\n",
-            "time=_number(data[\"time\"]),\n            why=data[\"why\"],",
+            "cls(\n            _number(data[\"time\"]),\n            data[\"why\"],\n",
             "\"link_lost\": LinkLost,",
             "class Kind(str, Enum):",
             "events: tuple[Event, ...]\n",
-            "events=tuple(event_of(item) for item in data[\"events\"]),",
-            "kind=None if data[\"kind\"] is None else Kind(data[\"kind\"]),",
+            // by place, so in the order of the fields
+            "    events: tuple[Event, ...]\n    \"\"\"\"\"\"\n    kind: Kind | None\n",
+            "cls(\n            tuple(event_of(item) for item in data[\"events\"]),\n            None if data[\"kind\"] is None else Kind(data[\"kind\"]),\n",
         ] {
             assert!(file.contains(expected), "{expected}\n{file}");
         }
