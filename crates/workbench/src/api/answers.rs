@@ -3,6 +3,8 @@
 
 use serde_json::{Map, Value, json};
 
+use super::plant::waits_for_drives;
+
 /// The parameter in the path of one drive.
 const DRIVE: &str = "MAC address, or `ip-` with the IP address";
 
@@ -26,8 +28,10 @@ pub(super) fn complete(description: &mut Value) {
             }
             if of_drive {
                 answer(answers, "404", "No such drive has answered");
-                answer(answers, "409", "The time of the plant stands still");
                 answer(answers, "504", "The drive does not answer");
+            }
+            if waits_for_drives(path) {
+                answer(answers, "409", "The time of the plant stands still");
             }
             let problems = answers.iter_mut().filter(|(status, _)| status.as_str() >= "400");
             for (_, answer) in problems {

@@ -64,16 +64,18 @@ const OF_DRIVES: [&str; 4] = [
 /// What this server knows of a drive without its answer.
 const KNOWN: [&str; 3] = ["/machine", "/telegram", "/parameters"];
 
+/// Returns whether a path of the interface waits for drives.
+pub(super) fn waits_for_drives(path: &str) -> bool {
+    OF_DRIVES.iter().any(|of| path.starts_with(of)) && !KNOWN.iter().any(|end| path.ends_with(end))
+}
+
 /// Refuses what waits for a drive while the time of the plant stands still.
 pub(crate) async fn while_it_runs(
     State(shared): State<Arc<Shared>>,
     request: Request,
     next: Next,
 ) -> Response {
-    let path = request.uri().path();
-    let waits =
-        OF_DRIVES.iter().any(|of| path.starts_with(of)) && !KNOWN.iter().any(|end| path.ends_with(end));
-    if waits && shared.is_paused() {
+    if waits_for_drives(request.uri().path()) && shared.is_paused() {
         return refused(StatusCode::CONFLICT, STANDS_STILL).into_response();
     }
     next.run(request).await

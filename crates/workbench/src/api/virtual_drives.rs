@@ -19,7 +19,7 @@ pub(crate) struct VirtualDrives {
     time: f64,
     /// Whether it stands still.
     paused: bool,
-    /// What decides what happens by chance.
+    /// Seed of all random events.
     seed: u64,
     /// Its drives, in the order of the plant file.
     drives: Vec<VirtualDrive>,

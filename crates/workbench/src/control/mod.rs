@@ -87,7 +87,8 @@ impl Control {
         self.ledger().epoch()
     }
 
-    /// Stops every axis by its quick stop (OFF3), or along its ramp (OFF1) where its page has chosen that, and lets nothing be enabled or moved before it is reset. Does not wait.
+    /// Stops every axis by its quick stop (OFF3), or along its ramp (OFF1) or by coasting (OFF2) where its page has chosen that, and
+    /// lets nothing be enabled or moved before it is reset. Does not wait.
     pub fn stop(&self, by: &str) -> Stopping {
         // first: what is requested from now on comes too late
         let epoch = self.ledger().stop();

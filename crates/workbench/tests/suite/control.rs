@@ -257,19 +257,25 @@ fn a_lease_is_of_its_socket_and_a_stop_of_everybody() {
     assert!(sentence(&replayed).contains("came before"), "{replayed}");
 }
 
-#[test]
-fn a_stop_is_along_the_ramp_where_its_page_has_chosen_that() {
-    let server = Running::demo();
-    let id = known(&server, "axis-1");
-    let mut hands = Hands::of(&server, &server.control);
-    let take = json!({ "purpose": "speed", "limit": 300, "stop_by": "off1" });
+/// Presses STOP while an axis turns whose page has chosen how it stops. Returns its place in paths, and the hands that hold it.
+fn stopped_by(server: &Running, way: &str) -> (String, Hands) {
+    let id = known(server, "axis-1");
+    let mut hands = Hands::of(server, &server.control);
+    let take = json!({ "purpose": "speed", "limit": 300, "stop_by": way });
     let number = hands.send("take", &id, &take);
     let lease = lease(&hands.answer(number));
     hands.order("enable", &id, lease, 0, &json!({}));
     hands.order("velocity", &id, lease, 0, &json!({ "speed": 20 }));
-    turns(&server, &mut hands, &id, &Value::Null);
+    turns(server, &mut hands, &id, &Value::Null);
     hands.page.send(&json!({ "type": "stop" }));
     assert_eq!(hands.page.next("stopped")["drives"], json!([id]));
+    (id, hands)
+}
+
+#[test]
+fn a_stop_is_along_the_ramp_where_its_page_has_chosen_that() {
+    let server = Running::demo();
+    let (id, _hands) = stopped_by(&server, "off1");
     rests(&server, &id);
     // the state machine has a stop of its own for each
     let machine = server
@@ -302,16 +308,7 @@ fn a_stop_is_along_the_ramp_where_its_page_has_chosen_that() {
 #[test]
 fn a_stop_lets_the_axis_coast_where_its_page_has_chosen_that() {
     let server = Running::demo();
-    let id = known(&server, "axis-1");
-    let mut hands = Hands::of(&server, &server.control);
-    let take = json!({ "purpose": "speed", "limit": 300, "stop_by": "off2" });
-    let number = hands.send("take", &id, &take);
-    let lease = lease(&hands.answer(number));
-    hands.order("enable", &id, lease, 0, &json!({}));
-    hands.order("velocity", &id, lease, 0, &json!({ "speed": 20 }));
-    turns(&server, &mut hands, &id, &Value::Null);
-    hands.page.send(&json!({ "type": "stop" }));
-    assert_eq!(hands.page.next("stopped")["drives"], json!([id]));
+    let (id, _hands) = stopped_by(&server, "off2");
     // the power stage is off at once, and control lasts until the axis rests
     let machine = eventually(&server, &format!("/api/v1/drives/{id}/machine"), |topic| {
         topic["machine"]["state"] == "S1" && topic["source"] == "frames"

@@ -2768,7 +2768,7 @@ export interface components {
             paused: boolean;
             /**
              * Format: uint64
-             * @description What decides what happens by chance.
+             * @description Seed of all random events.
              */
             seed: number;
             /**
@@ -3468,6 +3468,15 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
+            /** @description The time of the plant stands still */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
             /** @description A drive does not answer */
             504: {
                 headers: {
@@ -3916,15 +3925,6 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The time of the plant stands still */
-            409: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
             /** @description The drive does not answer */
             504: {
                 headers: {
@@ -3968,15 +3968,6 @@ export interface operations {
             };
             /** @description No such drive has answered */
             404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The time of the plant stands still */
-            409: {
                 headers: {
                     [name: string]: unknown;
                 };
@@ -4323,15 +4314,6 @@ export interface operations {
             };
             /** @description No such drive has answered */
             404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The time of the plant stands still */
-            409: {
                 headers: {
                     [name: string]: unknown;
                 };
@@ -5369,6 +5351,15 @@ export interface operations {
             };
             /** @description Another origin, or a session that only looks */
             403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The time of the plant stands still */
+            409: {
                 headers: {
                     [name: string]: unknown;
                 };
