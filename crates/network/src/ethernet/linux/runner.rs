@@ -297,12 +297,16 @@ impl Runner {
                 .deadlines
                 .earliest()
                 .map_or(until, |deadline| deadline.min(until));
-            let events = self
+            let woken = self
                 .watch
                 .wait(self.socket.fd(), wake - now())
                 .map_err(Error::system("cannot wait for frames"))?;
+            if let (true, Some(bell)) = (woken.by_another, &self.bell) {
+                // its flag may have been taken before its event was raised: that would end each wait until it rings again
+                bell.event().clear();
+            }
             if self.online {
-                let checked = self.socket.check(events);
+                let checked = self.socket.check(woken.events);
                 self.note(checked);
             }
             self.take_failure()?;

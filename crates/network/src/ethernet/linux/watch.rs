@@ -6,6 +6,15 @@ use std::time::Duration;
 
 use crate::system::linux::{readable, timespec, wait};
 
+/// What ended a wait.
+#[derive(Debug, Default, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Woken {
+    /// Events of the descriptor that was asked for, as `poll` numbers them.
+    pub(super) events: libc::c_short,
+    /// Another one may have something.
+    pub(super) by_another: bool,
+}
+
 /// Waits for the same descriptors again and again: they are commanded to the kernel once, so that a wait costs less
 /// than [`wait`]'s, which counts for a drive that does little else.
 #[derive(Debug)]
@@ -54,13 +63,16 @@ impl Watch {
         };
     }
 
-    /// Sleeps until a descriptor has something, or for `timeout`; gives the events of `fd`, as `poll` numbers them. A
-    /// signal ends it early, without error.
-    pub(super) fn wait(&mut self, fd: RawFd, timeout: Duration) -> io::Result<libc::c_short> {
+    /// Sleeps until a descriptor has something, or for `timeout`; gives the events of `fd`. A signal ends it early, without
+    /// error.
+    pub(super) fn wait(&mut self, fd: RawFd, timeout: Duration) -> io::Result<Woken> {
         if !self.exact {
             let mut fds = [readable(self.epoll.as_raw_fd()), readable(fd)];
             wait(&mut fds, timeout)?;
-            return Ok(fds[1].revents);
+            return Ok(Woken {
+                events: fds[1].revents,
+                by_another: fds[0].revents != 0,
+            });
         }
         let timeout = timespec(timeout);
         let mut events = [libc::epoll_event { events: 0, u64: 0 }; 2];
@@ -78,18 +90,22 @@ impl Watch {
             )
         };
         if ready >= 0 {
-            let own = events
-                .iter()
-                .take(ready as usize)
-                .find(|event| event.u64 == fd as u64);
-            return Ok(own.map_or(0, |event| event.events as libc::c_short));
+            let mut woken = Woken::default();
+            for event in events.iter().take(ready as usize) {
+                if event.u64 == fd as u64 {
+                    woken.events = event.events as libc::c_short;
+                } else {
+                    woken.by_another = true;
+                }
+            }
+            return Ok(woken);
         }
         let error = io::Error::last_os_error();
         match error.raw_os_error() {
-            Some(libc::EINTR) => Ok(0),
+            Some(libc::EINTR) => Ok(Woken::default()),
             Some(libc::ENOSYS | libc::EPERM) => {
                 self.exact = false;
-                Ok(0)
+                Ok(Woken::default())
             }
             _ => Err(error),
         }
@@ -117,17 +133,19 @@ mod tests {
             watch.add(stop.as_raw_fd()).unwrap();
             let fd = near.as_raw_fd();
             let start = now();
-            assert_eq!(watch.wait(fd, SOON).unwrap(), 0, "nothing is there");
+            assert_eq!(watch.wait(fd, SOON).unwrap(), Woken::default(), "nothing is there");
             assert!(now() - start >= SOON);
             far.write_all(b"x").unwrap();
-            assert_eq!(watch.wait(fd, LATE).unwrap(), libc::POLLIN);
+            assert_eq!(watch.wait(fd, LATE).unwrap().events, libc::POLLIN);
             watch.remove(fd);
             bell.write_all(b"x").unwrap();
             // the other descriptor ends the wait and is not taken for this one
-            assert_eq!(watch.wait(stop.as_raw_fd(), LATE).unwrap(), libc::POLLIN);
-            if exact {
-                assert_eq!(watch.wait(fd, LATE).unwrap(), 0);
-            }
+            assert_eq!(watch.wait(stop.as_raw_fd(), LATE).unwrap().events, libc::POLLIN);
+            let another = Woken {
+                events: 0,
+                by_another: true,
+            };
+            assert_eq!(watch.wait(-1, LATE).unwrap(), another);
         }
     }
 }
