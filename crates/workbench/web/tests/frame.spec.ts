@@ -122,10 +122,11 @@ test("a view link looks and stops", async ({ browser, demo }) => {
   await context.close();
 });
 
-for (const theme of ["light", "dark"] as const) {
-  for (const lang of ["", "?lang=xx"]) {
+for (const theme of ["light", "dark", "contrast"] as const) {
+  for (const lang of theme === "contrast" ? [""] : ["", "?lang=xx"]) {
     test(`axe finds nothing: ${theme} ${lang}`, async ({ entered: page }) => {
-      await page.emulateMedia({ colorScheme: theme });
+      if (theme === "contrast") await page.getByRole("combobox", { name: "Theme" }).selectOption("contrast");
+      else await page.emulateMedia({ colorScheme: theme });
       for (const [name, path] of await screens(page)) {
         await page.goto(path + lang);
         await expect(page.locator("main h1")).toBeVisible();

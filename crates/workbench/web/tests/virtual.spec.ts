@@ -9,6 +9,7 @@ test("what happens to a virtual drive shows on its other screens at once", async
     await rows(page);
     await page.getByRole("link", { name: "Virtual drives" }).click();
     await expect(page.getByRole("row", { name: "press-1" })).toContainText(/\d+\.\d/);
+    await expect(page.getByRole("row", { name: "press-1" })).toContainText("25");
     await page.getByRole("button", { name: "Select axis-1" }).click();
     await page.getByRole("button", { name: "STO on" }).click();
     await expect(page.getByRole("status").filter({ hasText: "axis-1: sto=on" }).first()).toBeVisible();
@@ -37,6 +38,7 @@ test("what happens to a virtual drive shows on its other screens at once", async
     for (let step = 0; step < 5; step += 1) await page.keyboard.press("ArrowRight");
     await expect(page.getByText("Load against the shaft: 0.5 Nm")).toBeVisible();
     await expect(row).toContainText("load=0.5Nm");
+    await expect(row.getByRole("cell", { name: "0.50", exact: true })).toBeVisible();
     await expect(slider).toHaveValue("0.5");
     expect(loads).toHaveLength(1);
     await page.getByLabel("Any event").fill("load=0.2Nm");
@@ -157,6 +159,13 @@ test("a plant is edited with the line of an error, started again with another se
     await expect(seed).toHaveValue("0011");
     await expect(file).toHaveValue(/^seed = 11$/m);
     const later = (await time()).time;
+    // another page has its own edits of the same file
+    const third = await page.context().newPage();
+    await third.goto(`${server.origin}/virtual`);
+    await third.getByText("Plant file, without what was injected").first().click();
+    const theirs = third.getByRole("textbox", { name: "Plant file, without what was injected" });
+    await expect(theirs).toHaveValue(/model = "vlt"/);
+    await theirs.fill((await theirs.inputValue()).replaceAll('"fan-1"', '"fan-9"'));
     await page.getByRole("button", { name: "Restart with this file" }).click();
     await expect(page.getByText("The plant was started from its beginning.")).toBeVisible();
     const now = await time();
@@ -169,6 +178,15 @@ test("a plant is edited with the line of an error, started again with another se
     expect(wrong.filter((text) => !text.includes("500"))).toEqual([]);
     await expect(page.getByRole("heading", { level: 1, name: "Network" })).toBeVisible();
     await rows(page);
+    // which the other page does not replace unseen, and then only that one is shown
+    await third.getByRole("button", { name: "Restart with this file" }).click();
+    await expect(third.getByRole("status").filter({ hasText: /^another plant was started since/ })).toBeVisible();
+    await expect(page.getByRole("status").filter({ hasText: /^Not done: 6 drives, seed 7: another/ })).toBeVisible();
+    await third.getByRole("button", { name: "Restart all the same" }).click();
+    await expect(third.getByText("The plant was started from its beginning.")).toBeVisible();
+    await expect(page.getByRole("row", { name: "fan-9" })).toContainText("Safe torque off");
+    await expect(page.getByRole("row", { name: "fan-1" })).toHaveCount(0);
+    await expect(page.getByText("No longer answers")).toHaveCount(0);
   } finally {
     await end(server);
   }
