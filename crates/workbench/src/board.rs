@@ -183,7 +183,7 @@ impl Board {
         self.stations().restarts
     }
 
-    /// Starts another plant and forgets the stations of the one before, while nobody sees them. `start` has the number of restarts
+    /// Starts another plant and forgets the stations of the one before, while they are locked. `start` has the number of restarts
     /// before this one.
     ///
     /// # Errors
@@ -523,10 +523,12 @@ mod tests {
         let (before, _) = board.due(&HashSet::new());
         assert_eq!(board.restart(|_| Err(7)), Err(7));
         assert_eq!(board.name("a").as_deref(), Some("a"), "nothing was started");
-        assert_eq!(
-            board.restart(|restarts| Ok::<_, u8>(assert_eq!(restarts, 0))),
-            Ok(1)
-        );
+        let mut before_it = None;
+        let started = board.restart(|restarts| {
+            before_it = Some(restarts);
+            Ok::<_, u8>(())
+        });
+        assert_eq!((before_it, started), (Some(0), Ok(1)));
         assert_eq!(board.name("a"), None);
         board.stations().survey(answers(&["a"]), Instant::now());
         let failed = || Err(Error::new(ErrorKind::Lost, "", &[], &"".into(), &PageWords));

@@ -1,5 +1,7 @@
 import { execFileSync } from "node:child_process";
-import { end, expect, idOf, program, rows, serve, test, watch } from "./bench";
+import { writeFileSync } from "node:fs";
+import { join } from "node:path";
+import { end, expect, idOf, pictures, program, rows, serve, test, watch } from "./bench";
 
 test("what happens to a virtual drive shows on its other screens at once", async ({ page }) => {
   const server = await serve("--demo", "--listen", "127.0.0.1:0");
@@ -51,6 +53,42 @@ test("what happens to a virtual drive shows on its other screens at once", async
     await expect(page.getByText("A time is more than 0 s and at most a day.")).toBeVisible();
     await expect(page.getByRole("button", { name: "STO on" })).toBeDisabled();
     expect(wrong.filter((text) => !text.includes("400"))).toEqual([]);
+  } finally {
+    await end(server);
+  }
+});
+
+const LIFT = `
+[[drive]]
+name = "lift-1"
+ip = "192.168.77.31/24"
+travel = { negative-stop = "-5rev", positive-stop = "20rev" }
+
+[[drive]]
+name = "pump-2"
+model = "vlt"
+ip = "192.168.77.32/24"
+parameters = { "9-22" = 102 }
+
+[[controller]]
+drive = "pump-2"
+telegram = 102
+`;
+
+test("the ends of a way and a parameter channel are shown of drives that have them", async ({ page }) => {
+  const file = join(pictures, "lift.toml");
+  writeFileSync(file, LIFT);
+  const server = await serve("--plant", file, "--listen", "127.0.0.1:0");
+  const wrong = watch(page);
+  try {
+    await page.goto(server.url);
+    await page.getByRole("link", { name: "Virtual drives" }).click();
+    await expect(page.getByRole("row", { name: "lift-1" })).toContainText("stop -5.00, stop 20.00");
+    await page.goto(`${server.origin}/drives/${encodeURIComponent(await idOf(page, "pump-2"))}/telegram`);
+    const channel = page.locator(".channel");
+    await expect(channel.getByRole("row", { name: /^Request/ })).toContainText("00 00");
+    await expect(channel.getByRole("row", { name: /^Reply/ })).toContainText("00 00 00 00");
+    expect(wrong).toEqual([]);
   } finally {
     await end(server);
   }

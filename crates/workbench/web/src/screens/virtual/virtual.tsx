@@ -247,6 +247,11 @@ async function inject(drive: string, event: string, seconds: number | null): Pro
   );
 }
 
+/** Returns whether something limits the way of a shaft. */
+function hasEnds({ stops, switches }: ShaftState): boolean {
+  return [stops.negative, stops.positive, switches.negative, switches.positive].some((place) => place !== null);
+}
+
 /** The hard stops and limit switches of a shaft; a dash where it turns without end. */
 function ends({ stops, switches }: ShaftState): string {
   const of = (key: "virtual.ends.stop" | "virtual.ends.switch", place: number | null) =>
@@ -266,7 +271,15 @@ function temperature(station: Station | undefined): string {
   return degrees ? digits(degrees) : "\u2013";
 }
 
-function Row({ shaft, station, chosen }: { shaft: ShaftState; station: Station | undefined; chosen: boolean }) {
+interface Shown {
+  shaft: ShaftState;
+  station: Station | undefined;
+  chosen: boolean;
+  /** Whether the table has a column for the ends of the way. */
+  withEnds: boolean;
+}
+
+function Row({ shaft, station, chosen, withEnds }: Shown) {
   const dash = "\u2013";
   const live = silent.value === null;
   const present = station?.status?.faults ?? [];
@@ -282,7 +295,7 @@ function Row({ shaft, station, chosen }: { shaft: ShaftState; station: Station |
       <td class="number">{live ? shaft.speed.toFixed(1) : dash}</td>
       <td class="number">{live ? shaft.load.toFixed(2) : dash}</td>
       <td class="number">{live ? temperature(station) : dash}</td>
-      <td class="number">{live ? ends(shaft) : dash}</td>
+      {withEnds && <td class="number">{live ? ends(shaft) : dash}</td>}
       <td>
         <bdi>{station ? product(station) : dash}</bdi>
       </td>
@@ -468,6 +481,7 @@ export function Virtual() {
   const all = [...shafts.value.values()];
   const known = new Map((stations.value ?? []).map((station) => [station.id, station]));
   const one = shafts.value.get(selection.value) ?? all[0];
+  const withEnds = all.some(hasEnds);
   return (
     <article class="virtual">
       <h1>{t("virtual.title")}</h1>
@@ -483,7 +497,7 @@ export function Virtual() {
               <th scope="col">{t("virtual.speed")}</th>
               <th scope="col">{t("virtual.torque")}</th>
               <th scope="col">{t("virtual.temperature")}</th>
-              <th scope="col">{t("virtual.ends")}</th>
+              {withEnds && <th scope="col">{t("virtual.ends")}</th>}
               <th scope="col">{t("network.product")}</th>
               <th scope="col">{t("network.state")}</th>
               <th scope="col">{t("network.owner")}</th>
@@ -494,7 +508,13 @@ export function Virtual() {
           </thead>
           <tbody>
             {all.map((shaft) => (
-              <Row key={shaft.id} shaft={shaft} station={known.get(shaft.id)} chosen={shaft.id === one?.id} />
+              <Row
+                key={shaft.id}
+                shaft={shaft}
+                station={known.get(shaft.id)}
+                chosen={shaft.id === one?.id}
+                withEnds={withEnds}
+              />
             ))}
           </tbody>
         </table>
