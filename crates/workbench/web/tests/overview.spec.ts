@@ -47,7 +47,9 @@ test("a fault has its meaning and its remedy, and the next step", async ({ enter
 
 test("what comes next is one step away", async ({ entered: page }) => {
   await page.getByRole("link", { name: "axis-1" }).click();
-  await page.locator(".steps").getByRole("link", { name: "Open Control" }).click();
+  const step = page.locator(".steps").getByRole("link", { name: "Open Control" });
+  expect((await step.boundingBox())?.height).toBe(28);
+  await step.click();
   await expect(page.getByRole("heading", { level: 1, name: "Control axis-1" })).toBeVisible();
   await page.goto(`/drives/${encodeURIComponent(await idOf(page, "new-1"))}/overview`);
   await page.getByRole("button", { name: "Name and address .." }).click();

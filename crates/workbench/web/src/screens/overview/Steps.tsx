@@ -18,7 +18,6 @@ export function Steps({ station }: { station: Station }) {
       {stepsOf(station.status?.actions ?? []).map(({ screen, hash, text, name = "" }) => (
         <a
           key={text + name}
-          class="step"
           href={`${address(station.id, screen)}${location.search}${hash ? `#${new URLSearchParams(hash)}` : ""}`}
         >
           {t(text, { name: foreign(name) })}
