@@ -8,6 +8,7 @@ import sys
 from collections.abc import Coroutine
 from pathlib import Path
 from queue import SimpleQueue
+from threading import Thread
 from typing import Any, TypeVar
 
 import pytest
@@ -159,16 +160,23 @@ def test_a_cancelled_write_says_what_became_of_it(world: World) -> None:
         await drive.read("DRV.ACC")
         notes = []
         for values, dry_run in (({"DRV.ACC": 5000.0, "DRV.DEC": 4000.0}, False), ({"DRV.ACC": 1000.0}, True)):
+            inbox: SimpleQueue[_waiting._Begun[Any]] = SimpleQueue()
+            _waiting._IDLE.append(inbox)
             writing = asyncio.create_task(drive.write(values, dry_run=dry_run))
             await asyncio.sleep(0)
+            begun = inbox.get(timeout=1)
+            thread = Thread(target=begun.carry_out)
+            thread.start()
+            # one that its thread has not begun is dropped
+            while not begun._claim.locked():
+                await asyncio.sleep(0)
             writing.cancel()
             with pytest.raises(asyncio.CancelledError) as cancelled:
                 await writing
             notes.append(getattr(cancelled.value, "__notes__", []))
-        # what was sent goes on
-        while (await drive.read("DRV.DEC")).value == 3000:
-            await asyncio.sleep(0)
+            thread.join(30)
         assert notes[1] == []
+        assert (await drive.read("DRV.DEC")).value == 4000, "what was begun goes on"
         return notes[0]
 
     notes = run(work())

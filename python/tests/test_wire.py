@@ -75,7 +75,7 @@ def watch():
 
 try:
     with drive.control(max_speed="600rpm", cycle="128ms") as axis:
-        threading.Thread(target=watch).start()
+        threading.Thread(target=watch, daemon=True).start()
         try:
             axis.run("600rpm", for_=60)
         finally:
