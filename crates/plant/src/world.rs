@@ -84,6 +84,12 @@ pub struct Shaft<'w> {
     pub position: f64,
     /// Its speed, rpm.
     pub speed: f64,
+    /// Torque that works against positive rotation, Nm.
+    pub load: f64,
+    /// The hard stops, negative and positive, in turns as the position counts; `None` where nothing stops it.
+    pub stops: (Option<f64>, Option<f64>),
+    /// The limit switches, likewise.
+    pub switches: (Option<f64>, Option<f64>),
 }
 
 /// A drive in its place.
@@ -236,11 +242,21 @@ impl World {
     pub fn shaft(&self, number: usize) -> Option<Shaft<'_>> {
         let seat = self.drives.get(number)?;
         let axis = self.drive(number)?.drive().axis();
+        let travel = axis.plant().travel.unwrap_or_default();
+        // homing moves what a position is counted from, and no place of the travel
+        let shift = axis.position().wrapping_sub(axis.true_position());
+        let place = |at: i64| {
+            let is_free = at == i64::MIN || at == i64::MAX;
+            (!is_free).then(|| revolutions(at.wrapping_add(shift)))
+        };
         Some(Shaft {
             name: &seat.name,
             mac: seat.mac,
             position: revolutions(axis.position()),
             speed: axis.speed(),
+            load: axis.load(),
+            stops: (place(travel.negative_stop), place(travel.positive_stop)),
+            switches: (place(travel.negative_switch), place(travel.positive_switch)),
         })
     }
 

@@ -4,7 +4,7 @@
 use profidrive::client::change::Persistence;
 use profidrive::client::{Action, Drive, ErrorKind};
 use profidrive::parameters::{self, List, ParameterError, Write};
-use profidrive::report::PlainWording;
+use profidrive::report::{PlainWording, TelegramLayout};
 use profidrive::{Network, Outcome, Wait};
 
 const PLANT: &str = r#"
@@ -64,6 +64,91 @@ fn parameters_are_listed_with_and_without_values() {
         error.to_string(),
         "no parameter of the AKD matches `nothing like it`"
     );
+}
+
+#[test]
+fn the_places_in_a_telegram_have_the_parameters_with_the_same_values() {
+    let plant = "[[drive]]\nname = \"akd-1\"\nip = \"192.168.0.11/24\"\n\
+                 [[drive]]\nname = \"akd-2\"\nip = \"192.168.0.12/24\"\nparameters = { 922 = 400, 930 = 2 }\n\
+                 [[drive]]\nname = \"vlt-1\"\nmodel = \"vlt\"\nip = \"192.168.0.13/24\"\n\
+                 [[drive]]\nname = \"vlt-2\"\nmodel = \"vlt\"\nip = \"192.168.0.14/24\"\nparameters = { \"9-22\" = 102, \"9-16[2]\" = 1614 }";
+    let mut network = profidrive::open_plan(plant.parse().expect("a plant")).expect("opens");
+    let mut layout = |name: &str| {
+        let mut drive = network
+            .find(&name.parse().expect("a name"))
+            .wait()
+            .expect("there");
+        parameters::layout(&mut network, &mut drive).wait().expect("read")
+    };
+    let places = |layout: &TelegramLayout| -> Vec<String> {
+        let all = layout.places.iter().map(|place| {
+            let signal = place.signal.unwrap_or("-");
+            let (direction, octet, octets) = (place.direction, place.octet, place.octets);
+            format!(
+                "{direction} {octet}+{octets} {signal} {}",
+                place.parameters.join(" ")
+            )
+        });
+        all.map(|line| line.trim_end().to_owned()).collect()
+    };
+    let all = ["akd-1", "akd-2", "vlt-1", "vlt-2"].map(|name| {
+        let layout = layout(name);
+        (layout.telegram, places(&layout))
+    });
+    let of = |telegram, places: &[&str]| {
+        let places: Vec<String> = places.iter().map(|place| (*place).to_owned()).collect();
+        (Some(telegram), places)
+    };
+    let expected = [
+        of(
+            1,
+            &[
+                "setpoint 0+2 STW1 r0001",
+                "setpoint 2+2 NSOLL_A p0005",
+                "actual 0+2 ZSW1 r0002",
+                "actual 2+2 NIST_A r0006 r2428",
+            ],
+        ),
+        // as its settings have it (PNU 915 and 916)
+        of(
+            400,
+            &[
+                "setpoint 0+2 STW1 r0001",
+                "setpoint 2+2 SATZANW p0032",
+                "setpoint 4+2 STW2",
+                "setpoint 6+4 MDI_TARPOS p0034",
+                "setpoint 10+4 MDI_VELOCITY p0035",
+                "setpoint 14+2 MDI_ACC p0036",
+                "setpoint 16+2 MDI_DEC p0037",
+                "setpoint 18+2 MDI_MOD p0038",
+                "actual 0+2 ZSW1 r0002",
+                "actual 2+2 AKTSATZ r0033",
+                "actual 4+2 ZSW2",
+                "actual 6+4 XIST_A r0028",
+            ],
+        ),
+        of(
+            1,
+            &[
+                "setpoint 0+2 STW1",
+                "setpoint 2+2 NSOLL_A",
+                "actual 0+2 ZSW1",
+                "actual 2+2 NIST_A 16-17",
+            ],
+        ),
+        // behind the parameter channel, with a word that 9-16 chooses
+        of(
+            102,
+            &[
+                "setpoint 8+2 STW1",
+                "setpoint 10+2 NSOLL_A",
+                "actual 8+2 ZSW1",
+                "actual 10+2 NIST_A 16-17",
+                "actual 12+2 - 16-14",
+            ],
+        ),
+    ];
+    assert_eq!(all, expected);
 }
 
 #[test]

@@ -81,6 +81,7 @@ pub(crate) async fn carry_out_noted<T: Send + 'static>(
             .await
             .map_err(|error| unlogged(&error))?;
         let result = work.await;
+        let failed = result.is_err();
         let (result, outcome) = match result {
             Ok((done, outcome)) => (Ok(done), outcome),
             Err(problem) => {
@@ -91,7 +92,7 @@ pub(crate) async fn carry_out_noted<T: Send + 'static>(
         };
         let text = outcome.text.unwrap_or_else(|| "done".to_owned());
         let changes = outcome.changes;
-        noted(&shared, Record { changes, ..record }, text).await;
+        noted(&shared, Record { changes, ..record }, text, failed).await;
         result
     });
     done.await.unwrap_or_else(|_| Err(Problem::defect()))
@@ -143,10 +144,10 @@ pub(crate) async fn note_stop(shared: &Shared, caller: &Caller, stopping: &Stopp
 
 /// Writes what was done without an intent, and reports it to all pages.
 pub(crate) async fn note(shared: &Shared, caller: &Caller, intent: &Intent, result: String) {
-    noted(shared, intent.record(shared, caller), result).await;
+    noted(shared, intent.record(shared, caller), result, false).await;
 }
 
-async fn noted(shared: &Shared, record: Record, result: String) {
+async fn noted(shared: &Shared, record: Record, result: String, failed: bool) {
     shared.hub.report(&Event {
         kind: record.action,
         drive: record.drive.clone(),
@@ -155,6 +156,7 @@ async fn noted(shared: &Shared, record: Record, result: String) {
             Some(value) => format!("{value}: {result}"),
             None => result.clone(),
         },
+        failed,
     });
     let record = Record {
         result: Some(result),
@@ -171,6 +173,7 @@ async fn written(shared: &Shared, record: Record) {
             drive: None,
             who: String::new(),
             text: error.to_string(),
+            failed: true,
         });
     }
 }

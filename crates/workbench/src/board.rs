@@ -53,6 +53,8 @@ pub(crate) struct Stations {
     pub failure: Option<Error>,
     /// When a page looked last.
     looked: Option<Instant>,
+    /// How many plants were started in the place of the first one.
+    pub restarts: u64,
 }
 
 impl Stations {
@@ -176,6 +178,32 @@ impl Board {
         see(&self.stations())
     }
 
+    /// Returns how many plants were started in the place of the first one.
+    pub fn restarts(&self) -> u64 {
+        self.stations().restarts
+    }
+
+    /// Starts another plant and forgets the stations of the one before, while they are locked. `start` has the number of restarts
+    /// before this one.
+    ///
+    /// # Errors
+    /// What `start` returns; then nothing is forgotten.
+    pub fn restart<E>(&self, start: impl FnOnce(u64) -> Result<(), E>) -> Result<u64, E> {
+        let restarts = {
+            let mut stations = self.stations();
+            start(stations.restarts)?;
+            *stations = Stations {
+                looked: stations.looked,
+                restarts: stations.restarts + 1,
+                ..Stations::default()
+            };
+            stations.restarts
+        };
+        self.changed();
+        self.wanted.notify_one();
+        Ok(restarts)
+    }
+
     fn changed(&self) {
         self.changed.send_modify(|count| *count += 1);
     }
@@ -217,16 +245,22 @@ impl Board {
                 () = self.wanted.notified() => turn.reset(),
             }
             self.searches.send_modify(|(begun, _)| *begun += 1);
+            let restarts = self.restarts();
             let found = match self.searches() {
                 true => self.search(&mut network).await,
                 false => Ok(self.visit(&network).await),
             };
-            match found {
-                Ok(found) => {
-                    self.stations().survey(found, Instant::now());
-                    self.found.notify_one();
+            {
+                let mut stations = self.stations();
+                match found {
+                    // of a plant that is no more
+                    _ if stations.restarts != restarts => {}
+                    Ok(found) => {
+                        stations.survey(found, Instant::now());
+                        self.found.notify_one();
+                    }
+                    Err(error) => stations.failure = Some(error),
                 }
-                Err(error) => self.stations().failure = Some(error),
             }
             self.changed();
             self.searches.send_modify(|(begun, ended)| *ended = *begun);
@@ -266,7 +300,7 @@ impl Board {
         let mut turn = interval(STATUS);
         turn.set_missed_tick_behavior(MissedTickBehavior::Delay);
         let mut busy: HashSet<String> = HashSet::new();
-        let mut reading: JoinSet<Reading> = JoinSet::new();
+        let mut reading: JoinSet<(u64, Reading)> = JoinSet::new();
         loop {
             let is_turn = tokio::select! {
                 _ = turn.tick() => {
@@ -279,9 +313,9 @@ impl Board {
                 }
                 Some(done) = reading.join_next() => {
                     match done {
-                        Ok((id, drive, status)) => {
+                        Ok((restarts, (id, drive, status))) => {
                             busy.remove(&id);
-                            self.note(&id, drive, status);
+                            self.note(restarts, &id, drive, status);
                         }
                         // a panic in a reading was printed; its drive is read again
                         Err(_) => busy.clear(),
@@ -292,31 +326,38 @@ impl Board {
             if !is_turn {
                 continue;
             }
-            for (id, drive) in self.due(&busy) {
+            let (restarts, due) = self.due(&busy);
+            for (id, drive) in due {
                 busy.insert(id.clone());
-                reading.spawn(status(Arc::clone(&self), network.clone(), id, drive));
+                let status = status(Arc::clone(&self), network.clone(), id, drive);
+                reading.spawn(async move { (restarts, status.await) });
             }
         }
     }
 
-    /// Returns the drives to read now, those that wait longest first.
-    fn due(&self, busy: &HashSet<String>) -> Vec<(String, Option<Drive>)> {
+    /// Returns the drives to read now, those that wait longest first, with the number of restarts.
+    fn due(&self, busy: &HashSet<String>) -> (u64, Vec<(String, Option<Drive>)>) {
         let stations = self.stations();
         let free = |(id, known): &(&String, &Known)| known.is_readable() && !busy.contains(*id);
         let mut due: Vec<_> = stations.known.iter().filter(free).collect();
         due.sort_by_key(|(_, known)| known.read);
         due.truncate(AT_ONCE.saturating_sub(busy.len()));
-        due.into_iter()
-            .map(|(id, known)| (id.clone(), known.drive.clone()))
-            .collect()
+        let due = due
+            .into_iter()
+            .map(|(id, known)| (id.clone(), known.drive.clone()));
+        (stations.restarts, due.collect())
     }
 
-    fn note(&self, id: &str, drive: Option<Drive>, status: Result<StatusReport, Error>) {
-        if let Some(known) = self.stations().known.get_mut(id) {
+    fn note(&self, restarts: u64, id: &str, drive: Option<Drive>, status: Result<StatusReport, Error>) {
+        let mut stations = self.stations();
+        if stations.restarts == restarts
+            && let Some(known) = stations.known.get_mut(id)
+        {
             known.drive = drive;
             known.status = Some(status);
             known.read = Some(Instant::now());
         }
+        drop(stations);
         self.changed();
     }
 
@@ -405,6 +446,7 @@ pub(crate) fn explained(error: &impl Explained) -> Error {
 
 #[cfg(test)]
 mod tests {
+    use profidrive::client::ErrorKind;
     use profidrive::report::ScanReport;
 
     use super::*;
@@ -458,19 +500,45 @@ mod tests {
         );
         board.stations().survey(answers(&names), Instant::now());
         let mut busy = HashSet::new();
-        let first: Vec<String> = board.due(&busy).into_iter().map(|(id, _)| id).collect();
+        let first: Vec<String> = board.due(&busy).1.into_iter().map(|(id, _)| id).collect();
         assert_eq!(first.len(), AT_ONCE);
         busy.extend(first.iter().cloned());
-        assert!(board.due(&busy).is_empty(), "no more at once");
+        assert!(board.due(&busy).1.is_empty(), "no more at once");
         for id in first {
             busy.remove(&id);
             board.stations().known.get_mut(&id).unwrap().read = Some(Instant::now());
         }
-        let second = board.due(&busy);
+        let (_, second) = board.due(&busy);
         let fresh = second
             .iter()
             .filter(|(id, _)| board.stations().known[id].read.is_none());
         assert_eq!(fresh.count(), 7);
+    }
+
+    #[test]
+    fn a_restart_forgets_the_stations_and_what_is_on_its_way_from_them() {
+        let opening = Opening::new(profidrive::Access::Records);
+        let board = Board::new(opening, Vec::new(), Instant::now());
+        board.stations().survey(answers(&["a"]), Instant::now());
+        let (before, _) = board.due(&HashSet::new());
+        assert_eq!(board.restart(|_| Err(7)), Err(7));
+        assert_eq!(board.name("a").as_deref(), Some("a"), "nothing was started");
+        let mut before_it = None;
+        let started = board.restart(|restarts| {
+            before_it = Some(restarts);
+            Ok::<_, u8>(())
+        });
+        assert_eq!((before_it, started), (Some(0), Ok(1)));
+        assert_eq!(board.name("a"), None);
+        board.stations().survey(answers(&["a"]), Instant::now());
+        let failed = || Err(Error::new(ErrorKind::Lost, "", &[], &"".into(), &PageWords));
+        board.note(before, "a", None, failed());
+        assert!(
+            board.stations().known["a"].read.is_none(),
+            "it is of another drive"
+        );
+        board.note(board.restarts(), "a", None, failed());
+        assert!(board.stations().known["a"].read.is_some());
     }
 
     #[test]

@@ -200,12 +200,17 @@ impl Frames {
         locked(&self.troubles).iter().cloned().collect()
     }
 
-    fn catch_up(&self) {
+    /// Reads the frames that have come since the last call.
+    pub fn catch_up(&self) {
         let mut watch = locked(&self.watch);
         let mut states = locked(&self.states);
         watch.catch_up(&mut |news| match news {
             News::Words { drive, time, words } => {
                 states.entry(drive.to_string()).or_default().note(&words, time);
+            }
+            News::Restarted => {
+                states.clear();
+                locked(&self.troubles).clear();
             }
             News::Trouble { time, event } => {
                 note_trouble(

@@ -199,6 +199,32 @@ pub enum Trouble {
     NoInputs,
 }
 
+impl Trouble {
+    /// Returns its stable name, for programs.
+    #[must_use]
+    pub const fn id(self) -> &'static str {
+        match self {
+            Self::Fault => "fault",
+            Self::FaultStays => "fault-stays",
+            Self::LocalOperation => "local-operation",
+            Self::StuckIn { .. } => "stuck",
+            Self::LeftOperation { .. } => "left-operation",
+            Self::QuickStopUsed => "quick-stop-used",
+            Self::NotStopped => "not-stopped",
+            Self::StillTurns => "still-turns",
+            Self::OtherMode { .. } => "other-mode",
+            Self::NotAccepted { .. } => "not-accepted",
+            Self::AcceptanceStays => "acceptance-stays",
+            Self::TargetNotReached => "target-not-reached",
+            Self::HomingNotStarted => "homing-not-started",
+            Self::HomingFailed => "homing-failed",
+            Self::Stopped => "stopped",
+            Self::Unattended => "unattended",
+            Self::NoInputs => "no-inputs",
+        }
+    }
+}
+
 fn mode_words(mode: Mode) -> &'static str {
     match mode {
         Mode::Velocity => "velocity mode",

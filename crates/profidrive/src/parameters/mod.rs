@@ -19,6 +19,7 @@
 
 mod describe;
 mod error;
+mod layout;
 mod limits;
 mod list;
 mod remark;
@@ -36,6 +37,7 @@ use crate::report::{ParametersReport, Wording, parameter};
 
 pub use describe::{Description, describe};
 pub use error::ParameterError;
+pub use layout::layout;
 pub use limits::Limits;
 pub use list::{List, list, matching};
 pub use write::{Write, Written, carry_out, carry_out_agreed, objections, plan, undo, write};

@@ -80,5 +80,6 @@ pub use simulation::{DemoEvent, DemoStep, InjectKey, InjectReport, SimulationLoa
 pub use station::{BlinkReport, IpReport, NameReport, ResetReport};
 pub use status::{LoadStatus, StatusNote, StatusReport};
 pub use tables::{
-    DescribeReport, ListReport, ParameterDescription, ReportedDescription, ValueText, access, number,
+    DescribeReport, ListReport, ParameterDescription, ReportedDescription, TelegramLayout, TelegramPlace,
+    ValueText, access, number,
 };

@@ -68,6 +68,36 @@ pub struct ParameterDescription {
     pub source: &'static str,
 }
 
+/// Where signals and parameters stand in the telegram of a drive.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct TelegramLayout {
+    /// The drive.
+    pub drive: String,
+    /// Number of the telegram (PNU 922); null where the drive does not report it.
+    pub telegram: Option<u16>,
+    /// What is where, setpoints first; empty for a telegram that is not known.
+    pub places: Vec<TelegramPlace>,
+}
+
+/// A place in a telegram.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct TelegramPlace {
+    /// `setpoint`, from the controller, or `actual`, from the drive.
+    pub direction: &'static str,
+    /// First octet in the data of this direction, from 0.
+    pub octet: u16,
+    /// Number of octets.
+    pub octets: u16,
+    /// The signal: `NIST_A`; null for a word whose parameter settings of the drive choose.
+    pub signal: Option<&'static str>,
+    /// What the signal is.
+    pub meaning: &'static str,
+    /// The parameters with the same value, each as its vendor writes the number.
+    pub parameters: Vec<String>,
+}
+
 /// A value, or a bit, and what it means.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]

@@ -46,6 +46,8 @@ struct Kept {
     next: u64,
     /// Calendar time of the instant zero, of a plant.
     origin: Option<Duration>,
+    /// Number of the first frame of the plant that runs: those before it are of another one.
+    began: u64,
 }
 
 impl Kept {
@@ -82,10 +84,16 @@ impl Traffic {
     /// gone.
     #[must_use]
     pub fn since(&self, number: u64) -> Vec<Frame> {
+        self.news(number).0
+    }
+
+    /// The same, with the number of the first frame of the plant that runs: a larger one than at the last call where another plant
+    /// was started meanwhile.
+    pub(super) fn news(&self, number: u64) -> (Vec<Frame>, u64) {
         let kept = self.kept();
         let first = kept.frames.front().map_or(kept.next, |frame| frame.number);
         let skipped = usize::try_from(number.saturating_sub(first)).unwrap_or(usize::MAX);
-        kept.frames.iter().skip(skipped).cloned().collect()
+        (kept.frames.iter().skip(skipped).cloned().collect(), kept.began)
     }
 
     /// Returns the frames that are kept as a pcapng file, for Wireshark; `name` is that of the interface in it.
@@ -125,6 +133,10 @@ impl Traffic {
     /// The same of a plant that was started at this time of its network.
     #[cfg(feature = "simulate")]
     pub(crate) fn tap_since(&self, base: Duration) -> Box<dyn Tap> {
+        {
+            let mut kept = self.kept();
+            kept.began = kept.next;
+        }
         Box::new(OfPlant {
             traffic: self.clone(),
             base,

@@ -27,6 +27,9 @@ pub enum News {
         /// Its words.
         words: Box<DriveWords>,
     },
+    /// Another plant was started in the place of the one before ([`Joined::restart`](crate::Joined::restart)): what frames showed so far
+    /// is of drives that are no more.
+    Restarted,
     /// Something that points to a fault: a refusal, a lost connection, an alarm.
     Trouble {
         /// Calendar time of the frame since 1970.
@@ -51,6 +54,8 @@ pub struct Watch {
     traffic: Traffic,
     /// Number of the next frame to read.
     next: u64,
+    /// Number of the first frame of the plant that is watched; 0 of an interface.
+    began: u64,
     /// Frames that were gone before they were read.
     missed: u64,
     begin: Option<Duration>,
@@ -65,6 +70,7 @@ impl Watch {
         Self {
             traffic: traffic.clone(),
             next: 0,
+            began: 0,
             missed: 0,
             begin: None,
             walker: Walker::new(None),
@@ -74,11 +80,28 @@ impl Watch {
 
     /// Reads the frames that have come since the last call, and calls `notice` with what they show.
     pub fn catch_up(&mut self, notice: &mut dyn FnMut(News)) {
-        for frame in self.traffic.since(self.next) {
+        let (frames, began) = self.traffic.news(self.next);
+        for frame in frames {
+            if frame.number >= began {
+                self.restart(began, notice);
+            }
             self.missed += frame.number.saturating_sub(self.next);
             self.next = frame.number + 1;
             self.read(frame, notice);
         }
+        self.restart(began, notice);
+    }
+
+    /// Forgets the drives of the plant before the one that began with this frame.
+    fn restart(&mut self, began: u64, notice: &mut dyn FnMut(News)) {
+        if self.began == began {
+            return;
+        }
+        self.began = began;
+        self.begin = None;
+        self.walker = Walker::new(None);
+        self.last.clear();
+        notice(News::Restarted);
     }
 
     fn read(&mut self, frame: Frame, notice: &mut dyn FnMut(News)) {

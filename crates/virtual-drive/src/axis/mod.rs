@@ -512,6 +512,12 @@ impl Axis {
         self.mechanics.set_load(torque);
     }
 
+    /// Returns the torque that works against positive rotation, in Nm.
+    #[must_use]
+    pub const fn load(&self) -> f64 {
+        self.mechanics.load()
+    }
+
     /// Holds the shaft fast, or lets it go.
     pub const fn set_blocked(&mut self, blocked: bool) {
         self.mechanics.set_blocked(blocked);

@@ -196,6 +196,10 @@ impl Mechanics {
         self.load = if torque.is_finite() { torque } else { 0.0 };
     }
 
+    pub const fn load(&self) -> f64 {
+        self.load
+    }
+
     pub const fn set_blocked(&mut self, blocked: bool) {
         self.blocked = blocked;
     }

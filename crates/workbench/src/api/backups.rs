@@ -19,6 +19,7 @@ use crate::backups::{self, KeptBackup};
 use crate::blocking::blocking;
 use crate::jobs::{Job, JobReport};
 use crate::problem::Problem;
+use crate::query::Query;
 use crate::shared::Shared;
 use crate::words::PageWords;
 
@@ -232,23 +233,33 @@ async fn known<'s>(shared: &Shared, side: &'s Source) -> Result<Result<Backup, &
     })
 }
 
-/// Reads which settings of a drive differ from those as delivered, on the left.
-#[utoipa::path(get, path = "/api/v1/drives/{id}/changed", responses(
+/// Reads which settings of a drive differ from those as delivered, or of a file, on the left.
+#[utoipa::path(get, path = "/api/v1/drives/{id}/changed", params(
+    ("file" = Option<String>, Query, description = "The file, as `/api/v1/backups` calls it; as delivered where there is none"),
+), responses(
     (status = 200, description = "What differs", body = ref("#/components/schemas/DiffReport")),
+    (status = 400, description = "The file is of another kind of drive, or no backup"),
+    (status = 404, description = "No such drive has answered, or no such file"),
     (status = 501, description = "No value as delivered is known of this model"),
 ))]
 pub(super) async fn changed(
     State(shared): State<Arc<Shared>>,
     Path(id): Path<String>,
+    query: Query,
 ) -> Result<Json<DiffReport>, Problem> {
     let (mut network, mut drive) = find(&shared, &id).await?;
-    let delivered = as_delivered(&mut network, &mut drive).await;
-    let delivered = delivered.map_err(|error| Problem::of(&error))?;
-    let present = as_in(&mut network, &mut drive, &delivered).await;
+    let before = match query.text("file") {
+        Some(file) => backups::read(&shared, file)?,
+        None => {
+            let delivered = as_delivered(&mut network, &mut drive).await;
+            delivered.map_err(|error| Problem::of(&error))?
+        }
+    };
+    let present = as_in(&mut network, &mut drive, &before).await;
     let present = present.map_err(|error| Problem::of(&error))?;
-    let comparison = Comparison::new(&delivered, &present).map_err(|error| Problem::of(&error))?;
+    let comparison = Comparison::new(&before, &present).map_err(|error| Problem::of(&error))?;
     Ok(Json(comparison.report(
-        "as delivered",
+        query.text("file").unwrap_or("as delivered"),
         &drive.label(),
         &PageWords,
     )))

@@ -119,6 +119,7 @@ pub(super) async fn events(
 /// Returns what was let happen to the virtual drives as a plant file, in which the same happens again.
 #[utoipa::path(get, path = "/api/v1/plant/scenario", params(
     ("since" = Option<f64>, Query, description = "Only what happened from this time of the plant on, in seconds: it is the beginning of the file"),
+    ("without_events" = Option<bool>, Query, description = "Nothing of that: the plant file as it was started"),
 ), responses(
     (status = 200, description = "The plant file", body = String, content_type = "application/toml"),
     (status = 400, description = "A value that is not valid"),
@@ -129,7 +130,11 @@ pub(super) async fn scenario(State(shared): State<Arc<Shared>>, query: Query) ->
     let since = query.parsed::<f64>("since")?.unwrap_or(0.0);
     let since = Duration::try_from_secs_f64(since).map_err(|error| invalid(&error.to_string()))?;
     let plant = shared.plant().clone().ok_or_else(no_simulation)?;
-    let all = shared.happened().clone().into_iter();
+    let happened = match query.is_true("without_events") {
+        true => Vec::new(),
+        false => shared.happened().clone(),
+    };
+    let all = happened.into_iter();
     let from_then = all.filter_map(|happened| {
         let at = happened.at.checked_sub(since)?;
         Some(Happened { at, ..happened })

@@ -72,6 +72,7 @@ fn routes() -> OpenApiRouter<Arc<Shared>> {
         .routes(routes!(parameters::parameters))
         .routes(routes!(parameters::describe))
         .routes(routes!(parameters::values))
+        .routes(routes!(parameters::layout))
         .routes(routes!(plans::plan))
         .routes(routes!(plans::apply))
         .routes(routes!(plans::undo))
@@ -144,6 +145,7 @@ pub fn openapi() -> String {
     generator.subschema_for::<ListReport>();
     generator.subschema_for::<DescribeReport>();
     generator.subschema_for::<ParametersReport>();
+    generator.subschema_for::<profidrive::report::TelegramLayout>();
     generator.subschema_for::<plans::NewPlan>();
     generator.subschema_for::<JobReport>();
     generator.subschema_for::<backups::BackupsReport>();
@@ -155,6 +157,8 @@ pub fn openapi() -> String {
     generator.subschema_for::<VirtualDrives>();
     generator.subschema_for::<plant::PlantText>();
     generator.subschema_for::<plant::PlantCheck>();
+    generator.subschema_for::<plant::PlantStart>();
+    generator.subschema_for::<plant::PlantStarted>();
     generator.subschema_for::<plant::PlantClock>();
     generator.subschema_for::<inject::Possible>();
     generator.subschema_for::<inject::Inject>();

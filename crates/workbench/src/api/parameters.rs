@@ -9,7 +9,7 @@ use profidrive::client::Error;
 use profidrive::parameters::{self as verbs, List};
 use profidrive::profile::notation::ParameterReference;
 use profidrive::profile::value::ParameterProblem;
-use profidrive::report::{DescribeReport, ListReport, ParametersReport};
+use profidrive::report::{DescribeReport, ListReport, ParametersReport, TelegramLayout};
 
 use super::drives::find;
 use crate::problem::Problem;
@@ -74,6 +74,19 @@ pub(super) async fn values(
         Some(problem) => Err(Problem::of(&Error::from(problem.clone()))),
         None => Ok(Json(values.report(&drive, &PageWords))),
     }
+}
+
+/// Reads where signals and parameters stand in the telegram that a drive has selected.
+#[utoipa::path(get, path = "/api/v1/drives/{id}/layout", responses(
+    (status = 200, description = "The places; none for a telegram that is not known", body = ref("#/components/schemas/TelegramLayout")),
+))]
+pub(super) async fn layout(
+    State(shared): State<Arc<Shared>>,
+    Path(id): Path<String>,
+) -> Result<Json<TelegramLayout>, Problem> {
+    let (mut network, mut drive) = find(&shared, &id).await?;
+    let layout = verbs::layout(&mut network, &mut drive).await;
+    layout.map(Json).map_err(|error| Problem::of(&error))
 }
 
 fn parsed(text: &str) -> Result<ParameterReference, Problem> {

@@ -31,6 +31,24 @@ pub(super) struct PlantText {
     text: String,
 }
 
+/// A plant that is started.
+#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct PlantStart {
+    /// The text of its file.
+    text: String,
+    /// How many plants were started in the place of the first one when the caller looked; another number is refused. Null where it
+    /// does not matter which plant is replaced.
+    restarts: Option<u64>,
+}
+
+/// A plant that was started.
+#[derive(Debug, Serialize, JsonSchema)]
+pub(super) struct PlantStarted {
+    /// How many plants were started in the place of the first one, with this.
+    restarts: u64,
+}
+
 /// What is wrong with a plant file.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(super) struct PlantCheck {
@@ -54,6 +72,7 @@ pub(super) struct PlantClock {
 }
 
 const CONTROLS: &str = "this server controls an axis: release it first";
+const REPLACED: &str = "another plant was started since: look at it first";
 /// Parts of the interface that wait for drives.
 const OF_DRIVES: [&str; 4] = [
     "/api/v1/drives/",
@@ -108,20 +127,20 @@ pub(super) async fn check(
 }
 
 /// Starts a plant from its beginning in the place of the one that runs, as if all drives were switched off and on at once. It is
-/// refused while this server controls an axis.
-#[utoipa::path(post, path = "/api/v1/plant/restart", request_body(content = ref("#/components/schemas/PlantText"), content_type = "application/json"), responses(
-    (status = 200, description = "It runs", body = ref("#/components/schemas/PlantCheck")),
+/// refused while this server controls an axis. Nothing is known of the drives of the plant before any more.
+#[utoipa::path(post, path = "/api/v1/plant/restart", request_body(content = ref("#/components/schemas/PlantStart"), content_type = "application/json"), responses(
+    (status = 200, description = "It runs", body = ref("#/components/schemas/PlantStarted")),
     (status = 400, description = "The file is not valid"),
     (status = 404, description = "The drives are no simulation"),
-    (status = 409, description = "This server controls an axis, or the plant needs another network"),
+    (status = 409, description = "This server controls an axis, another plant was started meanwhile, or the plant needs another network"),
     (status = 503, description = "It cannot be logged"),
 ))]
 pub(super) async fn restart(
     State(shared): State<Arc<Shared>>,
     Extension(caller): Extension<Caller>,
-    wanted: Result<Json<PlantText>, JsonRejection>,
-) -> Result<Json<PlantCheck>, Problem> {
-    let Json(PlantText { text }) = wanted.map_err(|error| Problem::of_body(&error))?;
+    wanted: Result<Json<PlantStart>, JsonRejection>,
+) -> Result<Json<PlantStarted>, Problem> {
+    let Json(PlantStart { text, restarts: seen }) = wanted.map_err(|error| Problem::of_body(&error))?;
     let Transport::Plant(plant) = shared.network.transport().clone() else {
         return Err(no_simulation());
     };
@@ -143,15 +162,26 @@ pub(super) async fn restart(
     };
     let at = Arc::clone(&shared);
     let work = async move {
-        let started = plant.restart(source.plan());
-        started.map_err(|error| match error {
-            OpenError::OtherAddress { .. } => refused(StatusCode::CONFLICT, &error.to_string()),
-            _ => Problem::new(StatusCode::BAD_REQUEST, "usage", &error.to_string()),
+        let restarts = at.board.restart(|restarts| {
+            if seen.is_some_and(|seen| seen != restarts) {
+                return Err(Problem::new(StatusCode::CONFLICT, "changed", REPLACED));
+            }
+            // one that was taken meanwhile
+            if at.control.has_axes() {
+                return Err(refused(StatusCode::CONFLICT, CONTROLS));
+            }
+            plant.restart(source.plan()).map_err(|error| match error {
+                OpenError::OtherAddress { .. } => refused(StatusCode::CONFLICT, &error.to_string()),
+                _ => Problem::new(StatusCode::BAD_REQUEST, "usage", &error.to_string()),
+            })?;
+            at.frames.catch_up();
+            at.hub.forget();
+            at.happened().clear();
+            *at.plant() = Some(source);
+            Ok(())
         })?;
         plant.pause(false);
-        at.happened().clear();
-        *at.plant() = Some(source);
-        Ok(PlantCheck { problem: None })
+        Ok(PlantStarted { restarts })
     };
     carry_out(shared, &caller, intent, work).await.map(Json)
 }

@@ -23,6 +23,8 @@ pub(crate) struct StationsReport {
     failure: Option<Error>,
     /// Whether the time of the plant stands still.
     paused: bool,
+    /// How many plants were started in the place of the first one: these are the stations of the last.
+    restarts: u64,
 }
 
 impl StationsReport {
@@ -39,6 +41,7 @@ impl StationsReport {
             age: since(stations.searched),
             failure: stations.failure.clone(),
             paused: shared.is_paused(),
+            restarts: stations.restarts,
         })
     }
 }

@@ -21,6 +21,8 @@ pub(crate) struct VirtualDrives {
     paused: bool,
     /// Seed of all random events.
     seed: u64,
+    /// How many plants were started in the place of the first one.
+    restarts: u64,
     /// Its drives, in the order of the plant file.
     drives: Vec<VirtualDrive>,
 }
@@ -32,10 +34,12 @@ impl VirtualDrives {
             return None;
         };
         let (paused, seed) = (plant.is_paused(), shared.plant().as_ref()?.plan().seed);
+        let restarts = shared.board.restarts();
         Some(plant.with_world(|world| {
             Self {
                 paused,
                 seed,
+                restarts,
                 time: world.now().as_nanos() as f64 / 1e9,
                 drives: (0..)
                     .map_while(|number| world.shaft(number).map(|shaft| (number, shaft)))
@@ -44,6 +48,9 @@ impl VirtualDrives {
                         name: shaft.name.to_owned(),
                         position: shaft.position,
                         speed: shaft.speed,
+                        load: shaft.load,
+                        stops: Ends::of(shaft.stops),
+                        switches: Ends::of(shaft.switches),
                         lasting: world.lasting(number).iter().map(Lasting::of).collect(),
                     })
                     .collect(),
@@ -63,8 +70,29 @@ pub(super) struct VirtualDrive {
     position: f64,
     /// Its speed in rpm.
     speed: f64,
+    /// Torque that works against positive rotation, in Nm.
+    load: f64,
+    /// The hard stop in each direction.
+    stops: Ends,
+    /// The limit switch in each direction.
+    switches: Ends,
     /// What has happened to it and has not ended, in the order in which it happened.
     lasting: Vec<Lasting>,
+}
+
+/// The places of something at both ends of the way, in turns as the position counts.
+#[derive(Debug, Serialize, JsonSchema)]
+struct Ends {
+    /// Null where there is none.
+    negative: Option<f64>,
+    /// Null where there is none.
+    positive: Option<f64>,
+}
+
+impl Ends {
+    const fn of((negative, positive): (Option<f64>, Option<f64>)) -> Self {
+        Self { negative, positive }
+    }
 }
 
 /// An event that has not ended.

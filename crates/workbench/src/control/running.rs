@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 use profidrive::client::axis::{Progress, Purpose};
 use profidrive::client::{AxisStatus, BeatHandle, StopHandle};
 use profidrive::motion::HeldAxis;
+use profidrive::report::Action;
 use serde::{Deserialize, Serialize};
 use tokio::sync::{mpsc, watch};
 
@@ -135,8 +136,12 @@ struct Accepted {
 struct Refused<'r> {
     r#type: &'static str,
     n: u64,
+    /// As in problems of requests: `refused`, `safety`, `fault`, ..
+    kind: &'static str,
     sentence: &'r str,
     hint: Option<&'r str>,
+    /// What to do next.
+    actions: &'r [Action],
 }
 
 impl Reply {
@@ -159,8 +164,10 @@ impl Reply {
         self.send(&Refused {
             r#type: "refused",
             n,
+            kind: error.kind,
             sentence: &error.message,
             hint: error.hint.as_deref(),
+            actions: &error.actions,
         });
     }
 }
@@ -190,9 +197,18 @@ pub(super) struct Picture {
     /// Whether it was halted at the end of its travel.
     travel_ended: bool,
     /// Why it stopped by itself.
-    trouble: Option<String>,
+    trouble: Option<Failing>,
     /// Whether the connection is lost: all of this is what the drive reported last.
     lost: bool,
+}
+
+/// Why an axis stopped by itself.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+struct Failing {
+    /// Its stable name: `stopped` for a STOP.
+    kind: &'static str,
+    /// In words.
+    text: String,
 }
 
 /// The motion that is kept going.
@@ -385,7 +401,10 @@ impl Running {
             () => "stopping",
         };
         let trouble = match view.progress {
-            Progress::Failed(trouble) => Some(trouble.to_string()),
+            Progress::Failed(trouble) => Some(Failing {
+                kind: trouble.id(),
+                text: trouble.to_string(),
+            }),
             Progress::Pursuing | Progress::Reached => None,
         };
         let mut picture = self.picture.lock().unwrap_or_else(PoisonError::into_inner);

@@ -102,6 +102,8 @@ pub(crate) struct Event {
     pub who: String,
     /// In words.
     pub text: String,
+    /// Whether it was wanted and not done.
+    pub failed: bool,
 }
 
 /// A value as it is sent.
@@ -265,6 +267,16 @@ impl Hub {
         (held.newest.revision > 0).then(|| held.newest.clone())
     }
 
+    /// Forgets the values of all topics: they are of drives that are no more.
+    pub fn forget(&self) {
+        for held in self.state().topics.values_mut() {
+            held.newest = Newest {
+                revision: 0,
+                text: Utf8Bytes::default(),
+            };
+        }
+    }
+
     /// Notes an event for all pages.
     pub fn report(&self, event: &Event) {
         let unix = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
@@ -319,6 +331,7 @@ mod tests {
             drive: None,
             who: "1".to_owned(),
             text: number.to_string(),
+            failed: false,
         }
     }
 
@@ -342,6 +355,10 @@ mod tests {
                 .text
                 .contains("\"topic\":\"drive/02:00:00:00:00:01/faults\"")
         );
+        hub.forget();
+        assert!(hub.newest(&topic).is_none());
+        hub.publish(&topic, &3);
+        assert!(hub.newest(&topic).unwrap().revision > second.revision);
         hub.leave(&topic);
         assert!(hub.is_wanted(&topic));
         hub.leave(&topic);

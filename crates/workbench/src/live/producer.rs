@@ -103,6 +103,7 @@ async fn faults(shared: Arc<Shared>) {
 
 async fn read_faults(shared: Arc<Shared>, id: String) -> String {
     let mut network = shared.network.clone();
+    let restarts = shared.board.restarts();
     let result = match shared.board.find(&mut network, &id).await {
         Ok(mut drive) => {
             let faults = inspection::faults(&mut network, &mut drive, true).await;
@@ -114,8 +115,9 @@ async fn read_faults(shared: Arc<Shared>, id: String) -> String {
         Ok(report) => (Some(report), None),
         Err(error) => (None, Some(error)),
     };
-    shared
-        .hub
-        .publish(&Topic::Faults(id.clone()), &FaultsTopic { report, error });
+    if shared.board.restarts() == restarts {
+        let topic = Topic::Faults(id.clone());
+        shared.hub.publish(&topic, &FaultsTopic { report, error });
+    }
     id
 }

@@ -294,6 +294,7 @@ async fn follow(shared: Arc<Shared>, topic: Topic) -> Topic {
 /// Why it cannot be read, in words.
 async fn read(shared: &Shared, topic: &Topic, id: &str, parameters: &[String]) -> Result<(), String> {
     let mut network = shared.network.clone();
+    let restarts = shared.board.restarts();
     let found = shared.board.find(&mut network, id).await;
     let mut drive = found.map_err(|error| explained(&error).message)?;
     let mut refused = Vec::new();
@@ -312,7 +313,8 @@ async fn read(shared: &Shared, topic: &Topic, id: &str, parameters: &[String]) -
     let mut plan: Option<Vec<(ColumnFacts, Origin)>> = None;
     let mut rows = Rows::default();
     let mut pushed = Instant::now();
-    while shared.hub.is_wanted(topic) {
+    // another plant may have another drive in this place
+    while shared.hub.is_wanted(topic) && shared.board.restarts() == restarts {
         let seen = monitor.read(&mut network, &mut drive).await;
         let snapshot = seen.map_err(|error| explained(&error).message)?.snapshot;
         let at = network.now();

@@ -230,12 +230,17 @@ fn a_lease_is_of_its_socket_and_a_stop_of_everybody() {
     turns(&server, &mut hands, &id, &Value::Null);
     looker.page.send(&json!({ "type": "stop" }));
     assert_eq!(looker.page.next("stopped")["drives"], json!([id]));
+    // programs need no sentence for why it stopped
+    while hands.page.next("axes")["axes"][0]["trouble"]["kind"] != "stopped" {
+        hands.beat(&Value::Null);
+    }
     rests(&server, &id);
     // what was sent before the STOP was seen, and before it is reset
     for (epoch, part) in [(0, "before it"), (1, "reset")] {
         for kind in ["enable", "velocity"] {
             let refused = hands.order(kind, &id, lease, epoch, &json!({ "speed": 20 }));
             assert!(sentence(&refused).contains(part), "{refused}");
+            assert_eq!(refused["kind"], "refused", "{refused}");
         }
     }
     let number = looker.send("reset", &id, &json!({ "epoch": 1 }));

@@ -7,6 +7,7 @@ mod change;
 mod control;
 mod frames;
 mod live;
+mod restart;
 mod samples;
 mod server;
 mod settings;

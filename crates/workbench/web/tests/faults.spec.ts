@@ -25,6 +25,10 @@ test("a fault is announced once, with its remedy, and goes to the history when i
     await rows(page);
     await page.goto(`${server.origin}/drives/${encodeURIComponent(await idOf(page, "axis-1"))}/faults`);
     await expect(page.getByText("No fault and no warning is present.")).toBeVisible();
+    // a warning is above each screen
+    await inject(page, "axis-1", "warning=107");
+    await expect(page.locator(".frame")).toContainText("W107");
+    await inject(page, "axis-1", "clear=107");
     await inject(page, "axis-1", "fault=439!");
     await expect(page.getByRole("alert").filter({ hasText: "Fault F439" })).toHaveCount(1);
     const row = page.getByRole("listitem").filter({ hasText: "F439" });
@@ -36,6 +40,13 @@ test("a fault is announced once, with its remedy, and goes to the history when i
     await named.click();
     await expect(page.getByRole("searchbox", { name: /Search/ })).toHaveValue(name ?? "");
     await expect(page.locator("tr.parameter").first()).toContainText(name ?? "");
+    await page.goBack();
+    // its time in the Scope, which has recorded nothing of it, and can record the next one
+    const scope = row.getByRole("link", { name: "Scope at that time" });
+    await scope.click();
+    await expect(page.getByRole("status").filter({ hasText: /^Nothing of .* UTC is recorded/ })).toBeVisible();
+    await page.getByRole("button", { name: "Record the next fault" }).click();
+    await expect(page.getByText("Waiting for the trigger ..")).toBeVisible();
     await page.goBack();
     const acknowledge = page.getByRole("button", { name: "Acknowledge" });
     await acknowledge.click();
@@ -55,6 +66,16 @@ test("a fault is announced once, with its remedy, and goes to the history when i
     expect(lines[0]).toBe("drive,kind,situation,number,meaning,value,time of the drive,remedy");
     expect(lines[1]).toMatch(/^axis-1,acknowledged fault,1,439,/);
     expect(download.suggestedFilename()).toBe("faults.csv");
+    // one that comes while the Scope is open is found there, also when it was seen on another screen
+    await page.getByRole("link", { name: "Scope" }).first().click();
+    await page.getByRole("combobox", { name: "Time" }).selectOption("1000000");
+    await page.getByRole("button", { name: "Single (S)" }).click();
+    await expect(page.getByText("Waiting for the trigger ..")).toBeVisible();
+    await inject(page, "axis-1", "fault=439!");
+    await expect(page.getByText("Stopped", { exact: true })).toBeVisible();
+    await page.getByRole("link", { name: "Faults" }).click();
+    await scope.click();
+    await expect(page.getByRole("status").filter({ hasText: /^Around .* UTC/ })).toBeVisible();
     expect(wrong.filter((text) => !text.includes("409"))).toEqual([]);
   } finally {
     await end(server);

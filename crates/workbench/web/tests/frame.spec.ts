@@ -122,10 +122,11 @@ test("a view link looks and stops", async ({ browser, demo }) => {
   await context.close();
 });
 
-for (const theme of ["light", "dark"] as const) {
-  for (const lang of ["", "?lang=xx"]) {
+for (const theme of ["light", "dark", "contrast"] as const) {
+  for (const lang of theme === "contrast" ? [""] : ["", "?lang=xx"]) {
     test(`axe finds nothing: ${theme} ${lang}`, async ({ entered: page }) => {
-      await page.emulateMedia({ colorScheme: theme });
+      if (theme === "contrast") await page.getByRole("combobox", { name: "Theme" }).selectOption("contrast");
+      else await page.emulateMedia({ colorScheme: theme });
       for (const [name, path] of await screens(page)) {
         await page.goto(path + lang);
         await expect(page.locator("main h1")).toBeVisible();
@@ -136,10 +137,9 @@ for (const theme of ["light", "dark"] as const) {
         await expect(page.getByText(/(Connecting|Waiting for the first values) \.\./)).toHaveCount(0);
         // by the protocol of the browser, which the policy of the page does not bind
         await page.evaluate(axe);
-        for (const [width, height] of [
-          [1366, 768],
-          [768, 950],
-        ] as const) {
+        // its layout is that of the others
+        const sizes = [[1366, 768] as const, ...(theme === "contrast" ? [] : [[768, 950] as const])];
+        for (const [width, height] of sizes) {
           await page.setViewportSize({ width, height });
           await page.screenshot({ path: join(pictures, `${name}-${theme}${lang ? "-long" : ""}-${width}.png`) });
           const violations = await page.evaluate(async () => {

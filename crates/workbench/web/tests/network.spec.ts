@@ -37,6 +37,11 @@ test("the drives that are selected are saved, and two of them compared", async (
   await page.getByRole("checkbox", { name: "Select pump-1" }).check();
   await expect(page.getByRole("button", { name: "Compare two" })).toBeDisabled();
   await page.getByRole("checkbox", { name: "Select fan-1" }).check();
+  await page.getByRole("button", { name: "Read identity of 2" }).click();
+  const identities = page.getByRole("region", { name: "Identities" }).last();
+  await expect(identities.getByRole("row", { name: "pump-1" })).toContainText("FC-302");
+  await page.getByRole("button", { name: "Close" }).click();
+  await expect(identities).toHaveCount(0);
   await page.getByRole("button", { name: "Back up 2" }).click();
   const said = page.getByRole("status").filter({ hasText: "Settings of 2 of 2 drives were saved" });
   await expect(said).toContainText(/pump-1-.*\.backup/, { timeout: 30_000 });

@@ -45,6 +45,27 @@ test("a fault has its meaning and its remedy, and the next step", async ({ enter
   await expect(page.getByRole("listitem").filter({ hasText: "No fault" })).toContainText("not met");
 });
 
+test("what comes next is one step away", async ({ entered: page }) => {
+  await page.getByRole("link", { name: "axis-1" }).click();
+  const step = page.locator(".steps").getByRole("link", { name: "Open Control" });
+  expect((await step.boundingBox())?.height).toBe(28);
+  await step.click();
+  await expect(page.getByRole("heading", { level: 1, name: "Control axis-1" })).toBeVisible();
+  await page.goto(`/drives/${encodeURIComponent(await idOf(page, "new-1"))}/overview`);
+  await page.getByRole("button", { name: "Name and address .." }).click();
+  await expect(page.getByRole("dialog")).toBeVisible();
+  // a value that is advised is typed, and not written
+  const parameters = `/drives/${encodeURIComponent(await idOf(page, "axis-2"))}/parameters`;
+  await page.goto(`${parameters}#q=DRV.ACC&set=DRV.ACC%3D2500`);
+  const plan = page.getByRole("region", { name: "Changes" });
+  await expect(plan).toContainText("2500");
+  await page.getByRole("button", { name: "Discard" }).click();
+  // the place in the telegram
+  await page.goto(`/drives/${encodeURIComponent(await idOf(page, "axis-1"))}/parameters#q=VL.FB_32`);
+  await page.getByRole("button", { name: "VL.FB_32", exact: true }).click();
+  await expect(page.locator(".details")).toContainText("In telegram 1: NIST_A, octets 2-3 from the drive");
+});
+
 test("values come with unit, age and the last minute", async ({ entered: page }) => {
   await page.getByRole("link", { name: "press-1" }).click();
   await expect(page.getByRole("img", { name: /Speed, last 60 s: .* rpm/ })).toBeVisible();

@@ -176,6 +176,10 @@ test("settings are backed up, compared, restored as a plan, and downloaded", asy
     const csv = page.waitForEvent("download");
     await page.getByRole("button", { name: "Export CSV" }).click();
     expect(readFileSync(await (await csv).path(), "utf8")).toMatch(/^Number,Name,pump-1,pump-1-.*\r\n3-41,/);
+    // Overview counts the same
+    await page.getByRole("link", { name: "Overview" }).click();
+    await expect(page.getByText(/ago, 1 setting differs from it/)).toBeVisible();
+    await page.getByRole("link", { name: "Compare", exact: true }).click();
     // with the file as base the drive is what was changed
     await page.getByRole("combobox", { name: "Base" }).selectOption(await right.inputValue());
     await compare.click();

@@ -1,5 +1,7 @@
 import { execFileSync } from "node:child_process";
-import { end, expect, idOf, program, rows, serve, test, watch } from "./bench";
+import { writeFileSync } from "node:fs";
+import { join } from "node:path";
+import { end, expect, idOf, pictures, program, rows, serve, test, watch } from "./bench";
 
 test("what happens to a virtual drive shows on its other screens at once", async ({ page }) => {
   const server = await serve("--demo", "--listen", "127.0.0.1:0");
@@ -9,6 +11,7 @@ test("what happens to a virtual drive shows on its other screens at once", async
     await rows(page);
     await page.getByRole("link", { name: "Virtual drives" }).click();
     await expect(page.getByRole("row", { name: "press-1" })).toContainText(/\d+\.\d/);
+    await expect(page.getByRole("row", { name: "press-1" })).toContainText("25");
     await page.getByRole("button", { name: "Select axis-1" }).click();
     await page.getByRole("button", { name: "STO on" }).click();
     await expect(page.getByRole("status").filter({ hasText: "axis-1: sto=on" }).first()).toBeVisible();
@@ -37,6 +40,7 @@ test("what happens to a virtual drive shows on its other screens at once", async
     for (let step = 0; step < 5; step += 1) await page.keyboard.press("ArrowRight");
     await expect(page.getByText("Load against the shaft: 0.5 Nm")).toBeVisible();
     await expect(row).toContainText("load=0.5Nm");
+    await expect(row.getByRole("cell", { name: "0.50", exact: true })).toBeVisible();
     await expect(slider).toHaveValue("0.5");
     expect(loads).toHaveLength(1);
     await page.getByLabel("Any event").fill("load=0.2Nm");
@@ -49,6 +53,42 @@ test("what happens to a virtual drive shows on its other screens at once", async
     await expect(page.getByText("A time is more than 0 s and at most a day.")).toBeVisible();
     await expect(page.getByRole("button", { name: "STO on" })).toBeDisabled();
     expect(wrong.filter((text) => !text.includes("400"))).toEqual([]);
+  } finally {
+    await end(server);
+  }
+});
+
+const LIFT = `
+[[drive]]
+name = "lift-1"
+ip = "192.168.77.31/24"
+travel = { negative-stop = "-5rev", positive-stop = "20rev" }
+
+[[drive]]
+name = "pump-2"
+model = "vlt"
+ip = "192.168.77.32/24"
+parameters = { "9-22" = 102 }
+
+[[controller]]
+drive = "pump-2"
+telegram = 102
+`;
+
+test("the ends of a way and a parameter channel are shown of drives that have them", async ({ page }) => {
+  const file = join(pictures, "lift.toml");
+  writeFileSync(file, LIFT);
+  const server = await serve("--plant", file, "--listen", "127.0.0.1:0");
+  const wrong = watch(page);
+  try {
+    await page.goto(server.url);
+    await page.getByRole("link", { name: "Virtual drives" }).click();
+    await expect(page.getByRole("row", { name: "lift-1" })).toContainText("stop -5.00, stop 20.00");
+    await page.goto(`${server.origin}/drives/${encodeURIComponent(await idOf(page, "pump-2"))}/telegram`);
+    const channel = page.locator(".channel");
+    await expect(channel.getByRole("row", { name: /^Request/ })).toContainText("00 00");
+    await expect(channel.getByRole("row", { name: /^Reply/ })).toContainText("00 00 00 00");
+    expect(wrong).toEqual([]);
   } finally {
     await end(server);
   }
@@ -157,6 +197,13 @@ test("a plant is edited with the line of an error, started again with another se
     await expect(seed).toHaveValue("0011");
     await expect(file).toHaveValue(/^seed = 11$/m);
     const later = (await time()).time;
+    // another page has its own edits of the same file
+    const third = await page.context().newPage();
+    await third.goto(`${server.origin}/virtual`);
+    await third.getByText("Plant file, without what was injected").first().click();
+    const theirs = third.getByRole("textbox", { name: "Plant file, without what was injected" });
+    await expect(theirs).toHaveValue(/model = "vlt"/);
+    await theirs.fill((await theirs.inputValue()).replaceAll('"fan-1"', '"fan-9"'));
     await page.getByRole("button", { name: "Restart with this file" }).click();
     await expect(page.getByText("The plant was started from its beginning.")).toBeVisible();
     const now = await time();
@@ -169,6 +216,15 @@ test("a plant is edited with the line of an error, started again with another se
     expect(wrong.filter((text) => !text.includes("500"))).toEqual([]);
     await expect(page.getByRole("heading", { level: 1, name: "Network" })).toBeVisible();
     await rows(page);
+    // which the other page does not replace unseen, and then only that one is shown
+    await third.getByRole("button", { name: "Restart with this file" }).click();
+    await expect(third.getByRole("status").filter({ hasText: /^another plant was started since/ })).toBeVisible();
+    await expect(page.getByRole("status").filter({ hasText: /^Not done: 6 drives, seed 7: another/ })).toBeVisible();
+    await third.getByRole("button", { name: "Restart all the same" }).click();
+    await expect(third.getByText("The plant was started from its beginning.")).toBeVisible();
+    await expect(page.getByRole("row", { name: "fan-9" })).toContainText("Safe torque off");
+    await expect(page.getByRole("row", { name: "fan-1" })).toHaveCount(0);
+    await expect(page.getByText("No longer answers")).toHaveCount(0);
   } finally {
     await end(server);
   }

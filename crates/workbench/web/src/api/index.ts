@@ -13,6 +13,8 @@ export type Quantity = Schemas["Quantity"];
 export type Fault = Schemas["Fault"];
 export type FaultsTopic = Schemas["FaultsTopic"];
 export type PlantCheck = Schemas["PlantCheck"];
+export type PlantStarted = Schemas["PlantStarted"];
+export type Plant = Schemas["VirtualDrives"];
 export type Possible = Schemas["Possible"];
 export type List = Schemas["ListReport"];
 export type Description = Schemas["ParameterDescription"];
@@ -27,6 +29,8 @@ export type MachineTopic = Schemas["MachineTopic"];
 export type TelegramTopic = Schemas["TelegramTopic"];
 export type LinkTopic = Schemas["LinkTopic"];
 export type Diff = Schemas["DiffReport"];
+export type TelegramLayout = Schemas["TelegramLayout"];
+export type Info = Schemas["InfoReport"];
 export type FrameNode = Schemas["FrameNode"];
 export type LogPage = Schemas["LogPage"];
 export type LogTopic = Schemas["LogTopic"];
@@ -47,6 +51,8 @@ export class Refused extends Error {
   constructor(
     readonly status: number,
     message: string,
+    /** What kind of problem it is, as the interface calls it. */
+    readonly kind = "",
   ) {
     super(message);
   }
@@ -61,6 +67,7 @@ export async function ask(path: string, options: RequestInit = {}): Promise<Resp
     throw new Refused(
       answer.status,
       [problem?.detail ?? answer.statusText, details.join("; ")].filter(Boolean).join(": "),
+      problem?.kind,
     );
   }
   return answer;

@@ -224,7 +224,7 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** Reads which settings of a drive differ from those as delivered, on the left. */
+        /** Reads which settings of a drive differ from those as delivered, or of a file, on the left. */
         get: operations["changed"];
         put?: never;
         post?: never;
@@ -260,6 +260,23 @@ export interface paths {
         };
         /** Reads who a drive is: identification, modules, neighbours. */
         get: operations["info"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/drives/{id}/layout": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** Reads where signals and parameters stand in the telegram that a drive has selected. */
+        get: operations["layout"];
         put?: never;
         post?: never;
         delete?: never;
@@ -605,7 +622,7 @@ export interface paths {
         put?: never;
         /**
          * Starts a plant from its beginning in the place of the one that runs, as if all drives were switched off and on at once. It is
-         *     refused while this server controls an axis.
+         *     refused while this server controls an axis. Nothing is known of the drives of the plant before any more.
          */
         post: operations["restart"];
         delete?: never;
@@ -1125,6 +1142,19 @@ export interface components {
         };
         /** @description State of a drive in the general state machine of PROFIdrive. */
         DriveState: "S1" | "S2" | "S3" | "S4" | "S5";
+        /** @description The places of something at both ends of the way, in turns as the position counts. */
+        Ends: {
+            /**
+             * Format: double
+             * @description Null where there is none.
+             */
+            negative: number | null;
+            /**
+             * Format: double
+             * @description Null where there is none.
+             */
+            positive: number | null;
+        };
         /** @description Why a verb failed. */
         Error: {
             /** @description The actions in it. */
@@ -2132,6 +2162,25 @@ export interface components {
             line: number;
             message: string;
         };
+        /** @description A plant that is started. */
+        PlantStart: {
+            /**
+             * Format: uint64
+             * @description How many plants were started in the place of the first one when the caller looked; another number is refused. Null where it
+             *     does not matter which plant is replaced.
+             */
+            restarts: number | null;
+            /** @description The text of its file. */
+            text: string;
+        };
+        /** @description A plant that was started. */
+        PlantStarted: {
+            /**
+             * Format: uint64
+             * @description How many plants were started in the place of the first one, with this.
+             */
+            restarts: number;
+        };
         /** @description A plant file that is checked or started. */
         PlantText: {
             /** @description Its text. */
@@ -2500,6 +2549,11 @@ export interface components {
             failure: components["schemas"]["Error"] | null;
             /** @description Whether the time of the plant stands still. */
             paused: boolean;
+            /**
+             * Format: uint64
+             * @description How many plants were started in the place of the first one: these are the stations of the last.
+             */
+            restarts: number;
             /** @description All that answered, and those that answered some minutes ago. */
             stations: components["schemas"]["KnownStation"][];
         };
@@ -2701,6 +2755,39 @@ export interface components {
              */
             unix_ms: number;
         };
+        /** @description Where signals and parameters stand in the telegram of a drive. */
+        TelegramLayout: {
+            /** @description The drive. */
+            drive: string;
+            /** @description What is where, setpoints first; empty for a telegram that is not known. */
+            places: components["schemas"]["TelegramPlace"][];
+            /**
+             * Format: uint16
+             * @description Number of the telegram (PNU 922); null where the drive does not report it.
+             */
+            telegram: number | null;
+        };
+        /** @description A place in a telegram. */
+        TelegramPlace: {
+            /** @description `setpoint`, from the controller, or `actual`, from the drive. */
+            direction: string;
+            /** @description What the signal is. */
+            meaning: string;
+            /**
+             * Format: uint16
+             * @description First octet in the data of this direction, from 0.
+             */
+            octet: number;
+            /**
+             * Format: uint16
+             * @description Number of octets.
+             */
+            octets: number;
+            /** @description The parameters with the same value, each as its vendor writes the number. */
+            parameters: string[];
+            /** @description The signal: `NIST_A`; null for a word whose parameter settings of the drive choose. */
+            signal: string | null;
+        };
         /** @description The cyclic frames of a drive. */
         TelegramTopic: {
             /** @description The last frame of each direction; empty where there is no cyclic connection. */
@@ -2747,6 +2834,11 @@ export interface components {
             id: string;
             /** @description What has happened to it and has not ended, in the order in which it happened. */
             lasting: components["schemas"]["Lasting"][];
+            /**
+             * Format: double
+             * @description Torque that works against positive rotation, in Nm.
+             */
+            load: number;
             /** @description What the plant calls it. */
             name: string;
             /**
@@ -2759,6 +2851,10 @@ export interface components {
              * @description Its speed in rpm.
              */
             speed: number;
+            /** @description The hard stop in each direction. */
+            stops: components["schemas"]["Ends"];
+            /** @description The limit switch in each direction. */
+            switches: components["schemas"]["Ends"];
         };
         /** @description The drives of a plant in memory. */
         VirtualDrives: {
@@ -2766,6 +2862,11 @@ export interface components {
             drives: components["schemas"]["VirtualDrive"][];
             /** @description Whether it stands still. */
             paused: boolean;
+            /**
+             * Format: uint64
+             * @description How many plants were started in the place of the first one.
+             */
+            restarts: number;
             /**
              * Format: uint64
              * @description Seed of all random events.
@@ -3702,7 +3803,10 @@ export interface operations {
     };
     changed: {
         parameters: {
-            query?: never;
+            query?: {
+                /** @description The file, as `/api/v1/backups` calls it; as delivered where there is none */
+                file?: string;
+            };
             header?: never;
             path: {
                 /** @description MAC address, or `ip-` with the IP address */
@@ -3721,6 +3825,15 @@ export interface operations {
                     "application/json": components["schemas"]["DiffReport"];
                 };
             };
+            /** @description The file is of another kind of drive, or no backup */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
             /** @description No session */
             401: {
                 headers: {
@@ -3730,7 +3843,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description No such drive has answered */
+            /** @description No such drive has answered, or no such file */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -3846,6 +3959,65 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["InfoReport"];
+                };
+            };
+            /** @description No session */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description No such drive has answered */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The time of the plant stands still */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The drive does not answer */
+            504: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    layout: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description MAC address, or `ip-` with the IP address */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description The places; none for a telegram that is not known */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["TelegramLayout"];
                 };
             };
             /** @description No session */
@@ -5000,7 +5172,7 @@ export interface operations {
         };
         requestBody?: {
             content: {
-                "application/json": components["schemas"]["PlantText"];
+                "application/json": components["schemas"]["PlantStart"];
             };
         };
         responses: {
@@ -5010,7 +5182,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["PlantCheck"];
+                    "application/json": components["schemas"]["PlantStarted"];
                 };
             };
             /** @description The file is not valid */
@@ -5049,7 +5221,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description This server controls an axis, or the plant needs another network */
+            /** @description This server controls an axis, another plant was started meanwhile, or the plant needs another network */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -5074,6 +5246,8 @@ export interface operations {
             query?: {
                 /** @description Only what happened from this time of the plant on, in seconds: it is the beginning of the file */
                 since?: number;
+                /** @description Nothing of that: the plant file as it was started */
+                without_events?: boolean;
             };
             header?: never;
             path?: never;

@@ -74,6 +74,7 @@ function Navigation() {
           <option value="system">{t("theme.system")}</option>
           <option value="light">{t("theme.light")}</option>
           <option value="dark">{t("theme.dark")}</option>
+          <option value="contrast">{t("theme.contrast")}</option>
         </select>
       </label>
     </nav>

@@ -19,12 +19,14 @@ let pressedAt = Number.NEGATIVE_INFINITY;
 const shown = signal(-1);
 
 /** Returns what happened last, in words. */
-function event({ kind, drive, who, text }: Happening): string {
+function event({ kind, drive, who, text, failed }: Happening): string {
   const station = stations.value?.find((one) => one.id === drive);
   const by = person(who);
   // a message of the library begins with the drive
   const named = station && !text.startsWith(`${label(station)}: `) ? `${label(station)}: ` : "";
-  return foreign(`${t(`frame.event.${kind}`)} ${named}${text}${who === "" ? "" : ` (${by})`}`, 300);
+  // the log says by its kind that it failed
+  const what = t(failed && kind !== "log" ? "frame.event.failed" : `frame.event.${kind}`);
+  return foreign(`${what} ${named}${text}${who === "" ? "" : ` (${by})`}`, 300);
 }
 
 export async function pressStop(): Promise<void> {
@@ -147,6 +149,11 @@ function Facts({ station }: { station: Station }) {
           {live && speed ? digits(speed) : dash} <span class="unit">{speed?.unit ?? "rpm"}</span>
         </span>
         <span class={live && status?.faults.length ? "fault" : ""}>{live && status ? faults(status) : dash}</span>
+        {live && status !== null && status.warnings.length > 0 && (
+          <span class="warn" title={status.warnings.map(({ meaning }) => foreign(meaning ?? "")).join("; ")}>
+            {status.warnings.map(({ number }) => t("frame.warning", { number })).join(", ")}
+          </span>
+        )}
       </p>
     </>
   );

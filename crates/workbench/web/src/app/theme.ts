@@ -1,11 +1,12 @@
 import { effect, signal } from "@preact/signals";
 
-export type Theme = "system" | "light" | "dark";
+const THEMES = ["system", "light", "dark", "contrast"] as const;
+export type Theme = (typeof THEMES)[number];
 const KEY = "profidrive.theme";
 
 function stored(): Theme {
   const theme = localStorage.getItem(KEY);
-  return theme === "light" || theme === "dark" ? theme : "system";
+  return THEMES.find((one) => one === theme) ?? "system";
 }
 
 export const theme = signal<Theme>(stored());

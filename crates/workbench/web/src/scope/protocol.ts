@@ -14,6 +14,8 @@ export type Signal = string;
 export type ToWorker =
   | { type: "open"; drive: string; address: string; parameters: string[]; wanted: Wanted }
   | { type: "close" }
+  /** Forgets what is recorded: the drive is no more, and another one has its place. */
+  | { type: "forget" }
   | { type: "visible"; visible: boolean }
   /** What is shown: columns by name, so many pixels wide, a time in us, cursors as parts of the picture. */
   | { type: "show"; columns: string[]; pixels: number; span: number; cursors: [number, number] | null }

@@ -273,6 +273,10 @@ function obey(message: ToWorker): void {
     case "close":
       close();
       return;
+    case "forget":
+      acquisition.clear();
+      source?.again();
+      return;
     case "visible":
       visible = message.visible;
       source?.setVisible(visible);

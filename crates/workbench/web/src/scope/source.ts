@@ -41,6 +41,11 @@ export class Source {
     this.socket?.close();
   }
 
+  /** Begins again, with the header of what comes. */
+  again(): void {
+    this.socket?.close();
+  }
+
   setVisible(visible: boolean): void {
     this.visible = visible;
     this.send({ type: "visible", visible });

@@ -36,7 +36,8 @@ export interface Axis {
   reached: boolean;
   homed: boolean | null;
   travel_ended: boolean;
-  trouble: string | null;
+  /** Why it stopped by itself: its stable name, and in words. */
+  trouble: { kind: string; text: string } | null;
   lost: boolean;
 }
 
@@ -84,7 +85,7 @@ type Incoming =
   | { type: "hello"; who: string; epoch: number; stopped: boolean; refusal: string | null }
   | { type: "beat"; n: number; t: number; fresh: boolean }
   | { type: "accepted"; n: number }
-  | { type: "refused"; n: number; sentence: string; hint: string | null }
+  | { type: "refused"; n: number; kind: string; sentence: string; hint: string | null }
   | { type: "lease"; n: number; drive: string; lease: number }
   | { type: "axes"; axes: Axis[] }
   | { type: "stopped"; epoch: number; by: string; drives: string[] }

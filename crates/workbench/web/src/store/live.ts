@@ -4,6 +4,7 @@ import { Refused, request, type Server, type Shaft, type Station, type Stations,
 import { label } from "../parts/format";
 import { t } from "../text";
 import { runControl } from "./control";
+import { noteFaults } from "./seen";
 import { type Incoming, Live } from "./socket";
 import {
   access,
@@ -14,6 +15,7 @@ import {
   now,
   paused,
   received,
+  restarts,
   searched,
   searching,
   server,
@@ -127,8 +129,13 @@ export async function searchNow(): Promise<void> {
 }
 
 function take(report: Stations): void {
+  // an answer to a request may be older than what came meanwhile
+  if (report.restarts < (restarts.value ?? 0)) return;
   batch(() => {
+    if (restarts.value !== null && report.restarts !== restarts.value) forget();
+    restarts.value = report.restarts;
     note(stations.value ?? [], report.stations);
+    for (const station of report.stations) noteFaults(station);
     stations.value = report.stations;
     received.value = performance.now();
     now.value = received.value;
@@ -137,6 +144,15 @@ function take(report: Stations): void {
     failure.value = report.failure?.message ?? null;
     tracks.value = extended(tracks.value, report.stations);
   });
+}
+
+/** Forgets the drives of a plant that is no more. */
+function forget(): void {
+  stations.value = null;
+  shafts.value = new Map();
+  tracks.value = new Map();
+  topics.value = new Map();
+  events.value = [];
 }
 
 /** Notes what is different from before. */

@@ -6,6 +6,7 @@ import type { Header } from "../scope/block";
 import type { Frame, FromWorker, Status, ToWorker, Wanted } from "../scope/protocol";
 import workerAddress from "../scope/scope.worker?worker&url";
 import { t } from "../text";
+import { whenRestarted } from "./store";
 
 /** What a person chose for a drive. */
 export interface Layout {
@@ -44,7 +45,7 @@ export const shown = signal<Frame | null>(null);
 /** Cursors A and B, as parts of the picture. */
 export const cursors = signal<[number, number] | null>(null);
 /** What became of the last file, in words. */
-export const said = signal<{ text: string; failed: boolean } | null>(null);
+export const said = signal<{ text: string; failed: boolean; unrecorded?: boolean } | null>(null);
 export const overlaid = signal(false);
 /** The step that is waited for: of which drive. */
 export const step = signal<{ drive: string; done: boolean; order: number } | null>(null);
@@ -105,6 +106,7 @@ function receive(message: FromWorker): void {
     case "status": {
       const before = status.value;
       status.value = message;
+      if (sought !== null && message.obeyed >= sought.order && message.header !== null) showTime(message, sought.at);
       if (JSON.stringify(before?.header) !== JSON.stringify(message.header)) {
         if (other && chosen().length === 0) chooseFirst();
         calculate();
@@ -135,6 +137,36 @@ function receive(message: FromWorker): void {
     case "failed":
       said.value = { text: t("scope.file.failed", { reason: message.text }), failed: true };
   }
+}
+
+/** The time of day that is to be shown, in ms since 1970, once the worker has obeyed so many messages. */
+let sought: { at: number; order: number } | null = null;
+/** Which part of the picture is before the time that was sought. */
+const BEFORE_TIME = 0.6;
+
+/** Shows a time of what is recorded, or says that it is not. */
+function showTime({ header, kept }: Status, at: number): void {
+  sought = null;
+  const time = header === null || header.unix_ms === 0 ? null : header.t_us + (at - header.unix_ms) * 1000;
+  const there = time !== null && kept !== null && time >= kept.from && time <= kept.to;
+  const clock = `${new Date(at).toISOString().slice(11, 19)} UTC`;
+  said.value = { text: t(there ? "scope.at" : "scope.at.none", { time: clock }), failed: false, unrecorded: !there };
+  if (!there) return;
+  const from = time - BEFORE_TIME * layout.value.span;
+  stop();
+  move(from, from + layout.value.span);
+}
+
+/** Shows what is recorded of a time of day in ms since 1970, as far as it is. */
+export function seek(at: number): void {
+  sought = { at, order: sent };
+}
+
+/** Records the next fault, and stops. */
+export function recordFault(): void {
+  said.value = null;
+  change({ trigger: { ...layout.value.trigger, condition: { kind: "fault" } } });
+  single();
 }
 
 /** Signals of a file that has none of those that were chosen. */
@@ -293,6 +325,17 @@ function open(id: string): void {
   }
   show();
 }
+
+whenRestarted(() => {
+  if (drive === null || other) return;
+  status.value = null;
+  frame.value = null;
+  shown.value = null;
+  overlaid.value = false;
+  step.value = null;
+  send({ type: "overlay", keep: false });
+  send({ type: "forget" });
+});
 
 let receiving = false;
 /** Whether the screen of the Scope is open. */

@@ -46,6 +46,18 @@ export interface Track {
   times: number[];
   values: number[];
 }
+/** How many plants were started in the place of the first one; `null` before that is known. */
+export const restarts = signal<number | null>(null);
+
+/** Calls `forget` when another plant was started: what a screen keeps is of drives that are no more. */
+export function whenRestarted(forget: () => void): void {
+  let before = restarts.peek();
+  restarts.subscribe((count) => {
+    if (before !== null && count !== before) forget();
+    before = count;
+  });
+}
+
 /** Values of the last minute, by drive and name. */
 export const tracks = signal<ReadonlyMap<string, Track>>(new Map());
 
@@ -89,5 +101,7 @@ export interface Happening {
   /** Who did it, as in the log. */
   who: string;
   text: string;
+  /** Whether it was wanted and not done. */
+  failed: boolean;
 }
 export const happened = signal<Happening | null>(null);

@@ -1,6 +1,7 @@
 /** What is compared, and which of it is to be restored. */
 import { signal } from "@preact/signals";
 import type { Job } from "../../api";
+import { whenRestarted } from "../../store/store";
 import type { Row } from "./merge";
 
 /** Both sides: `drive ID`, `file NAME`, or `delivered ID` for what a drive has as delivered. */
@@ -15,6 +16,12 @@ export const plan = signal<Job | null>(null);
 /** The differences that are taken from the file. */
 export const picked = signal<ReadonlySet<string>>(new Set());
 export const save = signal(false);
+
+whenRestarted(() => {
+  compared.value = null;
+  plan.value = null;
+  picked.value = new Set();
+});
 
 export interface Compared {
   job: Job;

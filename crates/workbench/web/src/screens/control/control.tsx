@@ -227,8 +227,8 @@ function Take({ station }: { station: Station }) {
   );
 }
 
-/** The trouble of an axis that STOP stopped, in the words of the library. */
-const STOPPED = "it was stopped from elsewhere in this program";
+/** The trouble of an axis that STOP stopped. */
+const STOPPED = "stopped";
 
 function Enable({ station }: { station: Station }) {
   const axis = control.own(station.id);
@@ -239,7 +239,7 @@ function Enable({ station }: { station: Station }) {
   const coasts = present?.phase === "stopping" && present.stop_by === "off2" && control.stopped.value;
   const phase = coasts ? "coasting" : (present?.phase ?? "none");
   // who pressed STOP on this page has no trouble with it
-  const expected = axis?.trouble === STOPPED && control.lastStop.value?.by === control.session.value;
+  const expected = axis?.trouble?.kind === STOPPED && control.lastStop.value?.by === control.session.value;
   const faults = station.status?.faults ?? [];
   return (
     <>
@@ -248,7 +248,7 @@ function Enable({ station }: { station: Station }) {
       {axis?.travel_ended && <p class="warn">{t("control.travel.ended")}</p>}
       {axis?.trouble && !expected && (
         <p class="warn">
-          <bdi>{sentence([axis.trouble, ...faults.map(faultText)].join("; "))}</bdi>
+          <bdi>{sentence([axis.trouble.text, ...faults.map(faultText)].join("; "))}</bdi>
         </p>
       )}
       <p class="buttons">

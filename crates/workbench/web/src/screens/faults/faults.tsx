@@ -1,6 +1,6 @@
 import { useEffect } from "preact/hooks";
 import { useLocation } from "preact-iso";
-import type { Fault, FaultsTopic, Station } from "../../api";
+import type { FaultsTopic, Station } from "../../api";
 import { address, selected, selectedId } from "../../app/selected";
 import { Acknowledge } from "../../parts/Acknowledge";
 import { Command } from "../../parts/Command";
@@ -9,37 +9,13 @@ import { cell, digits, foreign, label, sentence } from "../../parts/format";
 import { Icon } from "../../parts/Icon";
 import { Nothing } from "../../parts/Nothing";
 import { want } from "../../store/live";
+import { firstSeen } from "../../store/seen";
 import { now, silent, topics } from "../../store/store";
 import { age, t, utc } from "../../text";
 import { history } from "./history";
 
 /** Values older than this are grey, in s. */
 const STALE = 3;
-
-/** When this page saw a fault first, and what the drive was like then. */
-interface Seen {
-  time: Date;
-  status: Station["status"];
-}
-
-/** By drive and number; forgotten when the fault goes. */
-const seen = new Map<string, Seen>();
-
-function firstSeen(id: string, present: readonly Fault[], status: Station["status"]): Map<number, Seen> {
-  const found = new Map<number, Seen>();
-  const numbers = new Set(present.map(({ number }) => number));
-  for (const key of [...seen.keys()]) {
-    const [of, number] = key.split(" ");
-    if (of === id && !numbers.has(Number(number))) seen.delete(key);
-  }
-  for (const number of numbers) {
-    const key = `${id} ${number}`;
-    const first = seen.get(key) ?? { time: new Date(), status };
-    seen.set(key, first);
-    found.set(number, first);
-  }
-  return found;
-}
 
 /** What a drive was like when a fault was seen first, in words. */
 function moment(status: Station["status"]): string {
@@ -72,9 +48,13 @@ function Named({ id, parameters }: { id: string; parameters: readonly string[] }
   );
 }
 
+/** The address of the Scope at a time. */
+function scopeAt(id: string, time: Date): string {
+  return `${address(id, "scope")}${location.search}#at=${time.getTime()}`;
+}
+
 function Present({ id, report, station }: { id: string; report: FaultsTopic["report"]; station: Station }) {
   const present = report?.faults.filter((fault) => !fault.acknowledged) ?? [];
-  const first = firstSeen(id, present, station.status);
   const warnings = report?.warnings ?? [];
   return (
     <section>
@@ -93,14 +73,17 @@ function Present({ id, report, station }: { id: string; report: FaultsTopic["rep
               <b>F{fault.number}</b> <bdi>{foreign(fault.meaning ?? t("faults.unknown"))}</bdi>
             </p>
             <p class="muted small number">
-              {t("faults.seen", { time: utc(first.get(fault.number)?.time ?? new Date()) })}
-              {moment(first.get(fault.number)?.status ?? null)}
+              {t("faults.seen", { time: utc(firstSeen(id, fault.number).time) })}
+              {moment(firstSeen(id, fault.number).status)}
               {fault.value !== null && ` · ${t("faults.value", { value: fault.value })}`}
               {fault.time !== null && ` · ${t("faults.time", { time: fault.time })}`}
             </p>
             {fault.reaction && <p class="muted">{t("faults.reaction", { text: sentence(fault.reaction) })}</p>}
             {fault.remedy && <p>{t("overview.remedy", { text: sentence(fault.remedy) })}</p>}
             <Named id={id} parameters={fault.parameters} />
+            <p class="small">
+              <a href={scopeAt(id, firstSeen(id, fault.number).time)}>{t("faults.scope")}</a>
+            </p>
             {fault.cleared && <p class="muted">{t("faults.cleared", { text: sentence(fault.cleared) })}</p>}
           </li>
         ))}

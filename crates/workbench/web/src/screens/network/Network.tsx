@@ -13,7 +13,8 @@ import { age, t } from "../../text";
 import { right } from "../compare/state";
 import { AddressDialog, Blink } from "./AddressDialog";
 import { said, shown } from "./address";
-import { backUp, choose, chosen, isReadable, saved, saving } from "./selection";
+import { Identities } from "./Identities";
+import { backUp, choose, chosen, isReadable, readIdentities, saved, saving } from "./selection";
 
 const dash = "\u2013";
 
@@ -101,6 +102,13 @@ function Chosen({ all }: { all: Station[] }) {
         onClick={() => void backUp(selected)}
       >
         {t("network.backup", { count: selected.length })}
+      </button>
+      <button
+        type="button"
+        disabled={selected.length === 0 || silent.value !== null}
+        onClick={() => void readIdentities(selected)}
+      >
+        {t("network.identity.read", { count: selected.length })}
       </button>
       <button
         type="button"
@@ -253,6 +261,7 @@ export function Network() {
           </tbody>
         </table>
       </section>
+      <Identities />
       {simulation && <FirstMotion all={all} />}
       {searches && <Command verb="scan" station={null} />}
     </section>

@@ -19,10 +19,11 @@ import { Nothing } from "../../parts/Nothing";
 import { findings, otherOwner, ownerName, sign } from "../../parts/Reason";
 import { Shaft } from "../../parts/Shaft";
 import { Spark } from "../../parts/Spark";
-import { aged, events, server, silent, stations } from "../../store/store";
+import { aged, events, server, silent, stations, whenRestarted } from "../../store/store";
 import { age, ageLong, t, utc } from "../../text";
 import { right } from "../compare/state";
 import { conditions } from "./conditions";
+import { Steps } from "./Steps";
 
 /** Values older than this are grey; older than the second are dashes. In s. */
 const STALE = 3;
@@ -56,6 +57,9 @@ function Why({ station }: { station: Station }) {
           <b>{t("overview.next")}</b> <bdi>{sentence(next)}</bdi>
         </p>
       )}
+      <p class="buttons steps">
+        <Steps station={station} />
+      </p>
       {name !== null && <p>{t("overview.watch", { name })}</p>}
       {status && <Acknowledge station={station} present={status.faults} />}
       {station.remarks.includes("no_name") && <p>{t("overview.noname")}</p>}
@@ -203,11 +207,16 @@ function Identity({ station }: { station: Station }) {
 
 /** The rights by which others keep a drive from being changed or controlled (PNU 927 and 928), and the last backup. */
 const extras = signal<ReadonlyMap<string, Extras>>(new Map());
+whenRestarted(() => {
+  extras.value = new Map();
+});
 
 interface Extras {
   rights: { name: string; value: string }[];
   /** The last backup; `null` where there is none. */
   backup: Backups["files"][number] | null;
+  /** How many settings differ from it; `null` where that was not read. */
+  since: number | null;
   /** How many settings differ from those as delivered; `null` where those are not known. */
   changed: number | null;
 }
@@ -231,13 +240,16 @@ async function readExtras({ id, name }: Station): Promise<void> {
     () => [],
   );
   const path = `drives/${encodeURIComponent(id)}/changed`;
-  const changed = await request<Diff>(path, { signal: AbortSignal.timeout(SETTINGS) }).then(
-    (report) => report.differences.length,
-    () => null,
-  );
+  const count = (query: string) =>
+    request<Diff>(path + query, { signal: AbortSignal.timeout(SETTINGS) }).then(
+      (report) => report.differences.length,
+      () => null,
+    );
+  const changed = await count("");
   // the newest is the first
   const backup = files.find((file) => file.drive === name && !file.before) ?? null;
-  extras.value = new Map(extras.value).set(id, { rights, backup, changed });
+  const since = backup === null ? null : await count(`?file=${encodeURIComponent(backup.file)}`);
+  extras.value = new Map(extras.value).set(id, { rights, backup, since, changed });
 }
 
 function Care({ station }: { station: Station }) {
@@ -257,7 +269,11 @@ function Care({ station }: { station: Station }) {
           <dd>
             {backup === null
               ? t("overview.backup.none")
-              : t("overview.backup.age", { age: ageLong(Date.now() / 1000 - backup.time) })}{" "}
+              : t("overview.backup.age", { age: ageLong(Date.now() / 1000 - backup.time) })}
+            {known.since !== null &&
+              `, ${t(`overview.since.${known.since === 0 ? "none" : known.since === 1 ? "one" : "count"}`, {
+                count: known.since,
+              })}`}{" "}
             {backup !== null && (
               <a
                 href={address(station.id, "compare") + location.search}

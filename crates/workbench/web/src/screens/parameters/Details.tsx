@@ -1,5 +1,6 @@
 import { useEffect, useState } from "preact/hooks";
-import { type LogPage, type LogTopic, request, type Station } from "../../api";
+import { type LogPage, type LogTopic, request, type Station, type TelegramLayout } from "../../api";
+import { address } from "../../app/selected";
 import { Command } from "../../parts/Command";
 import { foreign, sentence } from "../../parts/format";
 import { person } from "../../parts/Reason";
@@ -37,6 +38,38 @@ function LastChange({ of }: { of: string }) {
   );
 }
 
+/** Where the parameter stands in the telegram that the drive has selected; nothing where it does not. */
+function Place({ of, station }: { of: string; station: Station }) {
+  const [layout, setLayout] = useState<TelegramLayout | null>(null);
+  useEffect(() => {
+    let current = true;
+    setLayout(null);
+    request<TelegramLayout>(`drives/${encodeURIComponent(station.id)}/layout`).then(
+      (read) => current && setLayout(read),
+      // without it the details are shown all the same
+      () => {},
+    );
+    return () => {
+      current = false;
+    };
+  }, [station.id, station.status?.telegram]);
+  const places = layout?.places.filter(({ parameters }) => parameters.includes(of)) ?? [];
+  return (
+    <>
+      {places.map(({ direction, octet, octets, signal }) => (
+        <p key={`${direction} ${octet}`} class="small">
+          <span class="muted">{t("parameters.place", { number: layout?.telegram ?? "" })}</span>{" "}
+          {t(direction === "setpoint" ? "parameters.place.setpoint" : "parameters.place.actual", {
+            octets: octets === 1 ? octet : `${octet}-${octet + octets - 1}`,
+            signal: signal ?? t("parameters.place.chosen"),
+          })}{" "}
+          <a href={address(station.id, "telegram") + location.search}>{t("nav.telegram")}</a>
+        </p>
+      ))}
+    </>
+  );
+}
+
 /** What is known of a parameter. */
 export function Details({ line, station }: { line: edit.Line; station: Station }) {
   const { of } = line;
@@ -60,6 +93,7 @@ export function Details({ line, station }: { line: edit.Line; station: Station }
         </ul>
       )}
       {word && <p class="small">{word.bits.join(", ")}</p>}
+      <Place of={of.number} station={station} />
       <LastChange of={of.name || of.number} />
       <Command verb="read" station={station} more={[line.key]} />
       {of.source !== "" && <p class="muted small">{of.source}</p>}

@@ -12,6 +12,7 @@ import {
   type Values,
 } from "../../api";
 import { follow, reason } from "../../store/jobs";
+import { whenRestarted } from "../../store/store";
 
 /** One row: a parameter, or one element of it. */
 export interface Line {
@@ -134,6 +135,27 @@ export async function open(id: string): Promise<void> {
   } catch (error) {
     if (drive.value === id) failure.value = reason(error);
   }
+}
+
+/** Forgets the drive that was open. */
+function forget(): void {
+  drive.value = "";
+  lines.value = null;
+  values.value = new Map();
+  written.value = new Map();
+  changed.value = null;
+  discard();
+  applied.value = null;
+}
+whenRestarted(forget);
+
+/** Types a value into the row of a parameter, as `NAME=VALUE`. It is a plan then, which is reviewed as any other one. */
+export function set(text: string): void {
+  const [name = "", value = ""] = text.split("=");
+  const row = lines.value?.find(({ of, element }) => {
+    return (element ?? 0) === 0 && [of.number, of.name, ...of.common_names].includes(name);
+  });
+  if (row !== undefined && value !== "") edit(row.key, value);
 }
 
 /** The number with which a drive says that it does not have a parameter. */

@@ -7,7 +7,7 @@ import { groupOf, groups } from "../../parts/group";
 import { Icon } from "../../parts/Icon";
 import { Nothing } from "../../parts/Nothing";
 import { otherOwner } from "../../parts/Reason";
-import { now, server, silent } from "../../store/store";
+import { now, restarts, server, silent } from "../../store/store";
 import { t } from "../../text";
 import { Details } from "./Details";
 import * as edit from "./edit";
@@ -262,10 +262,17 @@ export function Parameters() {
   const { path } = useLocation();
   const id = selectedId(path);
   const station = selected(path);
+  // what a link to this screen wants to be typed
+  const wanted = useRef(new URLSearchParams(location.hash.slice(1)).get("set"));
   useEffect(() => {
-    if (id !== null) void edit.open(id);
+    if (id !== null && station !== undefined) {
+      void edit.open(id).then(() => {
+        if (wanted.current !== null && server.value?.role === "control") edit.set(wanted.current);
+        wanted.current = null;
+      });
+    }
     group.value = null;
-  }, [id]);
+  }, [id, station === undefined, restarts.value]);
   useEffect(() => openFavourites(station?.type ?? ""), [station?.type]);
   useEffect(() => {
     // a link to this screen has what is looked for

@@ -183,6 +183,12 @@ export function Scope() {
   useEffect(() => {
     if (id === null || !there) return;
     scope.enter(id);
+    const at = Number(new URLSearchParams(location.hash.slice(1)).get("at") ?? "");
+    if (at > 0) {
+      scope.seek(at);
+      // once: who comes back to this screen wants what runs
+      history.replaceState(history.state, "", location.pathname + location.search);
+    }
     return scope.leave;
   }, [id, there]);
   useScopeKeys();
@@ -210,7 +216,12 @@ export function Scope() {
       <Tools name={name} />
       {said !== null && (
         <p role="status" class={said.failed ? "fault" : "muted"}>
-          <bdi>{foreign(said.text, 600)}</bdi>
+          <bdi>{foreign(said.text, 600)}</bdi>{" "}
+          {said.unrecorded && (
+            <button type="button" onClick={() => scope.recordFault()}>
+              {t("scope.at.next")}
+            </button>
+          )}
         </p>
       )}
       <div class="picture">

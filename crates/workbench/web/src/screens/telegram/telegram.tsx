@@ -173,6 +173,59 @@ function Direction({ half, telegram, station }: { half: Half; telegram: number |
   );
 }
 
+/** The octets of the parameter channel: what they are called, and how many there are. */
+const PKW = [
+  ["PKE", 2],
+  ["IND", 2],
+  ["PWE", 4],
+] as const;
+
+/** The parameter channel of a telegram that has one: what is requested, and what the drive answers. */
+function Channel({ halves }: { halves: readonly Half[] }) {
+  const rows = halves.flatMap((half) => {
+    const node = leaves(half.tree).find((leaf) => leaf.node.name === "PKW")?.node;
+    return node === undefined ? [] : [{ half, node, own: octets(half.octets).slice(node.start, node.end) }];
+  });
+  if (rows.length === 0) return null;
+  return (
+    <section class="channel">
+      <h2>{t("telegram.pkw")}</h2>
+      <table class="fields">
+        <caption class="unseen">{t("telegram.pkw")}</caption>
+        <thead>
+          <tr>
+            <th scope="col">{t("telegram.pkw.direction")}</th>
+            {PKW.map(([name]) => (
+              <th key={name} scope="col">
+                {name}
+              </th>
+            ))}
+            <th scope="col">{t("telegram.value")}</th>
+          </tr>
+        </thead>
+        <tbody>
+          {rows.map(({ half, node, own }) => (
+            <tr key={half.direction} data-pkw={half.direction}>
+              <th scope="row">{t(half.direction === "output" ? "telegram.pkw.request" : "telegram.pkw.reply")}</th>
+              {PKW.map(([name, length], place) => {
+                const from = PKW.slice(0, place).reduce((sum, [, before]) => sum + before, 0);
+                return (
+                  <td key={name} class="number">
+                    {own.slice(from, from + length).join(" ")}
+                  </td>
+                );
+              })}
+              <td class={node.weight === "error" ? "fault" : node.weight === "warning" ? "warn" : ""}>
+                <bdi>{foreign(node.value, 300)}</bdi>
+              </td>
+            </tr>
+          ))}
+        </tbody>
+      </table>
+    </section>
+  );
+}
+
 function Of({ station }: { station: Station }) {
   const { id } = station;
   useEffect(() => want(`drive/${id}/telegram`, 10), [id]);
@@ -194,6 +247,7 @@ function Of({ station }: { station: Station }) {
       {topic?.halves.map((half) => (
         <Direction key={half.direction} half={half} telegram={topic.telegram} station={station} />
       ))}
+      {topic && <Channel halves={topic.halves} />}
       <ReadRecord key={id} id={id} />
     </article>
   );

@@ -1,12 +1,23 @@
 import { signal } from "@preact/signals";
 import { useEffect, useRef, useState } from "preact/hooks";
-import { ask, type PlantCheck, type Possible, post, request, type Shaft as ShaftState, type Station } from "../../api";
+import {
+  ask,
+  type PlantCheck,
+  type PlantStarted,
+  type Possible,
+  post,
+  Refused,
+  type Plant as Running,
+  request,
+  type Shaft as ShaftState,
+  type Station,
+} from "../../api";
 import { downloadText } from "../../parts/download";
-import { foreign, product, sentence } from "../../parts/format";
+import { digits, foreign, product, sentence } from "../../parts/format";
 import { ownerName, State } from "../../parts/Reason";
 import { Shaft } from "../../parts/Shaft";
 import { reason } from "../../store/jobs";
-import { paused, server, shafts, silent, stations } from "../../store/store";
+import { paused, restarts, server, shafts, silent, stations, whenRestarted } from "../../store/store";
 import { t } from "../../text";
 
 /** The drive that something is to happen to, and what became of the last wish. */
@@ -55,11 +66,20 @@ let timer = 0;
 /** The line of a plant file with its seed. */
 const SEED = /^seed *= *(\d+).*$/m;
 
+/** Which plant the file is of: how many were started before it. */
+let fileOf: number | null = null;
+/** Whether another plant was started since the file was read. */
+const replaced = signal(false);
+
 async function readPlant(): Promise<void> {
   try {
+    // first: a plant that is started meanwhile is another one than that of the number
+    const { restarts } = await request<Running>("plant/drives");
     // without what was injected: that would come again at its time after a restart
-    plant.value = await (await ask(`plant/scenario?since=${Number.MAX_SAFE_INTEGER}`)).text();
+    plant.value = await (await ask("plant/scenario?without_events=true")).text();
+    fileOf = restarts;
     edited.value = false;
+    replaced.value = false;
     wrong.value = null;
   } catch (error) {
     restarted.value = { text: reason(error), failed: true };
@@ -82,17 +102,30 @@ function edit(text: string): void {
   }, PAUSE);
 }
 
-async function restart(): Promise<void> {
+/** Starts the plant with the file, in the place of the one that it is of, or of whichever runs. */
+async function restart(whichever: boolean): Promise<void> {
   const text = plant.value;
-  restarted.value = await post<PlantCheck>("plant/restart", { text }).then(
-    () => {
+  restarted.value = await post<PlantStarted>("plant/restart", { text, restarts: whichever ? null : fileOf }).then(
+    ({ restarts }) => {
+      fileOf = restarts;
       edited.value = plant.value !== text;
+      replaced.value = false;
       return { text: t("virtual.restarted"), failed: false };
     },
-    (error: unknown) => ({ text: reason(error), failed: true }),
+    (error: unknown) => {
+      if (error instanceof Refused && error.kind === "changed") replaced.value = true;
+      return { text: reason(error), failed: true };
+    },
   );
-  recording.value = null;
 }
+
+// what was recorded and said is of the plant before; a file without edits is read again where the section is open
+whenRestarted(() => {
+  recording.value = null;
+  answer.value = null;
+  if (restarts.value !== fileOf) restarted.value = null;
+  if (plant.value !== "" && !edited.value && restarts.value !== fileOf) void readPlant();
+});
 
 /** Lets the time of the plant stand still, or go on. */
 function Clock({ may }: { may: boolean }) {
@@ -166,9 +199,14 @@ function Plant() {
               onBlur={() => setTyped(null)}
             />
           </label>
-          <button type="button" disabled={!may || !open || wrong.value !== null} onClick={() => void restart()}>
+          <button type="button" disabled={!may || !open || wrong.value !== null} onClick={() => void restart(false)}>
             {t("virtual.restart")}
           </button>
+          {replaced.value && (
+            <button type="button" disabled={!may || wrong.value !== null} onClick={() => void restart(true)}>
+              {t("virtual.restart.whichever")}
+            </button>
+          )}
           <button
             type="button"
             disabled={!open}
@@ -209,7 +247,39 @@ async function inject(drive: string, event: string, seconds: number | null): Pro
   );
 }
 
-function Row({ shaft, station, chosen }: { shaft: ShaftState; station: Station | undefined; chosen: boolean }) {
+/** Returns whether something limits the way of a shaft. */
+function hasEnds({ stops, switches }: ShaftState): boolean {
+  return [stops.negative, stops.positive, switches.negative, switches.positive].some((place) => place !== null);
+}
+
+/** The hard stops and limit switches of a shaft; a dash where it turns without end. */
+function ends({ stops, switches }: ShaftState): string {
+  const of = (key: "virtual.ends.stop" | "virtual.ends.switch", place: number | null) =>
+    place === null ? [] : [t(key, { place: place.toFixed(2) })];
+  const all = [
+    ...of("virtual.ends.stop", stops.negative),
+    ...of("virtual.ends.switch", switches.negative),
+    ...of("virtual.ends.switch", switches.positive),
+    ...of("virtual.ends.stop", stops.positive),
+  ];
+  return all.join(", ") || "\u2013";
+}
+
+/** The temperature that a drive reports: of its motor, else of its power stage. */
+function temperature(station: Station | undefined): string {
+  const degrees = station?.status?.motor_temperature ?? station?.status?.temperature;
+  return degrees ? digits(degrees) : "\u2013";
+}
+
+interface Shown {
+  shaft: ShaftState;
+  station: Station | undefined;
+  chosen: boolean;
+  /** Whether the table has a column for the ends of the way. */
+  withEnds: boolean;
+}
+
+function Row({ shaft, station, chosen, withEnds }: Shown) {
   const dash = "\u2013";
   const live = silent.value === null;
   const present = station?.status?.faults ?? [];
@@ -223,6 +293,9 @@ function Row({ shaft, station, chosen }: { shaft: ShaftState; station: Station |
       </td>
       <td class="number">{live ? shaft.position.toFixed(3) : dash}</td>
       <td class="number">{live ? shaft.speed.toFixed(1) : dash}</td>
+      <td class="number">{live ? shaft.load.toFixed(2) : dash}</td>
+      <td class="number">{live ? temperature(station) : dash}</td>
+      {withEnds && <td class="number">{live ? ends(shaft) : dash}</td>}
       <td>
         <bdi>{station ? product(station) : dash}</bdi>
       </td>
@@ -408,6 +481,7 @@ export function Virtual() {
   const all = [...shafts.value.values()];
   const known = new Map((stations.value ?? []).map((station) => [station.id, station]));
   const one = shafts.value.get(selection.value) ?? all[0];
+  const withEnds = all.some(hasEnds);
   return (
     <article class="virtual">
       <h1>{t("virtual.title")}</h1>
@@ -421,6 +495,9 @@ export function Virtual() {
               <th scope="col">{t("network.shaft")}</th>
               <th scope="col">{t("virtual.position")}</th>
               <th scope="col">{t("virtual.speed")}</th>
+              <th scope="col">{t("virtual.torque")}</th>
+              <th scope="col">{t("virtual.temperature")}</th>
+              {withEnds && <th scope="col">{t("virtual.ends")}</th>}
               <th scope="col">{t("network.product")}</th>
               <th scope="col">{t("network.state")}</th>
               <th scope="col">{t("network.owner")}</th>
@@ -431,7 +508,13 @@ export function Virtual() {
           </thead>
           <tbody>
             {all.map((shaft) => (
-              <Row key={shaft.id} shaft={shaft} station={known.get(shaft.id)} chosen={shaft.id === one?.id} />
+              <Row
+                key={shaft.id}
+                shaft={shaft}
+                station={known.get(shaft.id)}
+                chosen={shaft.id === one?.id}
+                withEnds={withEnds}
+              />
             ))}
           </tbody>
         </table>
