@@ -22,7 +22,10 @@ T = TypeVar("T")
 
 
 def run(work: Coroutine[Any, Any, T]) -> T:
-    return asyncio.run(work, debug=True)
+    async def limited() -> T:
+        return await asyncio.wait_for(work, 60)
+
+    return asyncio.run(limited(), debug=True)
 
 
 @pytest.fixture
@@ -165,9 +168,10 @@ def test_a_cancelled_write_says_what_became_of_it(world: World) -> None:
             with pytest.raises(asyncio.CancelledError) as cancelled:
                 await writing
             notes.append(getattr(cancelled.value, "__notes__", []))
-        # what was sent goes on
-        while (await drive.read("DRV.DEC")).value == 3000:
-            await asyncio.sleep(0)
+        # what was sent goes on; what a busy computer had not begun is never written
+        if notes[0] and "not written" not in notes[0][0]:
+            while (await drive.read("DRV.DEC")).value == 3000:
+                await asyncio.sleep(0)
         assert notes[1] == []
         return notes[0]
 
@@ -175,7 +179,7 @@ def test_a_cancelled_write_says_what_became_of_it(world: World) -> None:
     if sys.version_info >= (3, 11):
         [note] = notes
         assert note.startswith("akd-1: DRV.ACC, DRV.DEC: ")
-        assert note.split(": ")[2] in ("in doubt", "written")
+        assert note.split(": ")[2] in ("in doubt", "written", "not written")
 
 
 def test_a_cancelled_write_that_was_refused_is_not_written(world: World) -> None:
