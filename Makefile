@@ -15,9 +15,10 @@ THREADS ?= $(shell echo $$(( $$(nproc) + 1 )))
 PROPTEST_RNG_SEED ?= 1
 export PROPTEST_RNG_SEED
 
-# a machine that builds once gains nothing by what makes the second build quick, and has no room for it
+# a machine that builds once gains nothing by what makes the second build quick or serves a debugger, and has no room for it
 ifdef CI
 export CARGO_INCREMENTAL := 0
+export CARGO_PROFILE_DEV_DEBUG := none
 endif
 
 # what has, or passes on, the feature raw-ethernet: must build without it too
