@@ -172,9 +172,16 @@ class Network:
         """
         self._network.stop_all(quick)
 
-    async def close(self) -> None:
-        """Brings every axis under control to rest, releases it, and closes the network."""
-        await waiting.lasting(self._network.close)
+    async def close(self, *, timeout: Duration = 660.0) -> None:
+        """Brings every axis under control to rest, releases it, and closes the network.
+
+        Args:
+            timeout: how long that is waited for. A ramp of 600 s is the longest one that an axis is given.
+
+        Raises:
+            NotReached: when an axis is not at rest by then; it goes on stopping.
+        """
+        await waiting.lasting(self._network.close, span(timeout))
 
     async def __aenter__(self) -> Network:
         return self

@@ -40,7 +40,8 @@ _ENDED = (
     "the process, such as too little memory"
 )
 
-Measure = Callable[[Trace], Mapping[str, float]]
+Measure = Mapping[str, str] | Callable[[Trace], Mapping[str, float]]
+"""What is measured: texts such as `max speed of press-1` by name, or a function that makes numbers of a trace."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -284,10 +285,10 @@ def _build() -> tuple[str, str]:
     return _profidrive.build_info()[0], digest.hexdigest()[:16]
 
 
-def _identity(measure: Measure | None) -> object:
+def _identity(measure: Callable[..., object] | tuple[tuple[str, str], ...] | None) -> object:
     """What a function is and does, but for what it calls."""
-    if measure is None:
-        return None
+    if measure is None or isinstance(measure, tuple):
+        return measure
     code = getattr(measure, "__code__", None)
     return [measure.__module__, getattr(measure, "__qualname__", ""), None if code is None else _content(code)]
 
@@ -307,7 +308,7 @@ class _Job:
     text: str
     until: float | str | None
     vary: tuple[tuple[str, str, list[str], int | None], ...]
-    measure: Measure | None
+    measure: Callable[[Trace], Mapping[str, float]] | tuple[tuple[str, str], ...] | None
     build: tuple[str, str]
 
     def campaign(self) -> _profidrive.Campaign:
@@ -316,7 +317,8 @@ class _Job:
         if own != self.build:
             found, wanted = (f"{version} (library {digest})" for version, digest in (own, self.build))
             raise UsageError(f"a worker has profidrive {found}, the program has {wanted}: install the same on all of them")
-        return _profidrive.Campaign(_profidrive.Plant.from_toml(self.text), self.until, list(self.vary))
+        texts = list(self.measure) if isinstance(self.measure, tuple) else []
+        return _profidrive.Campaign(_profidrive.Plant.from_toml(self.text), self.until, list(self.vary), texts)
 
     def key(self) -> str:
         """What decides over its rows."""
@@ -326,12 +328,14 @@ class _Job:
 
 def _run(job: _Job, seeds: Sequence[int]) -> bytes:
     """Carries out a chunk, and returns its runs as an Arrow IPC stream. It depends on its arguments alone."""
-    campaign = job.campaign()
-    measured: list[tuple[int, list[tuple[str, float]]]] = []
-    for seed in seeds:
-        numbers = {} if job.measure is None else job.measure(Plant(campaign.plant(seed)).run(job.until))
-        measured.append((seed, [(name, float(number)) for name, number in numbers.items()]))
-    return campaign.run(measured).to_ipc()
+    measure = job.measure
+    if measure is None or isinstance(measure, tuple):
+        return job.campaign().run(list(seeds)).to_ipc()
+
+    def numbers(trace: _profidrive.Trace) -> list[tuple[str, float]]:
+        return [(name, float(number)) for name, number in measure(Trace(trace)).items()]
+
+    return job.campaign().run(list(seeds), numbers).to_ipc()
 
 
 def _shrink(job: _Job, seed: int, expectation: str, budget: float | str) -> tuple[str, str, int, bool]:
@@ -408,7 +412,8 @@ def _jobs(
     crossed = [[(path, "choice", values, place) for place in range(len(values))] for path, values in lists.items()]
     build = _build()
     text, end = plant.to_toml(), optional_span(until)
-    return [_Job(text, end, (*point, *drawn), measure, build) for point in product(*crossed)]
+    wanted = tuple(measure.items()) if isinstance(measure, Mapping) else measure
+    return [_Job(text, end, (*point, *drawn), wanted, build) for point in product(*crossed)]
 
 
 def _listed(path: str, values: object) -> Sequence[object]:
@@ -442,8 +447,11 @@ def sweep(
         vary: values by their paths: a list, all of whose values are combined with those of the other lists, or a distribution.
         until: how long each run lasts; the `duration` of the plant where it is None. An expectation that is not decided by then
             did not come true (`not_ended`).
-        measure: a function of a module that makes numbers of a trace. With `out` rows of an earlier call are used again where its
-            own text is the same, whatever the functions that it calls do.
+        measure: numbers that are made of each run, a column each. A mapping has them by name: `{"peak": "max speed of press-1 in
+            2s..5s", "trip": 'time of { drive = "press-1", fault = 702 }'}`, with `min`, `max`, `mean` or `last` of a quantity of
+            expectations, or the time at which conditions hold first; null where there is none. Or a function of a module makes them
+            of a trace. With `out` rows of an earlier call are used again where the text of that function is the same, whatever the
+            functions that it calls do.
         executor: any executor of `concurrent.futures`; a pool of processes of this computer where it is None.
         chunk: runs of one task; `"auto"` makes tasks of some 2 s.
         in_flight: tasks that wait in the executor.

@@ -11,6 +11,7 @@ import subprocess
 import sys
 from collections.abc import Sequence
 from functools import cache
+from threading import Timer
 from types import TracebackType
 
 from profidrive.errors import UnsupportedError
@@ -19,6 +20,9 @@ CLIENT = "ctl0"
 """The interface for a client."""
 DRIVES = "dev0"
 """The interface for virtual drives."""
+
+_LIMIT = 20.0
+"""Seconds that each step of its begin and its end may take."""
 
 _SET_UP = """set -e
 for where in all default; do
@@ -39,7 +43,7 @@ def _ways() -> tuple[list[str], list[str]]:
     for user, enters in ((["--user", "--map-root-user"], ["--user", "--preserve-credentials"]), ([], [])):
         unshare = ["unshare", *user, "--net"]
         try:
-            tried = subprocess.run([*unshare, "true"], capture_output=True, check=False)
+            tried = subprocess.run([*unshare, "true"], capture_output=True, check=False, timeout=_LIMIT)
         except FileNotFoundError as error:
             raise UnsupportedError("a laboratory needs the programs unshare, nsenter and ip (util-linux, iproute2)") from error
         if tried.returncode == 0:
@@ -59,7 +63,13 @@ class Lab:
         script = f"{_SET_UP}echo ready\nexec cat"
         self._first = subprocess.Popen([*unshare, "sh", "-c", script], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
         assert self._first.stdout is not None
-        if self._first.stdout.readline() != "ready\n":
+        # its end ends the wait for its line
+        limit = Timer(_LIMIT, self._first.kill)
+        limit.daemon = True
+        limit.start()
+        line = self._first.stdout.readline()
+        limit.cancel()
+        if line != "ready\n":
             self.__exit__(None, None, None)
             raise UnsupportedError("this system permits no pair of network interfaces (veth)")
         return self
@@ -72,7 +82,12 @@ class Lab:
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
         assert self._first is not None
-        self._first.communicate()
+        try:
+            self._first.communicate(timeout=_LIMIT)
+        except subprocess.TimeoutExpired:
+            # a copy of this process (fork) has the other end of its input
+            self._first.kill()
+            self._first.communicate()
 
 
 def main() -> None:

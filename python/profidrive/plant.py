@@ -170,6 +170,18 @@ class Served:
         """
         return Trace(self._running.trace())
 
+    def wait_until(self, drive: str, *, timeout: Duration, **condition: object) -> Event:
+        """Waits until conditions hold of a drive, as `World.run_until` has them, and returns the event that reports it.
+
+        That may be from before the call, where they held already; a sample of now where no event reports it. A condition on a
+        parameter cannot be waited for.
+
+        Raises:
+            ExpectationFailed: when they did not hold in time.
+        """
+        chosen(self.drives, drive, "drive")
+        return event_of(json.loads(self._running.wait_until(goal_text(drive, condition), span(timeout))))
+
     def __getitem__(self, drive: str) -> ServedDrive:
         return ServedDrive(self, chosen(self.drives, drive, "drive"))
 
@@ -177,14 +189,85 @@ class Served:
         return f"<Served {', '.join(self.drives)} on {self._interface}>"
 
 
-class ServedDrive:
+class SimulatedDrive:
+    """What a drive is like now: the simulated state, without a frame on the network."""
+
+    __slots__ = ("name",)
+
+    name: str
+
+    def _look(self) -> dict[str, Any]:
+        raise NotImplementedError
+
+    @property
+    def state(self) -> State:
+        """State of the general state machine."""
+        return State(self._look()["state"])
+
+    @property
+    def stw1(self) -> Stw1:
+        """Control word in force."""
+        return Stw1(self._look()["stw1"])
+
+    @property
+    def zsw1(self) -> Zsw1:
+        """Status word that the drive sends."""
+        return Zsw1(self._look()["zsw1"])
+
+    @property
+    def speed(self) -> float:
+        """True speed of the shaft, rpm."""
+        return float(self._look()["speed"])
+
+    @property
+    def position(self) -> float:
+        """Position that the drive reports, rev."""
+        return float(self._look()["position"])
+
+    @property
+    def current(self) -> float:
+        """Current of the motor, A."""
+        return float(self._look()["current"])
+
+    @property
+    def torque(self) -> float:
+        """Torque of the motor, Nm."""
+        return float(self._look()["torque"])
+
+    @property
+    def moving(self) -> bool:
+        """Whether the axis turns."""
+        return bool(self._look()["moving"])
+
+    @property
+    def connected(self) -> bool | None:
+        """Whether a controller exchanges data with the drive; None before the first one did."""
+        connected: bool | None = self._look()["connected"]
+        return connected
+
+    @property
+    def faults(self) -> tuple[DriveMessage, ...]:
+        """Faults that are present."""
+        return _messages(self._look()["faults"])
+
+    @property
+    def warnings(self) -> tuple[DriveMessage, ...]:
+        """Warnings that are present."""
+        return _messages(self._look()["warnings"])
+
+
+class ServedDrive(SimulatedDrive):
     """A virtual drive on a network interface."""
 
-    __slots__ = ("_served", "name")
+    __slots__ = ("_served",)
 
     def __init__(self, served: Served, name: str) -> None:
         self._served = served
         self.name = name
+
+    def _look(self) -> dict[str, Any]:
+        seen: dict[str, Any] = json.loads(self._served._running.look(self.name))
+        return seen
 
     @property
     def events(self) -> tuple[Event, ...]:
@@ -194,6 +277,9 @@ class ServedDrive:
     def inject(self, action: str, *, for_: Duration | None = None) -> None:
         """Injects an event now: `"sto=on"`, `"cable=pulled"`, `"load=0.8Nm"`; with `for_` for this time."""
         self._served._running.inject(self.name, action, optional_span(for_))
+
+    def __repr__(self) -> str:
+        return f"<ServedDrive {self.name}: {self.state}>"
 
 
 class World:
@@ -269,10 +355,10 @@ class World:
         return f"<World of {', '.join(self.drives)} at {self.now} s>"
 
 
-class VirtualDrive:
-    """The simulated state of a drive, without a frame on the network."""
+class VirtualDrive(SimulatedDrive):
+    """A drive in virtual time."""
 
-    __slots__ = ("_world", "name")
+    __slots__ = ("_world",)
 
     def __init__(self, world: _profidrive.World, name: str) -> None:
         self._world = world
@@ -281,62 +367,6 @@ class VirtualDrive:
     def _look(self) -> dict[str, Any]:
         seen: dict[str, Any] = json.loads(self._world.look(self.name))
         return seen
-
-    @property
-    def state(self) -> State:
-        """State of the general state machine."""
-        return State(self._look()["state"])
-
-    @property
-    def stw1(self) -> Stw1:
-        """Control word in force."""
-        return Stw1(self._look()["stw1"])
-
-    @property
-    def zsw1(self) -> Zsw1:
-        """Status word that the drive sends."""
-        return Zsw1(self._look()["zsw1"])
-
-    @property
-    def speed(self) -> float:
-        """True speed of the shaft, rpm."""
-        return float(self._look()["speed"])
-
-    @property
-    def position(self) -> float:
-        """Position that the drive reports, rev."""
-        return float(self._look()["position"])
-
-    @property
-    def current(self) -> float:
-        """Current of the motor, A."""
-        return float(self._look()["current"])
-
-    @property
-    def torque(self) -> float:
-        """Torque of the motor, Nm."""
-        return float(self._look()["torque"])
-
-    @property
-    def moving(self) -> bool:
-        """Whether the axis turns."""
-        return bool(self._look()["moving"])
-
-    @property
-    def connected(self) -> bool | None:
-        """Whether a controller exchanges data with the drive; None before the first one did."""
-        connected: bool | None = self._look()["connected"]
-        return connected
-
-    @property
-    def faults(self) -> tuple[DriveMessage, ...]:
-        """Faults that are present."""
-        return _messages(self._look()["faults"])
-
-    @property
-    def warnings(self) -> tuple[DriveMessage, ...]:
-        """Warnings that are present."""
-        return _messages(self._look()["warnings"])
 
     def inject(self, action: str, *, for_: Duration | None = None) -> None:
         """Injects an event now: `"sto=on"`, `"cable=pulled"`, `"load=0.8Nm"`; with `for_` for this time."""
@@ -364,4 +394,4 @@ def _messages(found: Sequence[Mapping[str, Any]]) -> tuple[DriveMessage, ...]:
     return tuple(DriveMessage._of(message) for message in found)
 
 
-__all__ = ["Plant", "PlantDrive", "Served", "ServedDrive", "VirtualDrive", "World"]
+__all__ = ["Plant", "PlantDrive", "Served", "ServedDrive", "SimulatedDrive", "VirtualDrive", "World"]

@@ -48,7 +48,7 @@ class Table:
 
     @property
     def metadata(self) -> Mapping[str, str]:
-        """The form of the table, the version of the library and the seed of the run."""
+        """The form of the table and the version of the library; of a run its seed, and a hash of its plant whatever its seed."""
         return dict(self._table.metadata())
 
     def __len__(self) -> int:

@@ -61,6 +61,8 @@ class CycleStats(NamedTuple):
     received: int
     missed: int
     """Lost between them, by their counter."""
+    longest_gap: float
+    """Seconds of the longest time between two of them."""
 
 
 _STATES = {

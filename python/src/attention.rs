@@ -1,5 +1,6 @@
 //! Waiting for the library in a thread of Python, which has its signals meanwhile.
 
+use std::cell::Cell;
 use std::future::{Future, poll_fn};
 use std::pin::pin;
 use std::task::Poll;
@@ -9,7 +10,7 @@ use client::ErrorKind;
 use profidrive::{Caller, StopRequests, Wait as _};
 use pyo3::prelude::*;
 
-use crate::errors::{Failure, of_client};
+use crate::errors::{Failure, closed, of_client};
 use crate::time::seconds;
 
 /// Time of this computer between two looks at the signals of Python.
@@ -71,8 +72,37 @@ pub async fn within<T>(
     .await
 }
 
+thread_local! {
+    /// Whether this thread waits for a call.
+    static WAITS: Cell<bool> = const { Cell::new(false) };
+}
+
+/// A wait of this thread.
+pub struct Waiting(());
+
+impl Waiting {
+    /// Begins one. Fails inside of another one, in the handler of a signal: what that waits for goes on only when the handler has
+    /// returned, and may be what this one would wait for.
+    pub fn begin() -> Result<Self, Failure> {
+        if WAITS.replace(true) {
+            return Err(closed(
+                "a call of this thread waits already: a handler of a signal calls network.stop_all(), which does not wait, or raises \
+                 an exception, which stops the axis of that call",
+            ));
+        }
+        Ok(Self(()))
+    }
+}
+
+impl Drop for Waiting {
+    fn drop(&mut self) {
+        WAITS.set(false);
+    }
+}
+
 /// Waits for a call, detached from Python. A signal requests a stop; the third one ends the wait at once.
 pub fn wait<T>(requests: &[StopRequests], call: impl Future<Output = Result<T, Failure>>) -> PyResult<T> {
+    let _waiting = Waiting::begin()?;
     let mut signals = Signals::new(requests);
     let result = call.wait_unless(LOOK, || {
         signals.look();

@@ -4,6 +4,7 @@ use std::future::poll_fn;
 use std::pin::pin;
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, TryLockError, Weak};
 use std::task::Poll;
+use std::thread::{self, ThreadId};
 use std::time::Duration;
 
 use client::{AxisStatus, Drive, ErrorKind, StopHandle};
@@ -98,8 +99,8 @@ pub struct Axis {
     held: Arc<Mutex<Option<HeldAxis>>>,
     /// The axes that belong together with it: they are kept while it is waited for, and when one fails its calls end.
     beside: OnceLock<Vec<Weak<Mutex<Option<HeldAxis>>>>>,
-    /// Locked while a call is at work with it: others only look.
-    at_work: Mutex<()>,
+    /// The thread whose call is at work with it: others only look.
+    at_work: Mutex<Option<ThreadId>>,
     /// For stops from other threads.
     stop: StopHandle,
     requests: StopRequests,
@@ -132,37 +133,46 @@ impl Axis {
             stop: held.stop_handle(),
             held: Arc::new(Mutex::new(Some(held))),
             beside: OnceLock::new(),
-            at_work: Mutex::new(()),
+            at_work: Mutex::default(),
             requests,
             seen,
         })
     }
 
     /// Returns the axis for a call that is at work with it.
-    fn work(&self) -> Result<(MutexGuard<'_, ()>, MutexGuard<'_, Option<HeldAxis>>), Failure> {
+    fn work(&self) -> Result<(AtWork<'_>, MutexGuard<'_, Option<HeldAxis>>), Failure> {
         self.place.joined.usable()?;
-        let at_work = free(&self.at_work)
-            .ok_or_else(|| closed("another thread moves this axis; only `stop` may be called meanwhile"))?;
+        let at_work = AtWork::begin(&self.at_work)?;
         // a reader holds the lock briefly
         Ok((at_work, locked(&self.held)))
     }
 
-    /// Ends the call of another thread that moves it, by a stop.
+    /// Ends the call of another thread that moves it, by a stop. One of this thread cannot end before the caller, the handler of a
+    /// signal, has returned.
     fn end_other(&self, py: Python<'_>, quick: bool) -> PyResult<()> {
-        while free(&self.at_work).is_none() {
+        self.place.joined.usable()?;
+        loop {
+            let Some(other) = *locked(&self.at_work) else {
+                return Ok(());
+            };
             if quick {
                 self.stop.quick_stop();
             } else {
                 self.stop.stop();
             }
-            py.detach(|| std::thread::sleep(LOOK));
+            if other == thread::current().id() {
+                return Err(closed(
+                    "a call of this thread moves the axis: it is stopped and that call ends, once this handler has returned",
+                )
+                .into());
+            }
+            py.detach(|| thread::sleep(LOOK));
             py.check_signals()?;
         }
-        Ok(())
     }
 
     /// Takes it to give control back. After an interrupt the next one makes that a quick stop.
-    fn taken(&self, is_interrupted: bool) -> Result<(MutexGuard<'_, ()>, HeldAxis), Failure> {
+    fn taken(&self, is_interrupted: bool) -> Result<(AtWork<'_>, HeldAxis), Failure> {
         let (at_work, mut held) = self.work()?;
         let held = held.take().ok_or_else(released)?;
         self.requests.clear();
@@ -243,6 +253,41 @@ impl Axis {
         work: impl AsyncFnOnce(&mut HeldAxis) -> Result<Report, MotionError> + Send,
     ) -> PyResult<String> {
         Ok(document(&self.call(py, what, work)?)?)
+    }
+}
+
+/// A call that is at work with an axis.
+struct AtWork<'a>(&'a Mutex<Option<ThreadId>>);
+
+impl<'a> AtWork<'a> {
+    fn begin(at_work: &'a Mutex<Option<ThreadId>>) -> Result<Self, Failure> {
+        let mut who = locked(at_work);
+        let own = thread::current().id();
+        match *who {
+            Some(other) if other == own => Err(closed("a call of this thread moves the axis already")),
+            Some(_) => Err(closed(
+                "another thread moves this axis; only `stop` may be called meanwhile",
+            )),
+            None => {
+                *who = Some(own);
+                Ok(Self(at_work))
+            }
+        }
+    }
+}
+
+impl Drop for AtWork<'_> {
+    fn drop(&mut self) {
+        *locked(self.0) = None;
+    }
+}
+
+impl Drop for Axis {
+    fn drop(&mut self) {
+        if self.place.joined.usable().is_err() {
+            // a copy of the process must not end what the first one has, and may find locks that no thread of it opens
+            std::mem::forget(Arc::clone(&self.held));
+        }
     }
 }
 
@@ -451,14 +496,22 @@ impl Axis {
     /// Leaves it to the network, which brings it to rest. False where it was released before.
     fn abandon(&self, py: Python<'_>) -> bool {
         py.detach(|| {
-            // no other caller can be at work with it
-            locked(&self.held).take().is_some()
+            if self.place.joined.usable().is_err() {
+                return false;
+            }
+            let Some(mut held) = free(&self.held) else {
+                // a thread whose caller is gone, such as a task of an event loop that was closed
+                self.requests.request();
+                return true;
+            };
+            held.take().is_some()
         })
     }
 
     /// What the last frame reported; JSON. No I/O.
     fn status(&self, py: Python<'_>) -> PyResult<Option<String>> {
         py.detach(|| {
+            self.place.joined.usable()?;
             let status = match free(&self.held) {
                 Some(held) => held.as_ref().and_then(HeldAxis::status),
                 None => None,
@@ -470,12 +523,13 @@ impl Axis {
         })
     }
 
-    /// Frames of the connection: received, missed.
-    fn frames(&self, py: Python<'_>) -> Option<(u64, u64)> {
+    /// Frames of the connection: received, missed, and seconds of the longest time without one.
+    fn frames(&self, py: Python<'_>) -> PyResult<Option<(u64, u64, f64)>> {
         py.detach(|| {
-            let held = free(&self.held)?;
-            let counts = held.as_ref()?.statistics()?;
-            Some((counts.received, counts.missed))
+            self.place.joined.usable()?;
+            let held = free(&self.held);
+            let counts = held.as_ref().and_then(|held| held.as_ref()?.statistics());
+            Ok(counts.map(|counts| (counts.received, counts.missed, seconds(counts.longest_gap))))
         })
     }
 

@@ -1,9 +1,10 @@
 //! Many runs of one plant.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::time::Instant as Clock;
 
-use ::plant::{Bounds, Campaign as Source, CampaignError, Distribution, DistributionError};
+use ::plant::{Bounds, Campaign as Source, CampaignError, Distribution, DistributionError, Trace as Kept};
 use client::ErrorKind;
 use profidrive::Explained as _;
 use profidrive::recording::{MeasuredRun, Runs as Table};
@@ -16,6 +17,7 @@ use crate::errors::{Failure, explained};
 use crate::plant::Plant;
 use crate::table::unwritten;
 use crate::time::{Span, seconds};
+use crate::trace::Trace;
 
 /// A campaign: a run depends on nothing but it and a seed.
 #[pyclass(frozen, module = "profidrive._profidrive")]
@@ -66,11 +68,22 @@ fn failed(error: &CampaignError) -> Failure {
 #[pymethods]
 impl Campaign {
     #[new]
-    fn new(plant: &Plant, until: Option<Span>, vary: Vec<Varied>) -> PyResult<Self> {
+    fn new(
+        plant: &Plant,
+        until: Option<Span>,
+        vary: Vec<Varied>,
+        measures: Vec<(String, String)>,
+    ) -> PyResult<Self> {
         let mut runs = Source::new(plant.source.clone());
         for (path, kind, values, place) in vary {
             let drawn = distribution(&kind, &values, place)?;
             runs = runs.vary(path, drawn);
+        }
+        for (name, text) in measures {
+            let measure = plant.source.plan().measure(&text);
+            let measure =
+                measure.map_err(|error| Failure::usage(format!("measure {name}: {}", error.message)))?;
+            runs = runs.measure(name, measure);
         }
         if let Some(until) = until {
             runs = runs.until(until.read()?);
@@ -78,16 +91,31 @@ impl Campaign {
         Ok(Self { runs })
     }
 
-    /// Runs the plant with each of these seeds, which come with what was measured of their runs.
-    fn run(&self, py: Python<'_>, seeds: Vec<(u64, Vec<(String, f64)>)>) -> PyResult<Runs> {
+    /// Runs the plant with each of these seeds; `measure` is called with the trace of each run and returns more numbers of it.
+    #[pyo3(signature = (seeds, measure=None))]
+    fn run(&self, py: Python<'_>, seeds: Vec<u64>, measure: Option<Bound<'_, PyAny>>) -> PyResult<Runs> {
         let mut runs = Vec::new();
         let mut looked = Clock::now();
-        for (seed, measures) in seeds {
+        let has_measure = measure.is_some();
+        for seed in seeds {
             let begin = Clock::now();
-            let run = py
-                .detach(|| self.runs.run(seed))
+            let (run, measured) = py
+                .detach(|| match has_measure {
+                    false => self.runs.run(seed).map(|run| (run, None)),
+                    true => {
+                        let kept = self.runs.run_kept(seed, Kept::USUAL_LIMIT);
+                        kept.map(|(run, plant, trace)| (run, trace.map(|trace| (plant, trace))))
+                    }
+                })
                 .map_err(|error| failed(&error))?;
             let wall = seconds(begin.elapsed());
+            let measures = match (&measure, measured) {
+                (Some(measure), Some((plant, trace))) => {
+                    let trace = Trace::kept(Arc::new(plant.plan().clone()), trace);
+                    measure.call1((trace,))?.extract()?
+                }
+                _ => Vec::new(),
+            };
             runs.push(MeasuredRun { run, measures, wall });
             if looked.elapsed() >= LOOK {
                 looked = Clock::now();

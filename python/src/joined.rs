@@ -3,19 +3,23 @@
 use std::collections::HashMap;
 use std::future::poll_fn;
 use std::pin::{Pin, pin};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak, mpsc};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
+use std::thread;
 use std::time::{Duration, Instant as Clock};
 
-use client::{Drive, DriveAddress};
+use client::{Drive, DriveAddress, ErrorKind};
 use profidrive::addressing::AddressingError;
 use profidrive::fleet::Selected;
 use profidrive::machine::Machine;
 use profidrive::{Access, Caller, DriveError, Opening, Selector, StopRequests};
 use pyo3::prelude::*;
 
-use crate::attention::{self, LOOK, Signals};
-use crate::errors::{Failure, closed, explained, of_client, of_drive, of_open};
+use crate::attention::{self, LOOK, Signals, Waiting};
+use crate::errors::{Failure, explained, of_client, of_drive, of_open};
 use crate::log::{self, Logger};
+use crate::process::Process;
+use crate::time::seconds;
 use crate::world::Held;
 
 /// The networks that are open.
@@ -30,6 +34,8 @@ pub fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 /// A network that is open, with the drives that were found there.
 pub struct Joined {
     network: Mutex<Option<profidrive::Network>>,
+    /// Whether it was closed: every axis is at rest, or cannot be reached any more.
+    left: Arc<AtomicBool>,
     pub caller: Caller,
     /// For the first answer to each call; `None` for the usual time.
     timeout: Option<Duration>,
@@ -41,7 +47,7 @@ pub struct Joined {
     /// while a call waits.
     pub beside: Mutex<Vec<Task>>,
     /// The process that opened it: a copy of that has no thread that carries it.
-    process: u32,
+    process: Process,
 }
 
 impl Joined {
@@ -56,11 +62,12 @@ impl Joined {
             caller: Caller::clone(&network),
             timeout,
             network: Mutex::new(Some(network)),
+            left: Arc::default(),
             opening,
             machine,
             drives: Mutex::default(),
             beside: Mutex::default(),
-            process: std::process::id(),
+            process: Process::this(),
         });
         let mut open = locked(&OPEN);
         open.retain(|one| one.strong_count() > 0);
@@ -81,12 +88,7 @@ impl Joined {
 
     /// Fails where the network cannot be used any more.
     pub fn usable(&self) -> Result<(), Failure> {
-        if self.process != std::process::id() {
-            return Err(closed(
-                "the network was opened by another process, of which this one is a copy (fork)",
-            ));
-        }
-        Ok(())
+        self.process.check("the network was opened")
     }
 
     /// Returns whether it was not closed yet.
@@ -197,27 +199,33 @@ impl Joined {
     }
 
     /// Leaves the network: every axis is brought to rest and released. Signals make that a quick stop, then end the wait for it,
-    /// and so does the end of the time.
-    pub fn close(&self, limit: Option<Duration>) -> PyResult<()> {
-        close_all(&[self], limit)
+    /// and so does the end of the time; what was begun goes on.
+    pub fn close(&self, limit: Duration) -> PyResult<()> {
+        if close_all(&[self], limit)? {
+            return Ok(());
+        }
+        let text = format!(
+            "the network is not closed after {} s: an axis is not at rest; it goes on stopping",
+            seconds(limit)
+        );
+        Err(Failure::new(ErrorKind::NotReached, text).into())
     }
 }
 
-/// Leaves networks, all at once, as [`Joined::close`] does: none waits for the stops of another one.
-fn close_all(all: &[&Joined], limit: Option<Duration>) -> PyResult<()> {
-    let (done, ended) = mpsc::channel();
-    let mut left = 0;
+/// Leaves networks, all at once, as [`Joined::close`] does: none waits for the stops of another one. False where the time was over
+/// first.
+fn close_all(all: &[&Joined], limit: Duration) -> PyResult<bool> {
+    let _waiting = Waiting::begin()?;
     for joined in all {
         let Some(network) = locked(&joined.network).take() else {
             continue;
         };
         log::info(Logger::Network, || "close".to_owned());
-        left += 1;
-        let done = done.clone();
-        std::thread::spawn(move || {
+        let (left, caller) = (Arc::clone(&joined.left), thread::current());
+        thread::spawn(move || {
             drop(network);
-            // no caller waits any more where the time is over
-            let _ = done.send(());
+            left.store(true, Ordering::Release);
+            caller.unpark();
         });
     }
     let requests = [StopRequests::default()];
@@ -225,10 +233,9 @@ fn close_all(all: &[&Joined], limit: Option<Duration>) -> PyResult<()> {
     let [requests] = &requests;
     let begin = Clock::now();
     let mut hurried = false;
-    while left > 0 {
-        if ended.recv_timeout(LOOK).is_ok() {
-            left -= 1;
-        }
+    let are_left = || all.iter().all(|joined| joined.left.load(Ordering::Acquire));
+    while !are_left() {
+        thread::park_timeout(LOOK);
         signals.look();
         if requests.is_urgent() && !hurried {
             hurried = true;
@@ -236,11 +243,12 @@ fn close_all(all: &[&Joined], limit: Option<Duration>) -> PyResult<()> {
                 joined.caller.stop_all(true);
             }
         }
-        if requests.is_final() || limit.is_some_and(|limit| begin.elapsed() >= limit) {
+        if requests.is_final() || begin.elapsed() >= limit {
             break;
         }
     }
-    signals.raised()
+    signals.raised()?;
+    Ok(are_left())
 }
 
 impl Drop for Joined {
@@ -250,7 +258,7 @@ impl Drop for Joined {
             .get_mut()
             .unwrap_or_else(PoisonError::into_inner)
             .take();
-        if self.process != std::process::id() {
+        if !self.process.is_this() {
             // a copy of the process has no thread that could end it
             std::mem::forget(network);
             return;
@@ -289,10 +297,6 @@ pub fn leave_all(py: Python<'_>, seconds: f64) -> PyResult<()> {
         .map(|joined| &**joined)
         .filter(|joined| joined.usable().is_ok())
         .collect();
-    py.detach(|| {
-        close_all(
-            &usable,
-            Some(Duration::try_from_secs_f64(seconds).unwrap_or_default()),
-        )
-    })
+    let limit = Duration::try_from_secs_f64(seconds).unwrap_or_default();
+    py.detach(|| close_all(&usable, limit)).map(drop)
 }

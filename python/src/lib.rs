@@ -13,6 +13,7 @@ mod joined;
 mod log;
 mod network;
 mod plant;
+mod process;
 mod recording;
 mod served;
 mod table;

@@ -13,12 +13,16 @@ use profidrive::motion;
 use pyo3::prelude::*;
 use pyo3::types::PyModule;
 
+use crate::attention::LOOK;
 use crate::joined::locked;
+use crate::process::Process;
 
 /// Records that wait at most.
 const ROOM: usize = 1024;
 /// How often the levels of the loggers are read.
 const LEVELS: Duration = Duration::from_secs(1);
+/// How long a program that ends waits for its handlers.
+const AT_END: Duration = Duration::from_secs(2);
 
 /// Levels of Python.
 const DEBUG: u8 = 10;
@@ -46,7 +50,7 @@ struct Pump {
     records: SyncSender<Record>,
     thread: JoinHandle<()>,
     /// A copy of the process has none.
-    process: u32,
+    process: Process,
 }
 
 static PUMP: Mutex<Option<Pump>> = Mutex::new(None);
@@ -116,23 +120,24 @@ pub fn call<T, E: Display>(logger: Logger, what: impl Display, done: &Result<T, 
 /// Begins to log where that was not done, and reads the levels.
 pub fn begin(py: Python<'_>) -> PyResult<()> {
     read_levels(py)?;
-    let mut pump = locked(&PUMP);
-    let process = std::process::id();
-    if pump.as_ref().is_some_and(|pump| pump.process == process) {
-        return Ok(());
-    }
-    let (records, queue) = sync_channel(ROOM);
-    let thread = Builder::new()
-        .name("profidrive-log".into())
-        .spawn(move || hand_over(&queue))?;
-    if pump
-        .replace(Pump {
+    let first = {
+        // Python is not called in here: it would let another thread go on, which may wait for this lock
+        let mut pump = locked(&PUMP);
+        if pump.as_ref().is_some_and(|pump| pump.process.is_this()) {
+            return Ok(());
+        }
+        let (records, queue) = sync_channel(ROOM);
+        let thread = Builder::new()
+            .name("profidrive-log".into())
+            .spawn(move || hand_over(&queue))?;
+        let before = pump.replace(Pump {
             records,
             thread,
-            process,
-        })
-        .is_none()
-    {
+            process: Process::this(),
+        });
+        before.is_none()
+    };
+    if first {
         let end = wrap_pyfunction!(end_log, py)?;
         py.import("atexit")?.call_method1("register", (end,))?;
     }
@@ -149,11 +154,14 @@ fn end_log(py: Python<'_>) {
             thread,
             process,
         }) = pump
-            && process == std::process::id()
+            && process.is_this()
         {
             drop(records);
-            // a panic in there has lost its records
-            let _ = thread.join();
+            let begin = Clock::now();
+            // a handler that waits for something must not hold up the end of the program
+            while !thread.is_finished() && begin.elapsed() < AT_END {
+                std::thread::sleep(LOOK / 10);
+            }
         }
     });
 }

@@ -418,12 +418,13 @@ impl Network {
         })
     }
 
-    /// Closes the network.
-    fn close(&self, py: Python<'_>) -> PyResult<()> {
+    /// Closes the network; not waited for any longer than this time.
+    fn close(&self, py: Python<'_>, timeout: Span) -> PyResult<()> {
+        let timeout = timeout.read()?;
         py.detach(|| {
             let place = self.place()?;
             place.goes_on();
-            place.joined.close(None)
+            place.joined.close(timeout)
         })
     }
 }

@@ -141,8 +141,10 @@ impl Recording {
 
 impl Drop for Recording {
     fn drop(&mut self) {
-        // nothing can look at it any more
-        self.stop.stop_once();
+        // nothing can look at it any more; a copy of the process records nothing
+        if self.place.joined.usable().is_ok() {
+            self.stop.stop_once();
+        }
     }
 }
 
@@ -161,6 +163,7 @@ impl Recording {
 
     /// Ends it, and returns when its connections are closed.
     fn stop(&self, py: Python<'_>) -> PyResult<()> {
+        self.place.joined.usable()?;
         self.stop.stop();
         while self.grows() && self.place.joined.is_open() {
             py.detach(|| match self.place.is_plant() {

@@ -2,27 +2,35 @@
 
 use std::collections::VecDeque;
 use std::path::PathBuf;
-use std::sync::{Arc, Mutex, mpsc};
+use std::sync::mpsc::{self, RecvTimeoutError};
+use std::sync::{Arc, Mutex};
 use std::thread::{JoinHandle, spawn};
+use std::time::{Duration, Instant as Clock};
 
 use ::network::system::Stop;
 use ::plant::control_socket::{InjectRequest, target};
 use ::plant::host::{Drives, Event, EventSender, Host, HostConfig, HostError, HostTrace, StatePlace, events};
-use ::plant::{ExpectationResult, PlantPlan};
+use ::plant::{DriveMessage, ExpectationResult, Observed as _, PlantPlan};
 use client::ErrorKind;
 use pyo3::prelude::*;
 
 use crate::attention::LOOK;
-use crate::errors::{Failure, explained};
+use crate::errors::{Failure, closed, explained};
 use crate::joined::locked;
 use crate::log::{self, Logger};
-use crate::time::Span;
-use crate::trace::{Trace, document};
+use crate::process::Process;
+use crate::time::{Span, seconds};
+use crate::trace::{Trace, document, event, inline, lost};
+use crate::world::looks;
 
 /// Events that are kept.
 const KEPT: usize = 100_000;
 /// The most octets of the trace, about. It is copied for each look.
 const TRACE: usize = 64 << 20;
+/// Time between two looks at what is waited for.
+const TICK: Duration = Duration::from_millis(2);
+/// How long drives may take to begin, and to end.
+const LIMIT: Duration = Duration::from_secs(30);
 
 type Ended = Result<Vec<ExpectationResult>, HostError>;
 
@@ -34,9 +42,16 @@ pub struct Served {
     stop: Stop,
     happened: Arc<Mutex<VecDeque<::plant::Event>>>,
     thread: Mutex<Option<JoinHandle<Ended>>>,
+    /// The process that serves: a copy of it has no thread that does, and shares what ends it.
+    process: Process,
 }
 
 impl Served {
+    /// Fails in a copy of the process.
+    fn usable(&self) -> Result<(), Failure> {
+        self.process.check("the plant is served")
+    }
+
     /// Starts the drives of a plant; they are ready when it returns.
     pub fn start(plan: &PlantPlan, interface: String, state: Option<PathBuf>) -> Result<Self, Failure> {
         let stop = Stop::new().map_err(|error| Failure::new(ErrorKind::Local, error.to_string()))?;
@@ -62,10 +77,16 @@ impl Served {
         let (opened, ready) = mpsc::channel();
         // what is not `Send` stays in its thread
         let thread = spawn(move || run(config, sender, &opened));
-        ready
-            .recv()
-            .map_err(|error| Failure::internal(&error))?
-            .map_err(|error| explained(&error))?;
+        match ready.recv_timeout(LIMIT) {
+            Ok(opened) => opened.map_err(|error| explained(&error))?,
+            Err(RecvTimeoutError::Timeout) => {
+                stop.stop();
+                return Err(late("not ready"));
+            }
+            Err(RecvTimeoutError::Disconnected) => {
+                return Err(Failure::internal(&"the drives ended by a panic"));
+            }
+        }
         let happened = Arc::new(Mutex::new(VecDeque::new()));
         let kept = Arc::clone(&happened);
         spawn(move || received.for_each(|event| keep(&kept, &event)));
@@ -75,8 +96,15 @@ impl Served {
             stop,
             happened,
             thread: Mutex::new(Some(thread)),
+            process: Process::this(),
         })
     }
+}
+
+/// Drives that take too long for something.
+fn late(what: &str) -> Failure {
+    let text = format!("the drives are {what} after {} s", seconds(LIMIT));
+    Failure::new(ErrorKind::Local, text)
 }
 
 fn run(config: HostConfig, sender: EventSender, opened: &mpsc::Sender<Result<(), HostError>>) -> Ended {
@@ -113,6 +141,7 @@ fn keep(kept: &Mutex<VecDeque<::plant::Event>>, event: &Event) {
 impl Served {
     /// Lets something happen to a drive now.
     fn inject(&self, py: Python<'_>, drive: &str, action: String, lasts: Option<Span>) -> PyResult<()> {
+        self.usable()?;
         let lasts = lasts.map(|lasts| lasts.read()).transpose()?;
         let done = py.detach(|| {
             let request = InjectRequest::new(drive, &[action], lasts)?;
@@ -124,11 +153,53 @@ impl Served {
 
     /// What has happened, a JSON list; the last 100,000 events.
     fn events(&self, py: Python<'_>) -> PyResult<String> {
+        self.usable()?;
         Ok(py.detach(|| document(&*locked(&self.happened)))?)
+    }
+
+    /// What a drive is like now, as JSON.
+    fn look(&self, py: Python<'_>, drive: &str) -> PyResult<String> {
+        self.usable()?;
+        let drives = &self.plan.drives;
+        let number = drives.iter().position(|one| one.name == drive);
+        let found =
+            number.and_then(|number| Some((py.detach(|| self.trace.state(number))?, drives.get(number)?)));
+        let (snapshot, plan) = found.ok_or_else(|| Failure::internal(&"the drive has no state"))?;
+        let messages = |warnings| -> Vec<DriveMessage> {
+            let numbers = snapshot.messages(warnings).into_iter();
+            let of = |number| DriveMessage::of(number, warnings, plan.model.catalogue);
+            numbers.map(of).collect()
+        };
+        Ok(looks(&snapshot, &messages(false), &messages(true)).to_string())
+    }
+
+    /// Waits until conditions hold of a drive; returns the event that reports it, as JSON.
+    fn wait_until(&self, py: Python<'_>, goal: &str, timeout: Span) -> PyResult<String> {
+        self.usable()?;
+        let text = inline(goal).unwrap_or_else(|| Ok(goal.to_owned()))?;
+        let goal = self.plan.goal(&text).map_err(|error| explained(&error))?;
+        if goal.reads_parameters() {
+            let why = "parameters of drives that are served are read over their network: a condition on one cannot be waited for";
+            return Err(Failure::usage(why).into());
+        }
+        let timeout = timeout.read()?;
+        let pursuit = py.detach(|| self.trace.pursue(&goal, timeout));
+        let pursuit = pursuit.ok_or_else(|| Failure::internal(&"the drives keep no trace"))?;
+        while !py.detach(|| pursuit.is_decided()) {
+            if locked(&self.thread).as_ref().is_none_or(JoinHandle::is_finished) {
+                return Err(closed("the plant is not served any more").into());
+            }
+            py.detach(|| std::thread::sleep(TICK));
+            py.check_signals()?;
+        }
+        let met = py.detach(|| pursuit.end());
+        let met = met.map_err(|error| lost(&error, &error.0))?;
+        Ok(event(&met)?)
     }
 
     /// What has happened until now, and the states of the drives.
     fn trace(&self, py: Python<'_>) -> PyResult<Trace> {
+        self.usable()?;
         let trace = py.detach(|| self.trace.until_now());
         let trace = trace.ok_or_else(|| Failure::internal(&"the drives keep no trace"))?;
         Ok(Trace::kept(Arc::clone(&self.plan), trace))
@@ -136,10 +207,15 @@ impl Served {
 
     /// Ends the drives.
     fn close(&self, py: Python<'_>) -> PyResult<()> {
+        self.usable()?;
         self.stop.stop();
         let thread = locked(&self.thread).take();
         let Some(thread) = thread else { return Ok(()) };
+        let begin = Clock::now();
         while !thread.is_finished() {
+            if begin.elapsed() >= LIMIT {
+                return Err(late("still there").into());
+            }
             py.detach(|| std::thread::sleep(LOOK / 10));
             py.check_signals()?;
         }
@@ -152,6 +228,8 @@ impl Served {
 
 impl Drop for Served {
     fn drop(&mut self) {
-        self.stop.stop();
+        if self.usable().is_ok() {
+            self.stop.stop();
+        }
     }
 }

@@ -11,6 +11,7 @@ use pyo3::prelude::*;
 use serde_json::{Value, json};
 
 use crate::errors::{Failure, explained};
+use crate::process::Process;
 use crate::table::{Table, write};
 use crate::time::{Span, seconds};
 
@@ -22,8 +23,8 @@ pub type Cell = OnceLock<::plant::Trace>;
 pub struct Trace {
     plan: Arc<PlantPlan>,
     cell: Arc<Cell>,
-    /// Where it is cloned from.
-    running: Option<Running>,
+    /// Where it is cloned from, in this process.
+    running: Option<(Running, Process)>,
 }
 
 /// Fills a cell with the trace of a plant as it is now.
@@ -41,7 +42,7 @@ impl Trace {
         Self {
             plan: Arc::clone(running.plan()),
             cell,
-            running: Some(running.clone()),
+            running: Some((running.clone(), Process::this())),
         }
     }
 
@@ -55,7 +56,8 @@ impl Trace {
     }
 
     fn get(&self, py: Python<'_>) -> Result<&::plant::Trace, Failure> {
-        if let (None, Some(running)) = (self.cell.get(), &self.running) {
+        if let (None, Some((running, process))) = (self.cell.get(), &self.running) {
+            process.check("the plant was started")?;
             py.detach(|| fill(&self.cell, running));
         }
         let trace = self.cell.get();
@@ -124,7 +126,7 @@ impl Trace {
     #[pyo3(signature = (drive=None))]
     fn samples(&self, py: Python<'_>, drive: Option<&str>) -> PyResult<Table> {
         let trace = self.get(py)?;
-        let columns = py.detach(|| trace_columns(trace, drive));
+        let columns = py.detach(|| trace_columns(trace, &self.plan, drive));
         Ok(Table::new(columns.map_err(|error| Failure::internal(&error))?))
     }
 
@@ -132,7 +134,7 @@ impl Trace {
     #[pyo3(signature = (path, drive=None))]
     fn write(&self, py: Python<'_>, path: PathBuf, drive: Option<&str>) -> PyResult<()> {
         let trace = self.get(py)?;
-        py.detach(|| write(&trace_table(trace), &trace_rows(trace, drive), &path))?;
+        py.detach(|| write(&trace_table(trace, &self.plan), &trace_rows(trace, drive), &path))?;
         Ok(())
     }
 
@@ -147,7 +149,7 @@ impl Trace {
     ) -> PyResult<String> {
         let trace = self.get(py)?;
         let picture = py.detach(|| {
-            let table = trace_table(trace);
+            let table = trace_table(trace, &self.plan);
             let mut scope = Scope::new(&table);
             for row in trace_rows(trace, drive) {
                 scope.push(&row);

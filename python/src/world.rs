@@ -5,20 +5,22 @@ use std::sync::{Arc, Mutex, Weak};
 use std::time::{Duration, Instant as Clock};
 
 use ::plant::{
-    Event, Goal, NotMet, Observed as _, ObservedQuantity, PlantEvent, PlantPlan, Trace as Kept, WorldError,
+    DriveMessage, Event, Goal, NotMet, Observed as _, ObservedQuantity, PlantEvent, PlantPlan, Snapshot,
+    Trace as Kept, WorldError,
 };
 use network::files::create;
 use network::pcap::Writer;
 use profidrive::machine::Machine;
 use profidrive::{Instant, Running};
 use pyo3::prelude::*;
-use serde_json::json;
+use serde_json::{Value, json};
 
 use crate::attention::LOOK;
 use crate::errors::{Failure, explained, of_world};
 use crate::joined::{Joined, locked};
 use crate::log;
 use crate::network::Network;
+use crate::process::Process;
 use crate::table::unwritten;
 use crate::time::{Span, seconds};
 use crate::trace::{Cell, Trace, event, fill, inline, lost, results};
@@ -38,6 +40,8 @@ pub struct Held {
     joined: Mutex<Option<Arc<Joined>>>,
     /// What its network knows of the machine.
     pub machine: Option<Machine>,
+    /// The process that started it.
+    process: Process,
 }
 
 impl Held {
@@ -49,8 +53,14 @@ impl Held {
         }
     }
 
+    /// Fails in a copy of the process.
+    pub fn usable(&self) -> Result<(), Failure> {
+        self.process.check("the plant was started")
+    }
+
     /// Returns the network of the plant, which joins it first where it has not.
     pub fn joined(&self) -> Result<Arc<Joined>, Failure> {
+        self.usable()?;
         let mut joined = locked(&self.joined);
         if let Some(joined) = &*joined {
             return Ok(Arc::clone(joined));
@@ -111,7 +121,7 @@ impl Held {
                 None => {
                     running.with_world(|world| world.run_until(world.now() + time, &mut record));
                     drop(joined);
-                    looks(&mut looked)
+                    minds_signals(&mut looked)
                 }
             };
             if let Err(raised) = passed {
@@ -130,12 +140,30 @@ fn open(joined: Option<&Arc<Joined>>) -> Option<Arc<Joined>> {
 }
 
 /// Fails with what a signal of Python raised, where it is time to look for one.
-fn looks(looked: &mut Clock) -> PyResult<()> {
+fn minds_signals(looked: &mut Clock) -> PyResult<()> {
     if looked.elapsed() < LOOK {
         return Ok(());
     }
     *looked = Clock::now();
     Python::attach(|py| py.check_signals())
+}
+
+/// What a drive is like, with its faults and warnings.
+pub fn looks(snapshot: &Snapshot, faults: &[DriveMessage], warnings: &[DriveMessage]) -> Value {
+    let number = |quantity| snapshot.quantity(quantity);
+    json!({
+        "state": snapshot.state().number(),
+        "stw1": snapshot.stw1().0,
+        "zsw1": snapshot.zsw1().0,
+        "moving": snapshot.is_moving(),
+        "connected": snapshot.connected(),
+        "speed": number(ObservedQuantity::LoadSpeed),
+        "position": number(ObservedQuantity::Position),
+        "current": number(ObservedQuantity::Current),
+        "torque": number(ObservedQuantity::Torque),
+        "faults": faults,
+        "warnings": warnings,
+    })
 }
 
 /// A plant that runs when a program waits.
@@ -170,11 +198,20 @@ impl World {
             newest: Mutex::default(),
             joined: Mutex::new(None),
             machine,
+            process: Process::this(),
         };
         Ok(Self {
             held: Arc::new(held),
             capture,
         })
+    }
+}
+
+impl World {
+    /// The plant, in the process that started it.
+    fn held(&self) -> Result<&Arc<Held>, Failure> {
+        self.held.usable()?;
+        Ok(&self.held)
     }
 }
 
@@ -186,8 +223,9 @@ fn recorder(path: &Path) -> Result<Writer<std::fs::File>, Failure> {
 #[pymethods]
 impl World {
     #[getter]
-    fn now(&self, py: Python<'_>) -> f64 {
-        py.detach(|| seconds(self.held.passed()))
+    fn now(&self, py: Python<'_>) -> PyResult<f64> {
+        let held = self.held()?;
+        Ok(py.detach(|| seconds(held.passed())))
     }
 
     #[getter]
@@ -204,7 +242,8 @@ impl World {
     /// Runs until a time since the start, or for a time.
     #[pyo3(signature = (until=None, lasts=None))]
     fn run(&self, py: Python<'_>, until: Option<Span>, lasts: Option<Span>) -> PyResult<()> {
-        py.detach(|| self.held.goes_on());
+        let held = self.held()?;
+        py.detach(|| held.goes_on());
         let now = py.detach(|| self.held.passed());
         let end = match (until, lasts) {
             (Some(until), None) => until.read()?,
@@ -240,9 +279,10 @@ impl World {
             .goal(&text)
             .map_err(|error| explained(&error))?;
         let timeout = timeout.read()?;
+        let held = self.held()?;
         let met = py.detach(|| {
-            self.held.goes_on();
-            self.held.run_until_met(&goal, timeout)
+            held.goes_on();
+            held.run_until_met(&goal, timeout)
         })?;
         let met = met.map_err(|error| lost(&error, &error.0))?;
         Ok(event(&met)?)
@@ -252,9 +292,9 @@ impl World {
     fn inject(&self, py: Python<'_>, drive: &str, action: &str, lasts: Option<Span>) -> PyResult<()> {
         let action: PlantEvent = action.parse().map_err(|error| explained(&error))?;
         let lasts = lasts.map(|lasts| lasts.read()).transpose()?;
+        let held = self.held()?;
         let done = py.detach(|| {
-            self.held
-                .running
+            held.running
                 .with_world(|world| world.inject(drive, action, lasts))
         });
         Ok(done.map_err(|error| of_world(&error))?)
@@ -262,42 +302,28 @@ impl World {
 
     /// What a drive is like now, as JSON.
     fn look(&self, py: Python<'_>, drive: &str) -> PyResult<String> {
+        let held = self.held()?;
         let seen = py.detach(|| {
-            self.held.running.with_world(|world| {
+            held.running.with_world(|world| {
                 let snapshot = world.snapshot(drive)?;
-                let number = |quantity| snapshot.quantity(quantity);
-                Ok::<_, WorldError>(json!({
-                    "state": snapshot.state().number(),
-                    "stw1": snapshot.stw1().0,
-                    "zsw1": snapshot.zsw1().0,
-                    "moving": snapshot.is_moving(),
-                    "connected": snapshot.connected(),
-                    "speed": number(ObservedQuantity::LoadSpeed),
-                    "position": number(ObservedQuantity::Position),
-                    "current": number(ObservedQuantity::Current),
-                    "torque": number(ObservedQuantity::Torque),
-                    "faults": world.messages(drive, false)?,
-                    "warnings": world.messages(drive, true)?,
-                }))
+                let messages = |warnings| world.messages(drive, warnings);
+                Ok::<_, WorldError>(looks(&snapshot, &messages(false)?, &messages(true)?))
             })
         });
         Ok(seen.map_err(|error| of_world(&error))?.to_string())
     }
 
     fn read(&self, py: Python<'_>, drive: &str, parameter: &str) -> PyResult<String> {
-        let reading = py.detach(|| {
-            self.held
-                .running
-                .with_world(|world| world.parameter(drive, parameter))
-        });
+        let held = self.held()?;
+        let reading = py.detach(|| held.running.with_world(|world| world.parameter(drive, parameter)));
         let reading = reading.map_err(|error| of_world(&error))?;
         Ok(serde_json::to_string(&reading).map_err(|error| Failure::internal(&error))?)
     }
 
     fn write(&self, py: Python<'_>, drive: &str, parameter: &str, value: &str) -> PyResult<String> {
+        let held = self.held()?;
         let written = py.detach(|| {
-            self.held
-                .running
+            held.running
                 .with_world(|world| world.set_parameter(drive, parameter, value))
         });
         let written = written.map_err(|error| of_world(&error))?;
@@ -305,12 +331,12 @@ impl World {
     }
 
     /// What has happened until now.
-    fn trace(&self) -> Trace {
-        let mut newest = locked(&self.held.newest);
+    fn trace(&self) -> PyResult<Trace> {
+        let mut newest = locked(&self.held()?.newest);
         let cell = newest.upgrade().filter(|cell| cell.get().is_none());
         let cell = cell.unwrap_or_default();
         *newest = Arc::downgrade(&cell);
-        Trace::of(&self.held.running, cell)
+        Ok(Trace::of(&self.held.running, cell))
     }
 
     /// The network of the plant.
@@ -320,13 +346,15 @@ impl World {
 
     /// Ends the checks of the expectations of the plant file; returns each result as JSON with its text.
     fn finish_expectations(&self, py: Python<'_>) -> PyResult<Vec<(String, String)>> {
-        let found = py.detach(|| self.held.running.with_world(|world| world.finish_expectations()));
+        let held = self.held()?;
+        let found = py.detach(|| held.running.with_world(|world| world.finish_expectations()));
         Ok(results(&found)?)
     }
 
     /// Completes the file with the frames.
     fn finish_capture(&self, py: Python<'_>) -> PyResult<()> {
-        let done = py.detach(|| self.held.running.with_world(|world| world.finish_taps()));
+        let held = self.held()?;
+        let done = py.detach(|| held.running.with_world(|world| world.finish_taps()));
         let path = self.capture.clone().unwrap_or_default();
         Ok(done.map_err(|error| unwritten(&path, &error))?)
     }

@@ -32,7 +32,7 @@ from profidrive.errors import (
 )
 from profidrive.events import ParameterWritten, Released, StateChanged
 
-from .conftest import output_when_interrupted
+from .conftest import output_when_interrupted, until
 
 TraceFunction: TypeAlias = "Callable[[FrameType, str, Any], TraceFunction | None]"
 
@@ -67,6 +67,7 @@ def test_motions_follow_each_other(world: World, akd: Drive) -> None:
         stats = axis.stats
         assert stats is not None
         assert (stats.received > 10, stats.missed) == (True, 0)
+        assert 0 < stats.longest_gap < 0.1
         axis.stop()
         assert_at_rest(world)
         axis.run("200rpm")
@@ -284,7 +285,7 @@ def test_a_stop_from_another_thread_ends_the_motion(world: World, akd: Drive) ->
     for stop in (network.stop_all, lambda: network.stop_all(quick=True), akd.stop):
         with akd.control(max_speed="600rpm") as axis:
             axis.run("600rpm")
-            other = threading.Thread(target=stop)
+            other = threading.Thread(target=stop, daemon=True)
             other.start()
             other.join(30)
             assert not other.is_alive()
@@ -304,10 +305,9 @@ def test_an_axis_is_moved_by_one_thread_at_a_time(world: World, akd: Drive) -> N
             except ProfidriveError as error:
                 outcomes.append(type(error))
 
-        mover = threading.Thread(target=move)
+        mover = threading.Thread(target=move, daemon=True)
         mover.start()
-        while axis.state != State.S4:
-            pass
+        until(lambda: axis.state == State.S4, "operation")
         with pytest.raises(MisuseError, match="another thread"):
             axis.run("300rpm")
         axis.stop()
@@ -430,7 +430,7 @@ try:
             while (axis.speed or 0) < 590:
                 pass
             print("runs", flush=True)
-        threading.Thread(target=watch).start()
+        threading.Thread(target=watch, daemon=True).start()
         try:
             axis.run("600rpm", for_=30_000_000)
         except KeyboardInterrupt:

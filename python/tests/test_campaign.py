@@ -89,6 +89,59 @@ def test_rows_do_not_depend_on_the_executor_or_the_size_of_chunks(plant: Plant, 
     assert len(columns["highest"]) == 24
 
 
+def test_what_is_measured_has_a_name_and_a_text_or_a_function_and_each_plant_runs_once(plant: Plant, tmp_path: Path) -> None:
+    texts = {
+        "peak": "max load.speed of press-1",
+        "early": "last speed of press-1 in ..1s",
+        "lost": 'time of { drive = "feeder-1", connected = false }',
+        "never": 'time of { drive = "press-1", warning = 107 }',
+    }
+    traces: list[Trace] = []
+
+    def function(trace: Trace) -> dict[str, float]:
+        traces.append(trace)
+        return {"peak": float(trace.of("press-1").samples["load_speed"].max())}
+
+    with ThreadPoolExecutor(1) as threads:
+        named = sweep(plant, seeds=range(3), until="5s", measure=texts, executor=threads, chunk=2)
+        made = sweep(plant, seeds=range(3), until="5s", measure=function, executor=threads, chunk=2)
+        with pytest.raises(UsageError, match="measure peak.*there are: .*press-1"):
+            sweep(plant, seeds=[1], until="1s", measure={"peak": "max speed of press-9"}, executor=threads)
+        # another measure is another campaign
+        for peak in ("max speed of press-1", "min speed of press-1"):
+            sweep(plant, seeds=[1], until="1s", measure={"peak": peak}, executor=threads, out=tmp_path)
+    assert len(list(tmp_path.glob("*.parquet"))) == 2
+    assert [row.measures["peak"] for row in named] == [row.measures["peak"] for row in made]
+    assert [trace.digest for trace in traces] == [row.digest for row in made] == [row.digest for row in named]
+    assert (named.units["peak"], named.units["lost"], named[0].measures["early"]) == ("rpm", "s", 0)
+    columns = pyarrow.table(named)
+    assert columns["never"].null_count == 3
+    assert "never" not in named[0].measures
+    assert columns.schema.metadata[b"plant_hash"].decode() == traces[0].samples.metadata["plant_hash"]
+
+
+def test_loads_vary_with_units(plant: Plant) -> None:
+    vary = {"drive.press-1.load.inertia": uniform("5kgcm2", "20kgcm2"), "drive.press-1.load.friction": choice("200mNm", "0.3Nm")}
+    with ThreadPoolExecutor(1) as threads:
+        varied = sweep(plant, seeds=range(4), until="2s", vary=vary, executor=threads)
+        with pytest.raises(UsageError, match="accepted: kgcm"):
+            sweep(plant, seeds=[1], until="1s", vary={"drive.press-1.load.inertia": ["5rpm"]}, executor=threads)
+    assert varied.units["drive.press-1.load.inertia"] == "kgcm2"
+    for row in varied:
+        inertia, friction = (str(row.variables[f"drive.press-1.load.{name}"]) for name in ("inertia", "friction"))
+        plain = plant.with_changes(
+            {
+                "drive.press-1.load.inertia": float(inertia.removesuffix("kgcm2")) * 1e-4,
+                "drive.press-1.load.friction": 0.2 if friction == "200mNm" else 0.3,
+            },
+            seed=row.seed,
+        )
+        written = plant.with_changes(row.variables, seed=row.seed).run("2s")
+        assert written.digest == row.digest
+        speeds = [trace.at("2s")["press-1"].speed for trace in (written, plain.run("2s"))]
+        assert speeds[0] == pytest.approx(speeds[1])
+
+
 def test_a_failure_is_run_again_here(pool: Executor, tmp_path: Path) -> None:
     plant = Plant.from_toml(LOSSY)
     result = sweep(plant, seeds=range(40), executor=pool)
@@ -232,7 +285,7 @@ def test_a_row_has_the_digest_of_the_trace_of_its_run(press: Plant) -> None:
 def test_a_program_that_its_processes_cannot_import_is_named(tmp_path: Path) -> None:
     program = tmp_path / "unguarded.py"
     program.write_text(f"import profidrive\nprofidrive.sweep({str(PRESS)!r}, seeds=range(40), until='1s', chunk=20)\n")
-    ended = subprocess.run([sys.executable, str(program)], capture_output=True, text=True, check=False)
+    ended = subprocess.run([sys.executable, str(program)], capture_output=True, text=True, check=False, timeout=60)
     assert ended.returncode == 1
     last = ended.stderr[ended.stderr.rindex("profidrive.errors.") :]
     assert last.startswith("profidrive.errors.LocalError: a process of the sweep ended")

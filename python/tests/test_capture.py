@@ -67,11 +67,12 @@ def test_file_octets_and_stream_are_the_same(loss: Path) -> None:
         with open(writes, "wb") as pipe:
             pipe.write(loss.read_bytes())
 
-    thread = threading.Thread(target=write)
+    thread = threading.Thread(target=write, daemon=True)
     thread.start()
     with open(reads, "rb") as pipe:
         assert lines(decode(pipe)) == whole
-    thread.join()
+    thread.join(30)
+    assert not thread.is_alive()
 
 
 def test_the_wanted_part_is_shown(loss: Path) -> None:

@@ -53,7 +53,7 @@ class Cluster:
     def kill(self, name: str) -> None:
         process = self._processes.pop(name)
         os.killpg(process.pid, signal.SIGKILL)
-        process.wait()
+        process.wait(30)
 
     def end(self) -> None:
         for name in list(self._processes):
@@ -99,7 +99,7 @@ def test_rows_of_a_cluster_are_those_of_a_pool_when_a_worker_is_killed(tmp_path:
         assert len(client.scheduler_info()["workers"]) == 1
         [job] = _jobs(Plant.from_file(PRESS), "10ms", {}, None)
         with pytest.raises(UsageError, match=rf"{re.escape(build_info().version)}.*0\.0\.1"):
-            executor.submit(_run, dataclasses.replace(job, build=("0.0.1", "0")), [1]).result()
+            executor.submit(_run, dataclasses.replace(job, build=("0.0.1", "0")), [1]).result(30)
         program = f"""
 from distributed import Client
 import profidrive

@@ -89,7 +89,8 @@ def test_an_axis_that_fails_ends_the_call_that_waits_for_another_one(world: Worl
 
 def test_the_axes_of_a_group_are_moved_by_several_threads(world: World) -> None:
     with world.network.select("akd-*").control(max_speed="1000rpm") as axes:
-        threads = [threading.Thread(target=axis.run, args=("600rpm",), kwargs={"for_": "3s"}) for axis in axes.values()]
+        runs = [(axis.run, ("600rpm",), {"for_": "3s"}) for axis in axes.values()]
+        threads = [threading.Thread(target=run, args=speed, kwargs=lasts, daemon=True) for run, speed, lasts in runs]
         for thread in threads:
             thread.start()
         for thread in threads:

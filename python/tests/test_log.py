@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import logging
+import subprocess
+import sys
 import threading
 from collections.abc import Iterator
 
@@ -98,3 +100,24 @@ def test_records_without_room_are_counted(records: Records) -> None:
     found = records.wait_for("profidrive", "dropped")
     assert found.levelno == logging.WARNING
     assert int(found.getMessage().split()[0]) > 100
+
+
+def test_a_handler_that_never_returns_does_not_hold_up_the_end_of_a_program() -> None:
+    program = """
+import logging, threading
+from profidrive import Plant
+class Waits(logging.Handler):
+    def createLock(self):
+        # Python itself waits for it at its end
+        self.lock = None
+    def emit(self, record):
+        print("waits", flush=True)
+        threading.Event().wait()
+logging.getLogger("profidrive").addHandler(Waits())
+logging.getLogger("profidrive").setLevel("DEBUG")
+world = Plant.of("akd").start()
+world["akd-1"].inject("fault=439")
+world.run(for_=1)
+"""
+    ended = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=30)
+    assert (ended.returncode, ended.stdout) == (0, "waits\n"), ended.stderr

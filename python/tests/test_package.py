@@ -115,4 +115,4 @@ def test_the_examples_of_the_pages_run(page: str, tests: int, pytester: pytest.P
             pytester.makepyfile(**{f"test_page_{number}": program})
         else:
             subprocess.run([sys.executable, "-c", program], check=True, timeout=60, cwd=pytester.path)
-    pytester.runpytest_subprocess("-p", "no:cacheprovider").assert_outcomes(passed=tests)
+    pytester.runpytest_subprocess("-p", "no:cacheprovider", timeout=60).assert_outcomes(passed=tests)

@@ -252,9 +252,9 @@ def test_ctrl_c_ends_a_wait_for_conditions() -> None:
 def test_threads_run_worlds_of_their_own_and_share_one(press: Plant) -> None:
     expected = press.run("5s").digest
     digests: list[str] = []
-    threads = [threading.Thread(target=lambda: digests.append(press.run("5s").digest)) for _ in range(4)]
+    threads = [threading.Thread(target=lambda: digests.append(press.run("5s").digest), daemon=True) for _ in range(4)]
     shared = press.start()
-    threads += [threading.Thread(target=lambda: [shared["press-1"].speed for _ in range(50)]) for _ in range(2)]
+    threads += [threading.Thread(target=lambda: [shared["press-1"].speed for _ in range(50)], daemon=True) for _ in range(2)]
     for thread in threads:
         thread.start()
     trace = shared.run("5s")

@@ -194,4 +194,4 @@ def test_the_plugin_loads_nothing_before_a_fixture_is_used(pytester: pytest.Pyte
             assert "profidrive.pytest_plugin" in sys.modules
             assert "profidrive._profidrive" not in sys.modules
     """)
-    pytester.runpytest_subprocess().assert_outcomes(passed=1)
+    pytester.runpytest_subprocess(timeout=60).assert_outcomes(passed=1)

@@ -243,7 +243,7 @@ def test_a_drive_of_a_controller_is_written_by_consent_only() -> None:
     drive = world.network["press-1"]
     with pytest.raises(SafetyError, match="is not written") as refused:
         drive.write({"DRV.ACC": "4000rpm/s"})
-    assert refused.value.owner == "plc-1"
+    assert (refused.value.rule, refused.value.owner) == ("control", "plc-1")
     assert "beside_controller=True" in str(refused.value.hint)
     planned = drive.write({"DRV.ACC": "4000rpm/s"}, dry_run=True).controller
     assert planned is not None

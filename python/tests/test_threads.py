@@ -14,6 +14,8 @@ from profidrive import Plant, World, aio
 from profidrive.errors import InterruptedCall, ProfidriveError, SafetyError
 from profidrive.events import ConnectionLost
 
+from .conftest import output_when_interrupted
+
 ROUNDS = 20
 
 
@@ -26,7 +28,7 @@ def start() -> World:
 
 
 def together(*works: Callable[[], object]) -> None:
-    """Carries out each in a thread of its own, begun at the same time."""
+    """Carries out each in a thread of its own, begun at the same time. One that waits for ever holds up nothing but its test."""
     begin = threading.Barrier(len(works))
     failed: list[BaseException] = []
 
@@ -37,7 +39,7 @@ def together(*works: Callable[[], object]) -> None:
         except BaseException as error:
             failed.append(error)
 
-    threads = [threading.Thread(target=carry_out, args=(work,)) for work in works]
+    threads = [threading.Thread(target=carry_out, args=(work,), daemon=True) for work in works]
     for thread in threads:
         thread.start()
     for thread in threads:
@@ -211,3 +213,58 @@ atexit.register(signal.setitimer, signal.ITIMER_REAL, 0.005)
 """
     ended = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60)
     assert ended.stdout == "[True, True]\n", ended.stderr
+
+
+PLANT = """
+import os, signal, threading
+from profidrive import Plant
+from profidrive.errors import MisuseError
+world = Plant.of("akd").start()
+network = world.network
+drive = network["akd-1"]
+
+def runs():
+    while abs(axis.speed or 0) < 290:
+        pass
+    print("runs", flush=True)
+"""
+
+
+@pytest.mark.parametrize("call", ["axis.stop()", "axis.run(100)", "axis._axis.release(False)", "network.close()", "drive.stop()"])
+def test_a_handler_of_a_signal_that_calls_its_axis_does_not_wait_for_itself(call: str) -> None:
+    program = f"""{PLANT}
+signal.signal(signal.SIGINT, lambda *_: {call})
+try:
+    with drive.control(max_speed="1000rpm") as axis:
+        threading.Thread(target=runs, daemon=True).start()
+        axis.run("300rpm", for_=30_000_000)
+except Exception as error:
+    print(type(error).__name__, abs(world["akd-1"].speed) < 1, flush=True)
+"""
+    assert output_when_interrupted(program) == "MisuseError True\n"
+
+
+def test_a_copy_of_a_process_waits_for_no_thread_that_it_does_not_have() -> None:
+    program = f"""{PLANT}
+with drive.record("p922", every="1s") as recording, drive.control(max_speed="1000rpm") as axis:
+    moving = threading.Thread(target=lambda: axis.run("300rpm", for_=30_000_000), daemon=True)
+    moving.start()
+    runs()
+    child = os.fork()
+    if child == 0:
+        for call in (axis.stop, recording.stop, network.close, lambda: axis.speed, lambda: axis.stats):
+            try:
+                call()
+            except MisuseError:
+                continue
+            os._exit(1)
+        # as at the end of a copy that does not go on to the end of the block
+        del axis, recording
+        os._exit(7)
+    _, status = os.waitpid(child, 0)
+    print(os.waitstatus_to_exitcode(status), flush=True)
+    network.stop_all()
+    moving.join(20)
+"""
+    ended = subprocess.run([sys.executable, "-W", "ignore", "-c", program], capture_output=True, text=True, timeout=60)
+    assert ended.stdout.splitlines() == ["runs", "7"], ended.stderr

@@ -18,6 +18,8 @@ from profidrive.errors import ExpectationFailed, LocalError, UsageError
 from profidrive.events import Event, FaultRaised, Outcome, Sample, StateChanged
 from profidrive.types import State
 
+from .conftest import PRESS
+
 
 @pytest.fixture
 def trace(press: Plant) -> Trace:
@@ -74,6 +76,12 @@ def test_samples_are_arrow_columns_without_a_copy(trace: Trace) -> None:
     assert arrow.column_names == list(table.columns)
     assert arrow.schema.field("speed").metadata[b"unit"] == b"rpm"
     assert arrow.schema.metadata[b"seed"] == b"7"
+    plant = Plant.from_file(PRESS)
+    hashes = [
+        one.run("10ms").samples.metadata["plant_hash"] for one in (plant, plant.with_changes({"drive.press-1.load.friction": 0.3}))
+    ]
+    assert arrow.schema.metadata[b"plant_hash"].decode() == hashes[0] != hashes[1]
+    assert plant.with_changes({}, seed=8).run("10ms").samples.metadata["plant_hash"] == hashes[0]
     speed = table["speed"]
     buffer = arrow["speed"].chunk(0).buffers()[1]
     assert speed.__array_interface__["data"] == (buffer.address, True)

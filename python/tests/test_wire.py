@@ -75,6 +75,7 @@ def watch():
 
 try:
     with drive.control(max_speed="600rpm", cycle="128ms") as axis:
+        # the program ends without it, where the axis does not get that far
         threading.Thread(target=watch, daemon=True).start()
         try:
             axis.run("600rpm", for_=60)
@@ -178,7 +179,7 @@ def work():
 threading.excepthook = lambda failed: say(failed.exc_value)
 worker = threading.Thread(target=work)
 worker.start()
-worker.join()
+worker.join(15)
 """
 
 
@@ -214,7 +215,7 @@ for stop in (network.stop_all, drive.stop):
             axis.run("600rpm", for_=60)
         except InterruptedCall as error:
             say(abs(axis.speed) < 1, error.motion.reached)
-        other.join()
+        other.join(15)
 """
     )
     assert program.end() == (0, ["True True"] * 2)
@@ -258,11 +259,13 @@ def test_a_copy_of_a_process_has_no_network(wire: Wire) -> None:
     wire.simulate()
     program = wire.python(
         """
-with drive.control(max_speed="600rpm", cycle="128ms") as axis:
+recording = drive.record("DRV.ACC", every="1s")
+with recording, drive.control(max_speed="600rpm", cycle="128ms") as axis:
     axis.run("600rpm")
     child = os.fork()
     if child == 0:
-        for call in (lambda: drive.read("DRV.ACC"), axis.stop, network.close, lambda: axis.run(1)):
+        calls = drive.stop, axis.stop, network.close, recording.stop, lambda: axis.run(1), lambda: axis.speed, lambda: axis.stats
+        for call in calls:
             try:
                 call()
             except MisuseError:
@@ -349,7 +352,8 @@ from datetime import datetime, timezone
 import numpy
 import profidrive
 from profidrive.errors import *
-from profidrive.events import FaultRaised, Injected
+from profidrive.events import FaultRaised, Injected, Sample
+from profidrive.types import State
 
 plant = profidrive.Plant.from_toml('[[drive]]\\nname = "akd-1"\\nip = "192.168.77.50/24"')
 plant["akd-1"].inject("warning=107")
@@ -358,12 +362,29 @@ with plant.serve("dev0") as served, profidrive.open("ctl0", timeout="5s") as net
     with drive.record("DRV.ACC", every="50ms") as recording:
         with drive.control(max_speed="600rpm", cycle="128ms") as axis:
             assert axis.run("300rpm", for_="500ms").reached
+            axis.run("300rpm")
+            reached = served.wait_until("akd-1", speed="290rpm..310rpm", for_="50ms", timeout="5s")
+            assert isinstance(reached, Sample)
+            turning = served["akd-1"]
+            assert (turning.state, turning.connected, turning.moving) == (State.S4, True, True)
+            assert abs(turning.speed - 300) < 20 and turning.faults == ()
     assert len(recording) > 5 and not recording.grows
     now, wall = numpy.datetime64(datetime.now(timezone.utc).replace(tzinfo=None), "ns"), recording["wall"]
     assert abs(now - wall[-1]) < numpy.timedelta64(60, "s") and (numpy.diff(wall) >= numpy.timedelta64(0)).all()
-    served["akd-1"].inject("fault=439")
-    while drive.status().faults == ():
-        pass
+    rest = served.wait_until("akd-1", connected=False, moving=False, timeout="5s")
+    try:
+        served.wait_until("akd-1", state="S4", timeout="50ms")
+    except ExpectationFailed as error:
+        assert error.results[0].drive == "akd-1"
+    try:
+        served.wait_until("akd-1", parameter={"DRV.ACC": ">3rpm/s"}, timeout="50ms")
+    except UsageError as error:
+        assert "parameter" in str(error)
+    served["akd-1"].inject("fault=439", for_=None)
+    raised = served.wait_until("akd-1", fault=439, timeout="5s")
+    assert isinstance(raised, FaultRaised) and raised.time > rest.time
+    assert [fault.number for fault in served["akd-1"].faults] == [439]
+    assert drive.status().faults != ()
     assert [event.fault.number for event in served["akd-1"].events if isinstance(event, FaultRaised)] == [439]
     assert len([event for event in served.events if isinstance(event, Injected)]) == 2
     first, trace = served.trace, served.trace

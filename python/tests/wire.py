@@ -17,6 +17,7 @@ from profidrive.lab import DRIVES, Lab
 
 PROGRAM = Path(__file__).parents[2] / "target" / "debug" / "profidrive"
 SECONDS = 20.0
+"""How long anything of a test may last; then the test fails with what there was until then."""
 
 BEGIN = """
 import os, signal, sys, threading, time
@@ -86,7 +87,7 @@ class Wire:
     def __exit__(self, *_: object) -> None:
         for process in self._started:
             process.kill()
-            process.wait()
+            process.wait(SECONDS)
             for stream in (process.stdin, process.stdout):
                 if stream is not None:
                     stream.close()
@@ -112,6 +113,18 @@ class Wire:
         assert self.start(list(command)).wait(SECONDS) == 0, command
 
 
+def line_of(process: subprocess.Popen[str]) -> str:
+    """Returns the next line that a process prints; fails where it prints none in time."""
+    assert process.stdout is not None
+    limit = threading.Timer(SECONDS, process.kill)
+    limit.start()
+    line = process.stdout.readline()
+    limit.cancel()
+    # nothing but the limit kills it
+    assert line, f"it printed no line within {SECONDS} s, or has ended ({process.poll()}): {process.args!r}"
+    return line.rstrip("\n")
+
+
 class Program:
     """A program in Python that uses the drive."""
 
@@ -119,8 +132,7 @@ class Program:
         self.process = process
 
     def line(self) -> str:
-        assert self.process.stdout is not None
-        return self.process.stdout.readline().rstrip("\n")
+        return line_of(self.process)
 
     def interrupt(self) -> None:
         self.process.send_signal(signal.SIGINT)

@@ -7,7 +7,8 @@ use profile::notation::Quantity;
 use profinet::Instant;
 use serde::Serialize;
 
-use crate::expect::ExpectationResult;
+use crate::expect::{ExpectationResult, Measure};
+use crate::kept::{Trace, TraceError};
 use crate::plan::WorldError;
 use crate::source::{ChangeError, PlantSource};
 use crate::world::World;
@@ -216,6 +217,8 @@ pub struct CampaignRun {
     pub variables: Vec<(String, toml::Value)>,
     /// What came of each expectation for each of its drives.
     pub results: Vec<ExpectationResult>,
+    /// What was measured, by name; no number where there is none.
+    pub measures: Vec<(String, Option<f64>)>,
     /// [`World::digest`] at its end, as text in hexadecimal: that of the trace of the same run.
     pub digest: String,
     /// Seconds of the plant that passed.
@@ -241,6 +244,14 @@ pub enum CampaignError {
         seed: u64,
         /// Why not.
         error: Box<WorldError>,
+    },
+    /// Something cannot be measured.
+    #[error("seed {seed}: {error}")]
+    Measure {
+        /// The seed of the run.
+        seed: u64,
+        /// Why not.
+        error: TraceError,
     },
     /// The plant has no `duration`, and no time was given.
     #[error("how long? The plant has no `duration`: give a time")]
@@ -271,6 +282,7 @@ pub struct Campaign {
     plant: PlantSource,
     vary: Vec<(String, Distribution)>,
     until: Option<Duration>,
+    measures: Vec<(String, Measure)>,
 }
 
 impl Campaign {
@@ -281,6 +293,7 @@ impl Campaign {
             plant,
             vary: Vec::new(),
             until: None,
+            measures: Vec::new(),
         }
     }
 
@@ -296,6 +309,26 @@ impl Campaign {
     pub fn until(mut self, time: Duration) -> Self {
         self.until = Some(time);
         self
+    }
+
+    /// Makes a number of this name of each run.
+    #[must_use]
+    pub fn measure(mut self, name: impl Into<String>, measure: Measure) -> Self {
+        self.measures.push((name.into(), measure));
+        self
+    }
+
+    /// Returns what is measured, by name.
+    pub fn measured(&self) -> impl Iterator<Item = (&str, &Measure)> {
+        self.measures
+            .iter()
+            .map(|(name, measure)| (name.as_str(), measure))
+    }
+
+    /// Returns the plant before its values vary.
+    #[must_use]
+    pub const fn source(&self) -> &PlantSource {
+        &self.plant
     }
 
     /// Returns the paths whose values vary, with how they do.
@@ -340,35 +373,66 @@ impl Campaign {
     /// Runs the plant with this seed, in virtual time.
     ///
     /// # Errors
-    /// When a value does not fit, the plant does not start, or it is not known how long it is to run.
+    /// When a value does not fit, the plant does not start, it is not known how long it is to run, or there is no room for what is
+    /// measured.
     pub fn run(&self, seed: u64) -> Result<CampaignRun, CampaignError> {
+        let limit = if self.measures.is_empty() {
+            0
+        } else {
+            Trace::USUAL_LIMIT
+        };
+        Ok(self.run_kept(seed, limit)?.0)
+    }
+
+    /// The same; returns the trace of the run too, of about `limit` octets at most.
+    ///
+    /// # Errors
+    /// As [`run`](Self::run).
+    pub fn run_kept(
+        &self,
+        seed: u64,
+        limit: usize,
+    ) -> Result<(CampaignRun, PlantSource, Option<Trace>), CampaignError> {
         let (plant, variables) = self.plant(seed)?;
         let end = self.end(&plant)?;
-        let (results, digest) = run(&plant, seed, end)?;
-        Ok(CampaignRun {
+        let (results, digest, trace) = run(&plant, seed, end, limit)?;
+        let measure = |(name, measure): &(String, Measure)| {
+            let number = trace.as_ref().map_or(Ok(None), |trace| measure.of(trace));
+            let number = number.map_err(|error| CampaignError::Measure { seed, error })?;
+            Ok::<_, CampaignError>((name.clone(), number))
+        };
+        let run = CampaignRun {
             seed,
             variables,
             results,
+            measures: self.measures.iter().map(measure).collect::<Result<_, _>>()?,
             digest: format!("{digest:016x}"),
             end: end.as_secs_f64(),
-        })
+        };
+        Ok((run, plant, trace))
     }
 }
 
-/// Runs a plant in virtual time and returns what came of its expectations, and the digest of the run.
+/// Runs a plant in virtual time and returns what came of its expectations, the digest of the run, and its trace where there is room
+/// for one.
 pub(crate) fn run(
     plant: &PlantSource,
     seed: u64,
     end: Duration,
-) -> Result<(Vec<ExpectationResult>, u64), CampaignError> {
+    limit: usize,
+) -> Result<(Vec<ExpectationResult>, u64, Option<Trace>), CampaignError> {
     let plan = plant.plan();
     let mut world = World::new(plan).map_err(|error| CampaignError::World {
         seed,
         error: Box::new(error),
     })?;
+    if limit > 0 {
+        world.keep_trace(limit);
+    }
     world.expect(&plan.expectations, plan.seed);
     world.run_until(Instant::ZERO + end, &mut drop);
-    Ok((world.finish_expectations(), world.digest()))
+    let (results, digest) = (world.finish_expectations(), world.digest());
+    Ok((results, digest, world.take_trace()))
 }
 
 impl fmt::Display for CampaignRun {

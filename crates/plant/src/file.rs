@@ -5,6 +5,7 @@ use std::fs::File;
 use std::io::{self, Read as _};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use profile::catalogue::Scaling;
 use profile::notation::Quantity;
@@ -18,8 +19,9 @@ use virtual_drive::axis::{Plant, Travel};
 use virtual_drive::model::{self, Model};
 use virtual_drive::station::{Station, StationConfig};
 
+use crate::digest::Digest;
 use crate::event::PlantEvent;
-use crate::expect::{Expectation, Goal, Scope, read_all, read_goal, read_list};
+use crate::expect::{Expectation, Goal, Measure, Scope, read_all, read_goal, read_list};
 use crate::located::{Located, PlantError, line_of, located};
 use crate::plan::{Cue, DrivePlan, PlantPlan, Trigger, set};
 use crate::program::RawController;
@@ -110,6 +112,26 @@ impl PlantPlan {
     pub fn goal(&self, text: &str) -> Result<Goal, PlantError> {
         let drives = &self.drives;
         read_goal(text, Scope { drives })
+    }
+
+    /// Returns what is to be measured of runs, from a text: see [`Measure`].
+    ///
+    /// # Errors
+    /// What is wrong with it.
+    pub fn measure(&self, text: &str) -> Result<Measure, PlantError> {
+        let drives = &self.drives;
+        Measure::read(text, Scope { drives })
+    }
+
+    /// Returns a hash of the content of the plant: the same for files that differ in comments, the order of keys or the seed alone.
+    #[must_use]
+    pub fn fingerprint(&self) -> u64 {
+        let mut hash = Digest::default();
+        // it was read before
+        let mut content: toml::Table = self.text.parse().unwrap_or_default();
+        content.remove("seed");
+        hash.octets(content.to_string().as_bytes());
+        hash.value()
     }
 
     /// Reads a file with more expectations, see [`expectations_of`](Self::expectations_of).
@@ -204,19 +226,30 @@ struct RawDrive {
 #[derive(Default, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 struct RawMotor {
-    inertia: Option<Spanned<f64>>,
-    torque_constant: Option<Spanned<f64>>,
-    cogging: Option<Spanned<f64>>,
+    inertia: Option<Spanned<RawNumber>>,
+    torque_constant: Option<Spanned<RawNumber>>,
+    cogging: Option<Spanned<RawNumber>>,
 }
 
 /// SI units: kg m^2, Nm, Nm/(rad/s).
 #[derive(Default, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 struct RawLoad {
-    inertia: Option<Spanned<f64>>,
-    friction: Option<Spanned<f64>>,
-    viscous_friction: Option<Spanned<f64>>,
-    torque: Option<Spanned<f64>>,
+    inertia: Option<Spanned<RawNumber>>,
+    friction: Option<Spanned<RawNumber>>,
+    viscous_friction: Option<Spanned<RawNumber>>,
+    torque: Option<Spanned<RawNumber>>,
+}
+
+/// A number in the SI unit, or a text with a unit.
+#[derive(Deserialize)]
+#[serde(
+    untagged,
+    expecting = "a number is expected, or a text with its unit, such as \"0.2Nm\""
+)]
+enum RawNumber {
+    Number(f64),
+    Text(String),
 }
 
 #[derive(Deserialize)]
@@ -258,6 +291,7 @@ impl std::str::FromStr for PlantPlan {
             line: line_of(text, span.start),
             message,
         })?;
+        plant.text = text.into();
         if raw.expect.is_some() {
             plant.expectations = expectations(text, &plant.drives)?;
         }
@@ -322,6 +356,7 @@ fn read(raw: &RawPlant) -> Result<PlantPlan, Located> {
         controllers: controllers.collect::<Result<_, _>>()?,
         expectations: Vec::new(),
         drives,
+        text: Arc::default(),
     })
 }
 
@@ -399,7 +434,7 @@ fn read_drive(raw: &RawDrive) -> Result<DrivePlan, Located> {
             .load
             .torque
             .as_ref()
-            .map_or(Ok(0.0), |value| number(value, -1e4..=1e4))?,
+            .map_or(Ok(0.0), |value| number(value, "Nm", -1e4..=1e4))?,
         parameters: parameters.into_iter().map(|(_, assignment)| assignment).collect(),
         cues: raw
             .event
@@ -459,36 +494,65 @@ pub(crate) fn assignments_of_signals(
     pairs(raw)?.into_iter().map(read).collect()
 }
 
-fn number(value: &Spanned<f64>, range: std::ops::RangeInclusive<f64>) -> Result<f64, Located> {
-    let inside = range.contains(value.get_ref());
-    inside.then_some(*value.get_ref()).ok_or_else(|| {
-        Located(
-            value.span(),
-            format!(
-                "{} is outside {} to {}",
-                value.get_ref(),
-                range.start(),
-                range.end()
-            ),
-        )
+/// Returns a number in `unit`, which one without a unit has.
+fn number(
+    value: &Spanned<RawNumber>,
+    unit: &str,
+    range: std::ops::RangeInclusive<f64>,
+) -> Result<f64, Located> {
+    let wrong = |message: String| Located(value.span(), message);
+    let number = match value.get_ref() {
+        RawNumber::Number(number) => *number,
+        RawNumber::Text(text) => {
+            let quantity: Quantity = text.parse().map_err(|error| wrong(format!("{error}")))?;
+            quantity.in_unit(unit).map_err(|error| wrong(error.to_string()))?
+        }
+    };
+    let inside = range.contains(&number).then_some(number);
+    inside.ok_or_else(|| {
+        wrong(format!(
+            "{number} is outside {} to {}",
+            range.start(),
+            range.end()
+        ))
     })
 }
 
 fn read_plant(raw: &RawDrive, model: &Model) -> Result<Plant, Located> {
     let mut plant = model.plant;
-    let set = |place: &mut f64, value: &Option<Spanned<f64>>, range| -> Result<(), Located> {
+    let set = |place: &mut f64, value: &Option<Spanned<RawNumber>>, unit, range| -> Result<(), Located> {
         if let Some(value) = value {
-            *place = number(value, range)?;
+            *place = number(value, unit, range)?;
         }
         Ok(())
     };
     let inertia = 1e-7..=1e3;
-    set(&mut plant.motor_inertia, &raw.motor.inertia, inertia.clone())?;
-    set(&mut plant.torque_constant, &raw.motor.torque_constant, 1e-3..=1e3)?;
-    set(&mut plant.cogging, &raw.motor.cogging, 0.0..=1e3)?;
-    set(&mut plant.load_inertia, &raw.load.inertia, 0.0..=*inertia.end())?;
-    set(&mut plant.coulomb_friction, &raw.load.friction, 0.0..=1e4)?;
-    set(&mut plant.viscous_friction, &raw.load.viscous_friction, 0.0..=1e3)?;
+    set(
+        &mut plant.motor_inertia,
+        &raw.motor.inertia,
+        "kgm^2",
+        inertia.clone(),
+    )?;
+    set(
+        &mut plant.torque_constant,
+        &raw.motor.torque_constant,
+        "Nm/A",
+        1e-3..=1e3,
+    )?;
+    set(&mut plant.cogging, &raw.motor.cogging, "Nm", 0.0..=1e3)?;
+    set(
+        &mut plant.load_inertia,
+        &raw.load.inertia,
+        "kgm^2",
+        0.0..=*inertia.end(),
+    )?;
+    set(&mut plant.coulomb_friction, &raw.load.friction, "Nm", 0.0..=1e4)?;
+    set(
+        &mut plant.viscous_friction,
+        &raw.load.viscous_friction,
+        "Nm/(rad/s)",
+        0.0..=1e3,
+    )?;
     if let Some(raw) = &raw.travel {
         plant.travel = Some(read_travel(raw)?);
     }

@@ -65,6 +65,14 @@ pub enum TraceError {
         /// Name of the expectation.
         name: String,
     },
+    /// What is measured is not kept.
+    #[error("`{what}`: the trace has no room after {} s; measure a shorter run", .time.as_secs_f64())]
+    NoRoom {
+        /// What is measured.
+        what: String,
+        /// Until when it is kept.
+        time: Duration,
+    },
     /// An expectation is one of another plant.
     #[error("`{name}` is an expectation of another plant: this one has {drives} drives")]
     OtherPlant {

@@ -37,7 +37,7 @@ pub use campaign::{
 };
 pub use event::{LinkFault, PlantEvent, PlantEventError, Unit, keys};
 pub use expect::{
-    Expectation, ExpectationResult, Goal, Live, Monitor, Nearest, Observed, Outcome,
+    Expectation, ExpectationResult, Goal, Live, Measure, Monitor, Nearest, Observed, Outcome,
     Quantity as ObservedQuantity,
 };
 #[cfg(feature = "junit")]

@@ -1,5 +1,6 @@
 //! A plant as its file describes it: drives, what happens to them, and the controllers that run them.
 
+use std::sync::Arc;
 use std::time::Duration;
 
 use network::host::Host;
@@ -48,6 +49,8 @@ pub struct PlantPlan {
     pub controllers: Vec<ControllerPlan>,
     /// What is expected of the drives.
     pub expectations: Vec<Expectation>,
+    /// What it was read from.
+    pub(crate) text: Arc<str>,
 }
 
 /// One drive of a [`PlantPlan`].

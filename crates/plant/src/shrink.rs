@@ -71,7 +71,7 @@ impl Campaign {
     ) -> Result<Option<Reproduction>, CampaignError> {
         let (whole, variables) = self.plant(seed)?;
         let end = self.end(&whole)?;
-        let (results, _) = run(&whole, seed, end)?;
+        let (results, ..) = run(&whole, seed, end, 0)?;
         let fails = |result: &ExpectationResult| {
             !result.is_met() && expectation.is_none_or(|name| result.name == name)
         };
@@ -185,7 +185,7 @@ impl Search<'_> {
         }
         self.runs += 1;
         // a plant that does not start is no reproduction
-        let Ok((results, _)) = run(plant, self.seed, end) else {
+        let Ok((results, ..)) = run(plant, self.seed, end, 0) else {
             return false;
         };
         let same = |result: &ExpectationResult| {

@@ -163,7 +163,8 @@ fn state_number<S: serde::Serializer>(state: &State, serializer: S) -> Result<S:
 
 impl DriveMessage {
     /// Returns the fault or warning of this number with its meaning from `catalogue`.
-    pub(crate) fn of(number: u16, warning: bool, catalogue: &Catalogue) -> Self {
+    #[must_use]
+    pub fn of(number: u16, warning: bool, catalogue: &Catalogue) -> Self {
         let meaning = catalogue.fault(number, warning).map_or("", |row| row.meaning);
         Self {
             number,

@@ -30,6 +30,7 @@ fn table() -> Table {
     };
     Table {
         drives: vec!["akd-1".into(), "b,\"2\"".into()],
+        facts: Vec::new(),
         columns: vec![
             column("ZSW1", Kind::Word, ""),
             column("speed", Kind::Number, "rpm"),

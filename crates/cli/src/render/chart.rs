@@ -281,6 +281,7 @@ mod tests {
         };
         Scroll::new(&Table {
             drives: vec!["akd-1".into(), "akd-2".into()],
+            facts: Vec::new(),
             columns: vec![
                 column("NIST_A", Kind::Number, "rpm"),
                 column("ZSW1", Kind::Word, ""),
@@ -386,6 +387,7 @@ mod tests {
         let table = Table {
             drives: vec!["a\u{1b}[2J".into()],
             columns: Vec::new(),
+            facts: Vec::new(),
         };
         assert!(!picture(&Scroll::new(&table), 40, 4).contains('\u{1b}'));
     }

@@ -14,7 +14,7 @@ pub enum Rule {
     Mode,
     /// No motion depends on a connection whose loss leaves the motor turning, unless that is consented to.
     ControllerLoss,
-    /// No motion beside another one who commands the drive.
+    /// No motion, and no change that its controller does not bear, beside another one who commands the drive.
     Control,
     /// Nothing that an axis at work does not bear: it must be at rest, and be known to be.
     AtRest,
@@ -70,6 +70,10 @@ impl Error {
             Self::RunsOn { .. } | Self::MovesWhenLost { .. } => Rule::ControllerLoss,
             Self::LocalOperation { .. } | Self::UnderControl { .. } | Self::Ownerless { .. } => Rule::Control,
             Self::ScaleChanged { .. } => Rule::Scale,
+            Self::AtWork {
+                works: AtWork::Controller(_),
+                ..
+            } => Rule::Control,
             Self::AtWork { .. } | Self::StatusUnread { .. } | Self::NotAtRest { .. } => Rule::AtRest,
             _ => Rule::Move,
         })
@@ -126,6 +130,17 @@ mod tests {
         assert_eq!(rule(Trouble::Unattended), Some(Rule::Lease));
         assert_eq!(rule(Trouble::NotStopped), Some(Rule::Standstill));
         assert_eq!(rule(Trouble::Fault), None);
+    }
+
+    #[test]
+    fn what_a_controller_does_not_bear_breaks_the_rule_of_its_control() {
+        let rule = |works| {
+            let drive = "akd-1".into();
+            let undone = "nothing was written";
+            Error::AtWork { drive, undone, works }.rule()
+        };
+        assert_eq!(rule(AtWork::Controller("plc".into())), Some(Rule::Control));
+        assert_eq!(rule(AtWork::Enabled), Some(Rule::AtRest));
     }
 
     #[test]

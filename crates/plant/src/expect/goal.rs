@@ -28,6 +28,12 @@ impl Goal {
         self.drive
     }
 
+    /// Returns true when a condition of it looks at a parameter.
+    #[must_use]
+    pub fn reads_parameters(&self) -> bool {
+        self.expectation.reads_parameters()
+    }
+
     /// Returns for how long its conditions must hold.
     pub(crate) const fn lasts(&self) -> Duration {
         self.expectation.lasts

@@ -5,6 +5,7 @@
 //! | `condition` | what must hold of a drive, and how it is looked at |
 //! | `expectation` | an expectation as it was read |
 //! | `goal` | conditions that a run waits for |
+//! | `measure` | numbers that are made of a run |
 //! | `parse` | expectations as TOML, with the line of each mistake |
 //! | `monitor` | the checks, tick by tick, in bounded memory |
 //! | `result` | what came of an expectation, in words and as data |
@@ -15,6 +16,7 @@ mod expectation;
 mod goal;
 #[cfg(feature = "junit")]
 mod junit;
+mod measure;
 mod monitor;
 mod parse;
 mod result;
@@ -26,6 +28,7 @@ pub use expectation::Expectation;
 pub use goal::Goal;
 #[cfg(feature = "junit")]
 pub use junit::{Suite, junit};
+pub use measure::Measure;
 pub use monitor::Monitor;
 pub(crate) use parse::{Scope, read_all, read_goal, read_list};
 pub use result::{ExpectationResult, Nearest, Outcome};

@@ -258,24 +258,30 @@ fn read_after(value: &Value<'_>, scope: Scope<'_>) -> Result<After, Located> {
     Ok(After::Condition(targets(table, &value.span(), scope, &drives)?))
 }
 
+const RANGE: &str = "a range of time is \"2s..5s\", \"2s..\", \"..5s\" or true";
+
 /// `"2s..5s"`, `"2s.."`, `"..5s"` or true.
 fn range(value: &Value<'_>) -> Result<(Duration, Option<Duration>), Located> {
-    let form = "a range of time is \"2s..5s\", \"2s..\", \"..5s\" or true";
     if matches!(value.get_ref(), DeValue::Boolean(true)) {
         return Ok((Duration::ZERO, None));
     }
     let DeValue::String(written) = value.get_ref() else {
-        return Err(wrong(value, form));
+        return Err(wrong(value, RANGE));
     };
-    let (from, to) = written.split_once("..").ok_or_else(|| wrong(value, form))?;
+    range_of(written).map_err(|message| wrong(value, &message))
+}
+
+/// `2s..5s`, `2s..` or `..5s`.
+pub(super) fn range_of(written: &str) -> Result<(Duration, Option<Duration>), String> {
+    let form = || RANGE.to_owned();
+    let (from, to) = written.split_once("..").ok_or_else(form)?;
     let end = |text: &str| {
         let text = text.trim();
-        let end = (!text.is_empty()).then(|| time(text));
-        end.transpose().map_err(|message| wrong(value, &message))
+        (!text.is_empty()).then(|| time(text)).transpose()
     };
     let (from, to) = (end(from)?, end(to)?);
     if from.is_none() && to.is_none() || to.is_some_and(|to| to < from.unwrap_or_default()) {
-        return Err(wrong(value, form));
+        return Err(form());
     }
     Ok((from.unwrap_or_default(), to))
 }

@@ -56,7 +56,7 @@ impl Expected {
     pub fn keep(&mut self, kept: HostTrace, limit: usize, start: Instant, runner: &Runner) {
         let names = self.drives.iter().map(|drive| &*drive.name);
         let mut keeper = Keeper::begin(kept, start, self.seed, names, limit);
-        keeper.look(start, self.seen(runner));
+        keeper.look(start, self.seen(runner), &[]);
         self.keeper = Some(keeper);
     }
 
@@ -124,7 +124,12 @@ impl Expected {
     pub fn look(&mut self, at: Instant, runner: &Runner) {
         if let Some(mut keeper) = self.keeper.take() {
             if keeper.has_events() || !runner.touched().is_empty() {
-                keeper.look(at, self.seen(runner));
+                let touched = runner
+                    .touched()
+                    .iter()
+                    .filter_map(|id| self.numbers.get(id).copied());
+                let touched: Vec<usize> = touched.collect();
+                keeper.look(at, self.seen(runner), &touched);
             }
             self.keeper = Some(keeper);
         }

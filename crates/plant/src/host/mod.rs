@@ -47,7 +47,7 @@ pub use duplicate_check::Duplicate;
 pub use error::HostError;
 pub use event::{DriveEvent, Event, EventSender, Events, SaveResult, Saved, events};
 pub use fleet::{Fleet, FleetError, MacChoice, interval};
-pub use kept::HostTrace;
+pub use kept::{HostPursuit, HostTrace};
 pub use load::{Load, Overload};
 pub use serial::{SerialHost, SerialHostConfig};
 pub use state_folder::{DriveState, Found, StateFolder};

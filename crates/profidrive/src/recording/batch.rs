@@ -17,6 +17,9 @@ use super::table::{Kind, Row, Table, Value};
 /// The form of a recording: it changes only when a column changes its meaning or goes.
 pub const FORM: &str = "profidrive/1";
 
+/// What tables name the fingerprint of their plant.
+pub(super) const PLANT: &str = "plant_hash";
+
 /// Collects rows into a batch of columns: `t` (duration from the start), `wall` (time of day, UTC, null in virtual time),
 /// `drive`, `gap`, then one column for each signal. The fields of the signals have `unit`, `parameter` and `scaling`.
 #[derive(Debug)]
@@ -97,8 +100,14 @@ pub fn schema(table: &Table) -> SchemaRef {
         fields.push(Field::new(&column.name, kind, true).with_metadata(facts));
     }
     let facts = [("schema", FORM), ("version", env!("CARGO_PKG_VERSION"))];
-    let facts = facts.map(|(name, text)| (name.to_owned(), text.to_owned()));
-    Arc::new(Schema::new_with_metadata(fields, HashMap::from(facts)))
+    let facts = facts.map(|(name, text)| (name, text.to_owned()));
+    let own = table.facts.iter().map(|(name, text)| (*name, text.clone()));
+    let facts = facts.into_iter().chain(own);
+    let facts = facts.map(|(name, text)| (name.to_owned(), text));
+    Arc::new(Schema::new_with_metadata(
+        fields,
+        facts.collect::<HashMap<_, _>>(),
+    ))
 }
 
 impl Batch {

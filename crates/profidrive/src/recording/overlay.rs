@@ -229,6 +229,7 @@ pub fn overlay(steps: &[(&str, &[StepPoint])], unit: &str) -> Scope {
     let table = Table {
         drives: steps.iter().map(|(name, _)| (*name).to_owned()).collect(),
         columns: vec![column("commanded speed"), column("speed")],
+        facts: Vec::new(),
     };
     let mut scope = Scope::new(&table);
     for (drive, (_, points)) in steps.iter().enumerate() {

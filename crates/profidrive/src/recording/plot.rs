@@ -205,6 +205,7 @@ mod tests {
         };
         let table = Table {
             drives: vec![name.into()],
+            facts: Vec::new(),
             columns: vec![
                 column("speed", Kind::Number, "rpm"),
                 column("ZSW1", Kind::Word, ""),
@@ -258,6 +259,7 @@ mod tests {
         let table = Table {
             drives: vec!["a".into()],
             columns: Vec::new(),
+            facts: Vec::new(),
         };
         let scope = Scope::new(&table);
         assert!(svg("t", &scope, &[]).is_ok() && html("t", &scope, &[]).is_ok());

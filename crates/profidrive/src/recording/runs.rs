@@ -20,7 +20,7 @@ use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use plant::{Campaign, CampaignRun, ValueForm, number_of};
 use serde_json::{Map, Value, json};
 
-use super::batch::FORM;
+use super::batch::{FORM, PLANT};
 
 /// What a field is, in its metadata.
 const KIND: &str = "kind";
@@ -32,7 +32,7 @@ const MEASURE: &str = "measure";
 pub struct MeasuredRun {
     /// The run.
     pub run: CampaignRun,
-    /// Numbers that were made of it, by name.
+    /// Numbers that the caller made of it, by name, beside those of the campaign.
     pub measures: Vec<(String, f64)>,
     /// Seconds of a computer that it took.
     pub wall: f64,
@@ -129,6 +129,15 @@ impl Runs {
         }
         add("passed", Arc::new(passed.finish()), &[]);
         add("failed", Arc::new(failed.finish()), &[]);
+        for (place, (name, measure)) in campaign.measured().enumerate() {
+            let mut values = Float64Builder::new();
+            for one in runs {
+                let found = one.run.measures.get(place);
+                values.append_option(found.and_then(|(_, number)| *number));
+            }
+            let facts = [(KIND, MEASURE), ("unit", measure.unit())];
+            add(name, Arc::new(values.finish()), &facts);
+        }
         let mut names: Vec<&str> = Vec::new();
         for (name, _) in runs.iter().flat_map(|one| &one.measures) {
             if !names.contains(&name.as_str()) {
@@ -147,7 +156,7 @@ impl Runs {
         add("digest", Arc::new(digests.finish()), &[]);
         add("wall", Arc::new(wall), &[("unit", "s")]);
         add("results", Arc::new(results.finish()), &[]);
-        of_columns(columns).map(Self)
+        of_columns(columns, campaign.source().plan().fingerprint()).map(Self)
     }
 
     /// Returns the columns.
@@ -279,7 +288,7 @@ impl Runs {
     }
 }
 
-fn of_columns(columns: Vec<(Field, ArrayRef)>) -> Result<RecordBatch, ArrowError> {
+fn of_columns(columns: Vec<(Field, ArrayRef)>, plant: u64) -> Result<RecordBatch, ArrowError> {
     let (fields, arrays): (Vec<_>, Vec<_>) = columns.into_iter().unzip();
     for (place, field) in fields.iter().enumerate() {
         if fields
@@ -291,7 +300,12 @@ fn of_columns(columns: Vec<(Field, ArrayRef)>) -> Result<RecordBatch, ArrowError
             return Err(ArrowError::SchemaError(text));
         }
     }
-    let facts = [("schema", FORM), ("version", env!("CARGO_PKG_VERSION"))];
+    let plant = format!("{plant:016x}");
+    let facts = [
+        ("schema", FORM),
+        ("version", env!("CARGO_PKG_VERSION")),
+        (PLANT, &plant),
+    ];
     let facts = facts.map(|(name, text)| (name.to_owned(), text.to_owned()));
     let schema = Schema::new_with_metadata(fields, HashMap::from(facts));
     RecordBatch::try_new(schema.into(), arrays)
@@ -399,6 +413,27 @@ mod tests {
         std::fs::remove_file(&file).unwrap();
         assert_eq!(again.columns(), part.columns());
         assert_eq!(again.row(1), part.row(1));
+    }
+
+    #[test]
+    fn what_a_campaign_measures_is_a_column_with_its_unit() {
+        let campaign = campaign(0);
+        let plan = campaign.source().plan();
+        let peak = plan.measure("max speed of akd-1").unwrap();
+        let trip = plan.measure("time of { fault = \"any\" }").unwrap();
+        let campaign = campaign.clone().measure("peak", peak).measure("trip", trip);
+        let measured = |seed| MeasuredRun {
+            run: campaign.run(seed).unwrap(),
+            measures: Vec::new(),
+            wall: 0.0,
+        };
+        let runs = Runs::new(&campaign, &[measured(1), measured(2)]).unwrap();
+        let schema = runs.columns().schema();
+        assert_eq!(schema.field_with_name("peak").unwrap().metadata()["unit"], "rpm");
+        assert_eq!(schema.metadata()[PLANT].len(), 16);
+        // the fault never came
+        assert_eq!(runs.columns().column_by_name("trip").unwrap().null_count(), 2);
+        assert_eq!(runs.row(1).unwrap()["measures"], json!({ "peak": 0.0 }));
     }
 
     #[test]

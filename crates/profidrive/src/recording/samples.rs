@@ -117,6 +117,7 @@ impl SampleTap for MotionRecorder {
         let table = Table {
             drives: vec![axis.drive().label()],
             columns: signals.iter().map(column_of).collect(),
+            facts: Vec::new(),
         };
         state.open = Some(Open {
             file: RecordingFile::create(&table, &state.path, state.form, None)?,

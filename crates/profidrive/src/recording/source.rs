@@ -311,6 +311,7 @@ pub(super) fn together<'s>(sources: impl IntoIterator<Item = (&'s str, &'s [Colu
     let mut table = Table {
         drives: Vec::new(),
         columns: Vec::new(),
+        facts: Vec::new(),
     };
     for (name, columns) in sources {
         table.drives.push(name.to_owned());

@@ -9,6 +9,8 @@ pub struct Table {
     pub drives: Vec<String>,
     /// The signals. The columns of each row before them are time, time of day, drive and gap.
     pub columns: Vec<Column>,
+    /// What else is known of the whole, by name: part of files that have room for it.
+    pub facts: Vec<(&'static str, String)>,
 }
 
 /// A signal of a recording.

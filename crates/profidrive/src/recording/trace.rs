@@ -1,21 +1,19 @@
 //! A run of a plant that was kept, as a table.
 
-use std::collections::HashMap;
-
 use arrow_array::RecordBatch;
-use arrow_schema::{ArrowError, Schema};
-use plant::{Observed as _, ObservedQuantity, Snapshot, Trace};
+use arrow_schema::ArrowError;
+use plant::{Observed as _, ObservedQuantity, PlantPlan, Snapshot, Trace};
 
-use super::batch::Batch;
+use super::batch::{Batch, PLANT};
 use super::table::{Column, Kind, Row, Table, Value};
 
 /// Words of a drive, before its quantities.
 const WORDS: [&str; 3] = ["state", "stw1", "zsw1"];
 
-/// Returns the columns of a trace: the state (1 to 5), both words, and each quantity that an expectation can look at. The
-/// drives are all drives of the plant.
+/// Returns the columns of a trace of a plant: the state (1 to 5), both words, and each quantity that an expectation can look at. The
+/// drives are all drives of the plant, the facts its fingerprint and the seed of the run.
 #[must_use]
-pub fn trace_table(trace: &Trace) -> Table {
+pub fn trace_table(trace: &Trace, plan: &PlantPlan) -> Table {
     let column = |name: String, kind: Kind, unit: &str| Column {
         name,
         kind,
@@ -31,6 +29,10 @@ pub fn trace_table(trace: &Trace) -> Table {
     Table {
         drives: trace.drives().map(|drive| drive.name().to_owned()).collect(),
         columns: words.into_iter().chain(quantities).collect(),
+        facts: vec![
+            ("seed", trace.seed().to_string()),
+            (PLANT, format!("{:016x}", plan.fingerprint())),
+        ],
     }
 }
 
@@ -62,27 +64,27 @@ fn values(snapshot: &Snapshot) -> Vec<Option<Value>> {
     words.into_iter().chain(quantities).map(Some).collect()
 }
 
-/// Returns the [rows](trace_rows) of a trace as columns. The schema has the seed of the run.
+/// Returns the [rows](trace_rows) of a trace of a plant as columns.
 ///
 /// # Errors
 /// When the columns do not fit together, which is an error in this program.
-pub fn trace_columns(trace: &Trace, drive: Option<&str>) -> Result<RecordBatch, ArrowError> {
-    let mut batch = Batch::new(&trace_table(trace));
+pub fn trace_columns(
+    trace: &Trace,
+    plan: &PlantPlan,
+    drive: Option<&str>,
+) -> Result<RecordBatch, ArrowError> {
+    let mut batch = Batch::new(&trace_table(trace, plan));
     for row in trace_rows(trace, drive) {
         batch.push(&row);
     }
-    let columns = batch.take()?;
-    let schema = columns.schema();
-    let mut facts: HashMap<String, String> = schema.metadata().clone().into();
-    facts.insert("seed".to_owned(), trace.seed().to_string());
-    columns.with_schema(Schema::new_with_metadata(schema.fields().clone(), facts).into())
+    batch.take()
 }
 
 #[cfg(test)]
 mod tests {
     use std::time::Duration;
 
-    use plant::{PlantPlan, World};
+    use plant::World;
     use profinet::Instant;
 
     use super::*;
@@ -104,9 +106,19 @@ mod tests {
             panic!("{fault:?}");
         };
         assert_eq!(zsw1 & 8, 8, "bit 3 of ZSW1 is the fault");
-        let columns = trace_columns(&trace, None).unwrap();
+        let columns = trace_columns(&trace, &plan, None).unwrap();
         assert_eq!(columns.num_rows(), rows.len());
         assert_eq!(columns.schema().metadata()["seed"], "9");
+        // a hash of what the plant is, whatever its seed and its comments
+        let hash = |text: &str| {
+            let plan: PlantPlan = text.parse().unwrap();
+            trace_table(&trace, &plan).facts.swap_remove(1)
+        };
+        let own = hash(text);
+        assert_eq!(own, (PLANT, columns.schema().metadata()[PLANT].clone()));
+        assert_eq!(own.1.len(), 16);
+        assert_eq!(hash(&text.replace("seed = 9", "# seeds\nseed=10")), own);
+        assert_ne!(hash(&text.replace("439", "440")), own);
         assert_eq!(
             columns.schema().field_with_name("load_speed").unwrap().metadata()["unit"],
             "rpm"

@@ -272,6 +272,7 @@ mod tests {
     fn armed(trigger: &str, pre: u64) -> Armed {
         let table = Table {
             drives: vec!["a".into(), "b".into()],
+            facts: Vec::new(),
             columns: vec![Column {
                 name: "speed".into(),
                 kind: Kind::Number,
