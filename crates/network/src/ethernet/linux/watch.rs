@@ -133,7 +133,11 @@ mod tests {
             watch.add(stop.as_raw_fd()).unwrap();
             let fd = near.as_raw_fd();
             let start = now();
-            assert_eq!(watch.wait(fd, SOON).unwrap(), Woken::default(), "nothing is there");
+            assert_eq!(
+                watch.wait(fd, SOON).unwrap(),
+                Woken::default(),
+                "nothing is there"
+            );
             assert!(now() - start >= SOON);
             far.write_all(b"x").unwrap();
             assert_eq!(watch.wait(fd, LATE).unwrap().events, libc::POLLIN);
