@@ -510,7 +510,12 @@ mod tests {
                 1.into(),
                 "`name` is one value and has no `first`",
             ),
-            ("drive.press-1.load.friction", "much".into(), "invalid type"),
+            (
+                "drive.press-1.load.friction",
+                "much".into(),
+                "does not start with a number",
+            ),
+            ("drive.press-1.load.friction", true.into(), "a text with its unit"),
             ("drive.press-1.load.friction", (-1.0).into(), "0"),
             (
                 "drive.press-1.name",

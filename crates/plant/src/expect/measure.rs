@@ -292,7 +292,7 @@ mod tests {
         assert!(cut > Duration::from_millis(50));
         let of = |text: &str| plan.measure(text).unwrap().of(&trace);
         assert!(of("max speed of press-1.a in ..40ms").is_ok());
-        for text in ["max speed of press-1.a", "time of { fault = 439 }"] {
+        for text in ["max speed of press-1.a", "time of { fault = 702 }"] {
             let error = of(text).unwrap_err();
             assert!(error.to_string().contains(text), "{error}");
         }
