@@ -33,9 +33,9 @@ fn words(action: &Action) -> String {
         Action::Stop => "a stop".to_owned(),
         Action::Disable => "a stop that switches it off".to_owned(),
         Action::Home => "\"Home\"".to_owned(),
-        Action::Run => "\"Turn at this speed\" on Control".to_owned(),
-        Action::Jog => "\"Jog\" on Control".to_owned(),
-        Action::Move => "\"Move\" on Control".to_owned(),
+        Action::Run => "\"Turn at this speed\"".to_owned(),
+        Action::Jog => "\"Jog\"".to_owned(),
+        Action::Move => "\"Move\"".to_owned(),
         Action::SetName { .. } => "a name".to_owned(),
         Action::SetAddress { .. } => "an IP address".to_owned(),
         Action::Choose(choice) => match choice {
@@ -68,6 +68,10 @@ mod tests {
                 "switch the mains on; VBUS.VALUE, VBUS.UVFTHRESH shows the voltage",
             ),
             ("{write 930=1} changes it", "the value 1 in 930 changes it"),
+            (
+                "take the axis with {run} or {jog}",
+                "take the axis with \"Turn at this speed\" or \"Jog\"",
+            ),
             ("{home} sets the home position", "\"Home\" sets the home position"),
             (
                 "{choose run-on} accepts that it may run on",

@@ -118,7 +118,7 @@ mod tests {
         assert_eq!(own, (PLANT, columns.schema().metadata()[PLANT].clone()));
         assert_eq!(own.1.len(), 16);
         assert_eq!(hash(&text.replace("seed = 9", "# seeds\nseed=10")), own);
-        assert_ne!(hash(&text.replace("439", "440")), own);
+        assert_ne!(hash(&text.replace("1s", "2s")), own);
         assert_eq!(
             columns.schema().field_with_name("load_speed").unwrap().metadata()["unit"],
             "rpm"

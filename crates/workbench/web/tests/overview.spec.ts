@@ -47,7 +47,7 @@ test("a fault has its meaning and its remedy, and the next step", async ({ enter
 
 test("what comes next is one step away", async ({ entered: page }) => {
   await page.getByRole("link", { name: "axis-1" }).click();
-  const step = page.locator(".steps").getByRole("link", { name: "Open Control" });
+  const step = page.locator(".next-steps").getByRole("link", { name: "Open Control" });
   expect((await step.boundingBox())?.height).toBe(28);
   await step.click();
   await expect(page.getByRole("heading", { level: 1, name: "Control axis-1" })).toBeVisible();

@@ -25,7 +25,7 @@ test("what happens to a virtual drive shows on its other screens at once", async
     await expect(row).toContainText("sto=on");
     await page.getByRole("button", { name: "End sto=on" }).click();
     await expect(row).not.toContainText("sto=on");
-    await expect(page.getByText("Nothing that was injected lasts.")).toBeVisible();
+    await expect(page.getByText("No injected event is in effect.")).toBeVisible();
     await page.getByRole("combobox", { name: /^Fault/ }).selectOption("439");
     await page.getByRole("button", { name: "Until its cause is cleared" }).click();
     await expect(row).toContainText("F439");

@@ -57,7 +57,7 @@ function Why({ station }: { station: Station }) {
           <b>{t("overview.next")}</b> <bdi>{sentence(next)}</bdi>
         </p>
       )}
-      <p class="buttons steps">
+      <p class="buttons next-steps">
         <Steps station={station} />
       </p>
       {name !== null && <p>{t("overview.watch", { name })}</p>}

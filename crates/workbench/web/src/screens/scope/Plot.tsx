@@ -96,7 +96,7 @@ function build(Uplot: typeof uPlot, host: HTMLElement, width: number, key: strin
   const analog = signals.filter(({ bit, column }) => bit === null && column.type !== "u32");
   const bits = signals.filter(({ bit }) => bit !== null);
   const units = [...new Set(analog.map(({ column }) => column.unit))];
-  const [text, grid] = [style("--muted"), style("--soft")];
+  const [text, grid] = [style("--muted"), style("--grid")];
   const font = "12px system-ui, sans-serif";
   const right = Math.max(0, units.length - 1) * (AXIS + UNIT);
   const axis = { stroke: text, font, grid: { stroke: grid, width: 1 }, ticks: { stroke: grid, width: 1 } };
