@@ -24,6 +24,9 @@ if TYPE_CHECKING:
 _SHOWN = 20
 """Events that a failure shows."""
 
+_PARTS = (r"^\s*(expect\s*=|\[\[\s*expect\s*\]\])", r"^\s*(drive\s*=\s*\[\s*(\{|#|$)|\[\[\s*drive\s*\]\])")
+"""What a plant file that is a test has: expectations and drives."""
+
 _WATCHES = pytest.StashKey["list[_Watch]"]()
 
 
@@ -285,8 +288,8 @@ def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> PlantFile 
     if file_path.suffix != ".toml" or not parent.config.getini("profidrive_collect_plants"):
         return None
     text = file_path.read_text(encoding="utf-8", errors="replace")
-    # its drives may be in a file that it includes
-    if re.search(r"^\s*(expect\s*=|\[\[\s*expect\s*\]\])", text, re.M):
+    # a file with expectations alone is for plants of other files
+    if all(re.search(part, text, re.M) for part in _PARTS):
         found: PlantFile = PlantFile.from_parent(parent, path=file_path)
         return found
     return None

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterator, Mapping
 from typing import TYPE_CHECKING
 
 from profidrive._render import LAST, page, table
 from profidrive.errors import UnsupportedError
+from profidrive.types import Path
 
 if TYPE_CHECKING:
     import numpy
@@ -80,9 +82,9 @@ class Table:
         """The Arrow stream of the PyCapsule interface."""
         return self._table.__arrow_c_stream__(requested_schema)
 
-    def write(self, path: str) -> None:
+    def write(self, path: Path) -> None:
         """Writes a new file whose name decides its form: `.csv`, `.arrow`, `.arrows`, `.feather` or `.parquet`."""
-        self._write(path)
+        self._write(os.fspath(path))
 
     def _repr_html_(self) -> str:
         """The last rows, for notebooks."""

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use std::time::Instant as Clock;
 
 use ::plant::{Bounds, Campaign as Source, CampaignError, Distribution, DistributionError, Trace as Kept};
+use arrow_schema::ArrowError;
 use client::ErrorKind;
 use profidrive::Explained as _;
 use profidrive::recording::{MeasuredRun, Runs as Table};
@@ -123,7 +124,11 @@ impl Campaign {
             }
         }
         let table = Table::new(&self.runs, &runs);
-        Ok(Runs(table.map_err(|error| Failure::usage(error.to_string()))?))
+        let why = |error| match error {
+            ArrowError::SchemaError(text) => text,
+            other => other.to_string(),
+        };
+        Ok(Runs(table.map_err(|error| Failure::usage(why(error)))?))
     }
 
     /// The smallest plant in which an expectation of a run still fails, found within a time of this computer; what fails in

@@ -20,7 +20,7 @@ use crate::joined::locked;
 use crate::log::{self, Logger};
 use crate::process::Process;
 use crate::time::{Span, seconds};
-use crate::trace::{Trace, document, event, inline, lost};
+use crate::trace::{Trace, document, event, goal_of, lost};
 use crate::world::looks;
 
 /// Events that are kept.
@@ -176,8 +176,7 @@ impl Served {
     /// Waits until conditions hold of a drive; returns the event that reports it, as JSON.
     fn wait_until(&self, py: Python<'_>, goal: &str, timeout: Span) -> PyResult<String> {
         self.usable()?;
-        let text = inline(goal).unwrap_or_else(|| Ok(goal.to_owned()))?;
-        let goal = self.plan.goal(&text).map_err(|error| explained(&error))?;
+        let goal = goal_of(&self.plan, goal)?;
         if goal.reads_parameters() {
             let why = "parameters of drives that are served are read over their network: a condition on one cannot be waited for";
             return Err(Failure::usage(why).into());

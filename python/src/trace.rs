@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::sync::{Arc, OnceLock};
 
-use ::plant::{Event, EventKind, Expectation, ExpectationResult, PlantPlan};
+use ::plant::{Event, EventKind, Expectation, ExpectationResult, Goal, PlantPlan};
 use client::ErrorKind;
 use profidrive::recording::{Mark, Scope, svg, trace_columns, trace_rows, trace_table};
 use profidrive::{Explained, Running};
@@ -249,7 +249,7 @@ fn without_line(result: &ExpectationResult) -> String {
 }
 
 /// Returns an inline table: one that is written as such, or a JSON object; `None` for another text.
-pub fn inline(text: &str) -> Option<Result<String, Failure>> {
+fn inline(text: &str) -> Option<Result<String, Failure>> {
     if !text.trim_start().starts_with('{') {
         return None;
     }
@@ -260,6 +260,12 @@ pub fn inline(text: &str) -> Option<Result<String, Failure>> {
     let table: Result<toml::Value, _> = serde_json::from_value(object);
     let table = table.map(|table| table.to_string());
     Some(table.map_err(|error| Failure::new(ErrorKind::Usage, format!("{text}: {error}"))))
+}
+
+/// Returns the conditions of a text or of a JSON object; their errors have no line, as the caller wrote none.
+pub fn goal_of(plan: &PlantPlan, text: &str) -> Result<Goal, Failure> {
+    let text = inline(text).unwrap_or_else(|| Ok(text.to_owned()))?;
+    plan.goal(&text).map_err(|error| Failure::usage(error.message))
 }
 
 /// Returns each result as JSON with its text.

@@ -61,6 +61,7 @@ const fn argument(choice: Choice) -> Option<&'static str> {
         Choice::RunOn => "accept_no_timeout=True",
         Choice::Interface => "open(\"eth0\")",
         Choice::Save => "save=True",
+        Choice::Machine => "open(.., machine=\"machine.toml\")",
         Choice::WayBack => "way_back=..",
         _ => return None,
     })

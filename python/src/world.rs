@@ -23,7 +23,7 @@ use crate::network::Network;
 use crate::process::Process;
 use crate::table::unwritten;
 use crate::time::{Span, seconds};
-use crate::trace::{Cell, Trace, event, fill, inline, lost, results};
+use crate::trace::{Cell, Trace, event, fill, goal_of, lost, results};
 
 /// Virtual time that passes at least between two looks at a goal while something has joined.
 const TICK: Duration = Duration::from_micros(250);
@@ -271,13 +271,7 @@ impl World {
 
     /// Runs until conditions hold of a drive; returns the event that reports it, as JSON.
     fn run_until(&self, py: Python<'_>, goal: &str, timeout: Span) -> PyResult<String> {
-        let text = inline(goal).unwrap_or_else(|| Ok(goal.to_owned()))?;
-        let goal = self
-            .held
-            .running
-            .plan()
-            .goal(&text)
-            .map_err(|error| explained(&error))?;
+        let goal = goal_of(self.held.running.plan(), goal)?;
         let timeout = timeout.read()?;
         let held = self.held()?;
         let met = py.detach(|| {

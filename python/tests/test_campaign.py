@@ -107,6 +107,8 @@ def test_what_is_measured_has_a_name_and_a_text_or_a_function_and_each_plant_run
         made = sweep(plant, seeds=range(3), until="5s", measure=function, executor=threads, chunk=2)
         with pytest.raises(UsageError, match="measure peak.*there are: .*press-1"):
             sweep(plant, seeds=[1], until="1s", measure={"peak": "max speed of press-9"}, executor=threads)
+        with pytest.raises(UsageError, match="^two columns are named `seed`"):
+            sweep(plant, seeds=[1], until="1s", measure={"seed": "max speed of press-1"}, executor=threads)
         # another measure is another campaign
         for peak in ("max speed of press-1", "min speed of press-1"):
             sweep(plant, seeds=[1], until="1s", measure={"peak": peak}, executor=threads, out=tmp_path)
@@ -124,6 +126,8 @@ def test_loads_vary_with_units(plant: Plant) -> None:
     vary = {"drive.press-1.load.inertia": uniform("5kgcm2", "20kgcm2"), "drive.press-1.load.friction": choice("200mNm", "0.3Nm")}
     with ThreadPoolExecutor(1) as threads:
         varied = sweep(plant, seeds=range(4), until="2s", vary=vary, executor=threads)
+        with pytest.raises(UsageError, match=r"5000000 kgm\^2 is outside 0 to 1000 kgm\^2"):
+            plant.with_changes({"drive.press-1.load.inertia": "50000000000kgcm2"})
         with pytest.raises(UsageError, match="accepted: kgcm"):
             sweep(plant, seeds=[1], until="1s", vary={"drive.press-1.load.inertia": ["5rpm"]}, executor=threads)
     assert varied.units["drive.press-1.load.inertia"] == "kgcm2"

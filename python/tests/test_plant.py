@@ -113,7 +113,7 @@ def test_what_did_not_happen_in_time_is_a_lost_expectation() -> None:
     assert lost.value.drive == "akd-1"
     assert world.now == 0.2
     assert isinstance(lost.value, AssertionError)
-    with pytest.raises(UsageError, match="unknown key `colour`"):
+    with pytest.raises(UsageError, match="^unknown key `colour`"):
         world.run_until("akd-1", colour="red", timeout=1)
     with pytest.raises(UsageError, match="no drive `akd-7`; there are: akd-1"):
         world.run_until("akd-7", state="S4", timeout=1)

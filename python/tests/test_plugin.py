@@ -149,6 +149,8 @@ def test_a_report_that_cannot_be_written_does_not_hide_the_failure(pytester: pyt
 
 def test_plant_files_with_expectations_are_tests_where_they_are_wanted(pytester: pytest.Pytester) -> None:
     pytester.path.joinpath("other.toml").write_text('[[drive]]\nname = "akd-1"\n')
+    # of `simulate --expect`
+    pytester.path.joinpath("alone.toml").write_text('[[expect]]\nnever = true\ndrive = ["press-1"]\nfault = 439\n')
     pytester.runpytest().assert_outcomes()
     pytester.makeini("[pytest]\nprofidrive_collect_plants = true\n")
     result = pytester.runpytest("-v")

@@ -59,8 +59,9 @@ def test_a_selection_works_on_all_its_drives_at_once(world: World) -> None:
     with pytest.raises(DriveGroupError) as missing:
         world.network.select("akd-1,akd-9")
     assert isinstance(missing.value.errors["akd-9"], UnreachableError)
-    with pytest.raises(UsageError):
+    with pytest.raises(UsageError) as alone:
         world.network.select("@line1")
+    assert alone.value.hint == 'open(.., machine="machine.toml")'
 
 
 def test_what_cannot_be_read_of_a_list_is_collected(world: World) -> None:

@@ -11,7 +11,7 @@ from collections.abc import Callable, Sequence
 import pytest
 
 from profidrive import Plant, World, aio
-from profidrive.errors import InterruptedCall, ProfidriveError, SafetyError
+from profidrive.errors import ExpectationFailed, InterruptedCall, ProfidriveError, SafetyError
 from profidrive.events import ConnectionLost
 
 from .conftest import output_when_interrupted
@@ -69,6 +69,24 @@ def alone(work: Callable[[World], Callable[[], None]]) -> float:
     before = world.now
     work(world)()
     return world.now - before
+
+
+def test_two_threads_that_wait_for_conditions_do_not_end_the_wait_of_each_other() -> None:
+    world = Plant.of("akd", "akd").start()
+    world["akd-1"].inject("fault=439")
+    ends: list[float] = []
+
+    def never() -> None:
+        with pytest.raises(ExpectationFailed):
+            world.run_until("akd-2", fault="any", timeout="50s")
+        ends.append(world.now)
+
+    def soon() -> None:
+        for _ in range(ROUNDS):
+            world.run_until("akd-1", fault=439, for_="1s", timeout="1s")
+
+    together(never, soon)
+    assert ends[0] >= 50
 
 
 def test_two_threads_that_read_pass_the_time_of_their_reads() -> None:

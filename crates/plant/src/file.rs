@@ -511,7 +511,7 @@ fn number(
     let inside = range.contains(&number).then_some(number);
     inside.ok_or_else(|| {
         wrong(format!(
-            "{number} is outside {} to {}",
+            "{number} {unit} is outside {} to {} {unit}",
             range.start(),
             range.end()
         ))

@@ -56,6 +56,22 @@ fn a_run_stops_at_the_moment_when_the_goal_is_met() {
 }
 
 #[test]
+fn two_who_wait_do_not_end_the_wait_of_each_other() {
+    let mut world = World::new(&plant()).unwrap();
+    let long = plant().goal(r#"{ drive = "press-1", fault = 702 }"#).unwrap();
+    let mut outer = world.pursue(&long, Duration::from_secs(2));
+    wait(&mut world, r#"{ drive = "press-1", state = "S4" }"#, 2000).unwrap();
+    assert!(world.pursues(&mut outer).is_some(), "the fault comes at 3 s");
+    let end = profinet::Instant::ZERO + Duration::from_secs(2);
+    world.run_until(end, &mut drop);
+    assert!(world.pursues(&mut outer).is_none());
+    let lost = world.end_pursuit(&outer, None).unwrap_err();
+    assert_eq!(lost.0.outcome, Outcome::NotMet);
+    // it was ended
+    assert!(world.end_pursuit(&outer, None).is_err());
+}
+
+#[test]
 fn a_goal_that_must_last_is_waited_for() {
     let mut world = World::new(&plant()).unwrap();
     let goal = r#"{ drive = "press-1", speed = "59rpm..61rpm", for = "300ms" }"#;

@@ -120,10 +120,15 @@ impl Expected {
         }
     }
 
+    /// Whether the trace has to be looked after soon, even if nothing happens.
+    pub fn is_behind(&self) -> bool {
+        self.keeper.as_ref().is_some_and(Keeper::is_behind)
+    }
+
     /// Looks at the drives to which something happened in this turn; at all of them when the clock has just started.
     pub fn look(&mut self, at: Instant, runner: &Runner) {
         if let Some(mut keeper) = self.keeper.take() {
-            if keeper.has_events() || !runner.touched().is_empty() {
+            if keeper.is_behind() || !runner.touched().is_empty() {
                 let touched = runner
                     .touched()
                     .iter()

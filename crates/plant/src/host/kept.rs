@@ -1,5 +1,6 @@
 //! The trace of drives that run on a network.
 
+use std::collections::BTreeSet;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
@@ -162,6 +163,8 @@ pub(super) struct Keeper {
     start: Instant,
     /// Events that came while another thread looked at the trace.
     waiting: Vec<(usize, Event)>,
+    /// Numbers of the drives that changed meanwhile.
+    late: BTreeSet<usize>,
 }
 
 impl Keeper {
@@ -186,6 +189,7 @@ impl Keeper {
             kept,
             start,
             waiting: Vec::new(),
+            late: BTreeSet::new(),
         }
     }
 
@@ -194,9 +198,9 @@ impl Keeper {
         self.waiting.push((drive, event));
     }
 
-    /// Whether events wait to be taken.
-    pub const fn has_events(&self) -> bool {
-        !self.waiting.is_empty()
+    /// Whether something waits to be taken by the next [look](Self::look).
+    pub fn is_behind(&self) -> bool {
+        !self.waiting.is_empty() || !self.late.is_empty()
     }
 
     /// Returns the time of the trace.
@@ -204,10 +208,11 @@ impl Keeper {
         at.saturating_since(self.start)
     }
 
-    /// Takes what the drives are like at a time; `touched` are the numbers of those to which something happened. While another thread looks at the trace this tick is left out: the next one has what
-    /// changed.
+    /// Takes what the drives are like at a time; `touched` are the numbers of those to which something happened. While another thread
+    /// looks at the trace this tick is left out: the next look has what changed, and must come soon.
     pub fn look<'a>(&mut self, at: Instant, drives: impl Iterator<Item = Live<'a>>, touched: &[usize]) {
         let time = self.time(at);
+        self.late.extend(touched);
         let Ok(mut kept) = self.kept.0.try_lock() else {
             return;
         };
@@ -243,9 +248,10 @@ impl Keeper {
         let drives: Vec<Live<'_>> = drives.collect();
         for (number, live) in drives.iter().enumerate() {
             let is_new = latest.len() <= number;
-            if !is_new && (!touched.contains(&number) || injected.contains(&number)) {
+            if !is_new && (injected.contains(&number) || !self.late.contains(&number)) {
                 continue;
             }
+            self.late.remove(&number);
             let snapshot = Snapshot::of(live, latest.get(number));
             match latest.get_mut(number) {
                 Some(before) => *before = snapshot,
@@ -256,5 +262,35 @@ impl Keeper {
             }
         }
         trace.take_tick(time, drives.iter().map(|live| live as &dyn Observed));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use virtual_drive::drive::Drive;
+    use virtual_drive::model::AKD;
+
+    use super::*;
+
+    #[test]
+    fn what_changes_while_another_thread_looks_is_taken_by_the_next_look() {
+        let (trace, drive) = (HostTrace::default(), Drive::new(&AKD));
+        let live = |connected| {
+            std::iter::once(Live {
+                drive: &drive,
+                connected,
+            })
+        };
+        let connected = || trace.state(0).unwrap().connected();
+        let mut keeper = Keeper::begin(trace.clone(), Instant::ZERO, 1, ["akd-1"].into_iter(), 1 << 20);
+        keeper.look(Instant::ZERO, live(None), &[]);
+        assert!(connected().is_none() && !keeper.is_behind());
+        let looks = trace.locked();
+        keeper.look(Instant::from_millis(1), live(Some(true)), &[0]);
+        drop(looks);
+        assert!(connected().is_none() && keeper.is_behind());
+        // the drive is idle now: nothing happens to it
+        keeper.look(Instant::from_millis(2), live(Some(true)), &[]);
+        assert!(connected() == Some(true) && !keeper.is_behind());
     }
 }

@@ -61,6 +61,8 @@ use persistence::Persistence;
 
 /// How long to sleep while nothing happens.
 const LONGEST_SLEEP: Duration = Duration::from_secs(3600);
+/// When a trace at which another thread looked is looked after.
+const SOON: Duration = Duration::from_millis(5);
 /// Time between two attempts to open an interface or a port that went away.
 const RETRY: Duration = Duration::from_secs(1);
 
@@ -367,7 +369,15 @@ impl Host {
         };
         let check = self.duplicate_check.as_ref().map(DuplicateCheck::due);
         let load = self.load.map(|(_, due)| due);
-        let until = [Some(now() + sleep), timelines.min(), self.end, check, load];
+        let behind = self.expected.is_behind().then(|| now() + SOON);
+        let until = [
+            Some(now() + sleep),
+            timelines.min(),
+            self.end,
+            check,
+            load,
+            behind,
+        ];
         match self
             .runner
             .step(until.into_iter().flatten().min().unwrap_or(Instant::MAX))

@@ -18,9 +18,11 @@ pub struct NotMet(
     pub Box<ExpectationResult>,
 );
 
-/// A goal that a world waits for.
+/// A goal that a world waits for, until [`World::end_pursuit`].
 #[derive(Debug, Clone)]
 pub struct Pursuit {
+    /// Its number in the world.
+    number: u64,
     goal: Goal,
     /// Name of its drive.
     name: String,
@@ -81,19 +83,22 @@ impl World {
         self.end_pursuit(&pursuit, newest)
     }
 
-    /// Begins to wait for the conditions of a goal, for a caller that lets the time pass itself ([`pursues`](Self::pursues)). Replaces a
-    /// goal before.
+    /// Begins to wait for the conditions of a goal, for a caller that lets the time pass itself ([`pursues`](Self::pursues)), beside
+    /// others that wait for theirs.
     pub fn pursue(&mut self, goal: &Goal, timeout: Duration) -> Pursuit {
         let begin = self.now();
         let expectation = goal.within(timeout, begin - Instant::ZERO);
         let monitor = Monitor::new(&[expectation], self.drives.len(), self.seed);
+        let number = self.watchers.next_goal;
+        self.watchers.next_goal += 1;
         let watchers = self.shown(Watchers {
-            goal: Some(Box::new(monitor)),
+            goals: vec![(number, monitor)],
             ..Watchers::default()
         });
-        self.watchers.goal = watchers.goal;
+        self.watchers.goals.extend(watchers.goals);
         let name = self.drives.get(goal.drive()).map(|seat| seat.name.clone());
         Pursuit {
+            number,
             goal: goal.clone(),
             name: name.unwrap_or_default(),
             looked: begin,
@@ -104,7 +109,9 @@ impl World {
     /// Returns how long nothing happens yet; `None` once it is decided whether the goal is met.
     #[must_use]
     pub fn pursues(&self, pursuit: &mut Pursuit) -> Option<Duration> {
-        let decided = self.watchers.goal.as_ref().is_none_or(|goal| goal.is_decided());
+        let mut goals = self.watchers.goals.iter();
+        let own = goals.find(|(number, _)| *number == pursuit.number);
+        let decided = own.is_none_or(|(_, goal)| goal.is_decided());
         if decided || self.now() >= pursuit.end {
             return None;
         }
@@ -116,16 +123,23 @@ impl World {
     /// caller knows it; otherwise it is looked for in the trace that is kept.
     ///
     /// # Errors
-    /// As [`run_until_met`](Self::run_until_met).
+    /// As [`run_until_met`](Self::run_until_met), and when it was ended before.
     pub fn end_pursuit(&mut self, pursuit: &Pursuit, newest: Option<Event>) -> Result<Event, NotMet> {
         let Pursuit {
-            goal, name, looked, ..
+            number,
+            goal,
+            name,
+            looked,
+            ..
         } = pursuit;
-        let now = self.now();
-        let monitor = self.watchers.goal.take();
-        let results = monitor.map(|monitor| monitor.finish(now - Instant::ZERO, |_| name));
+        let now = self.now() - Instant::ZERO;
+        let goals = &mut self.watchers.goals;
+        let place = goals.iter().position(|(other, _)| other == number);
+        let monitor = place.map(|place| goals.swap_remove(place).1);
+        let unseen = || Monitor::new(&[goal.within(Duration::ZERO, now)], self.drives.len(), self.seed);
+        let results = monitor.unwrap_or_else(unseen).finish(now, |_| name);
         // a goal has one drive, so one result
-        if let Some(lost) = results.into_iter().flatten().find(|result| !result.is_met()) {
+        if let Some(lost) = results.into_iter().find(|result| !result.is_met()) {
             return Err(NotMet(Box::new(lost)));
         }
         let kept = || {

@@ -16,8 +16,10 @@ use super::{Seat, World};
 pub(super) struct Watchers {
     /// Checks what is expected of the drives.
     pub monitor: Option<Box<Monitor>>,
-    /// Waits for something to be true of a drive.
-    pub goal: Option<Box<Monitor>>,
+    /// Each waits for something to be true of a drive, by number.
+    pub goals: Vec<(u64, Monitor)>,
+    /// The number of the next one.
+    pub next_goal: u64,
     /// Keeps the run.
     pub trace: Option<Box<Trace>>,
     /// Of all events.
@@ -28,7 +30,8 @@ impl Watchers {
     /// Shows an event of the drive of that number.
     pub fn note(&mut self, drive: usize, event: &Event) {
         self.digest.event(drive, event);
-        for monitor in [&mut self.monitor, &mut self.goal].into_iter().flatten() {
+        let goals = self.goals.iter_mut().map(|(_, goal)| goal);
+        for monitor in self.monitor.as_deref_mut().into_iter().chain(goals) {
             monitor.note(drive, event);
         }
         if let Some(trace) = &mut self.trace {
@@ -37,7 +40,7 @@ impl Watchers {
     }
 
     const fn is_empty(&self) -> bool {
-        self.monitor.is_none() && self.goal.is_none() && self.trace.is_none()
+        self.monitor.is_none() && self.goals.is_empty() && self.trace.is_none()
     }
 }
 
@@ -111,9 +114,13 @@ impl World {
         let time = self.now() - Instant::ZERO;
         let drives: Vec<Live<'_>> = self.seats().map(|(_, live)| live).collect();
         let Watchers {
-            monitor, goal, trace, ..
+            monitor,
+            goals,
+            trace,
+            ..
         } = &mut watchers;
-        for monitor in [monitor, goal].into_iter().flatten() {
+        let goals = goals.iter_mut().map(|(_, goal)| goal);
+        for monitor in monitor.as_deref_mut().into_iter().chain(goals) {
             for (number, live) in drives.iter().enumerate() {
                 monitor.observe(number, time, live);
             }
