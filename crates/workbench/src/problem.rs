@@ -1,5 +1,8 @@
 //! Why a request failed.
 
+use std::error::Error as _;
+use std::iter::successors;
+
 use axum::Json;
 use axum::extract::rejection::JsonRejection;
 use axum::http::StatusCode;
@@ -56,7 +59,12 @@ impl Problem {
 
     /// Returns the problem of a body that is not what a request needs.
     pub fn of_body(error: &JsonRejection) -> Self {
-        Self::new(error.status(), "body", &error.body_text())
+        let causes = successors(error.source(), |cause| (*cause).source());
+        let detail = causes.last().map_or_else(
+            || error.body_text(),
+            |cause| format!("the body is not what this request needs: {cause}"),
+        );
+        Self::new(error.status(), "body", &detail)
     }
 
     /// Returns the problem of a panic, which was printed.

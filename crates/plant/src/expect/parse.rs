@@ -89,7 +89,7 @@ pub(crate) fn read_goal(text: &str, scope: Scope<'_>) -> Result<Goal, PlantError
     check_keys(table, &["drive", "for"]).map_err(wrong_text)?;
     let rule = Rule::At(Duration::ZERO);
     let expectation = conditions(table, &value.span(), scope, rule).map_err(wrong_text)?;
-    let several = || error("a goal has one drive: name it with `drive`".into());
+    let several = || error("this concerns one drive: name it with `drive`".into());
     Goal::of(Expectation {
         name: "goal".into(),
         line: 1,

@@ -131,6 +131,8 @@ fn an_address_is_checked_and_set() {
         &json!({ "ip": "192.168.77.029", "mask": "255.255.255.0" }),
     );
     assert_eq!((answer.status, &answer.json()["kind"]), (422, &"body".into()));
+    let detail = answer.json()["detail"].to_string();
+    assert!(detail.contains("not what this request needs: ip: "), "{detail}");
 }
 
 #[test]
