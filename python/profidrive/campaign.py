@@ -412,8 +412,21 @@ def _jobs(
     crossed = [[(path, "choice", values, place) for place in range(len(values))] for path, values in lists.items()]
     build = _build()
     text, end = plant.to_toml(), optional_span(until)
-    wanted = tuple(measure.items()) if isinstance(measure, Mapping) else measure
+    wanted = _measured(measure)
     return [_Job(text, end, (*point, *drawn), wanted, build) for point in product(*crossed)]
+
+
+def _measured(measure: object) -> Any:
+    """What is measured, as a job has it."""
+    if measure is None or callable(measure):
+        return measure
+    if not isinstance(measure, Mapping):
+        peak = {"peak": "max speed of press-1"}
+        raise UsageError(f"measure = {measure!r}: give texts by name, such as {peak}, or a function of a trace")
+    for name, text in measure.items():
+        if not isinstance(name, str) or not isinstance(text, str):
+            raise UsageError(f"measure {name!r} = {text!r}: give a name and a text, such as 'max speed of press-1'")
+    return tuple(measure.items())
 
 
 def _listed(path: str, values: object) -> Sequence[object]:

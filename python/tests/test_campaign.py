@@ -105,6 +105,9 @@ def test_what_is_measured_has_a_name_and_a_text_or_a_function_and_each_plant_run
     with ThreadPoolExecutor(1) as threads:
         named = sweep(plant, seeds=range(3), until="5s", measure=texts, executor=threads, chunk=2)
         made = sweep(plant, seeds=range(3), until="5s", measure=function, executor=threads, chunk=2)
+        for wrong in ({"peak": 5}, {5: "max speed of press-1"}, "max speed of press-1"):
+            with pytest.raises(UsageError, match="measure.*max speed of press-1"):
+                sweep(plant, seeds=[1], until="1s", measure=wrong, executor=threads)  # type: ignore[arg-type]
         with pytest.raises(UsageError, match="measure peak.*there are: .*press-1"):
             sweep(plant, seeds=[1], until="1s", measure={"peak": "max speed of press-9"}, executor=threads)
         with pytest.raises(UsageError, match="^two columns are named `seed`"):
