@@ -156,6 +156,13 @@ impl Bell {
         rung
     }
 
+    /// Ends the wait for its event after it has ended one: its flag may have been taken before the event was raised, and an event that
+    /// stays raised would end each wait until it rings again. A flag that is set stays so.
+    #[cfg(target_os = "linux")]
+    pub(crate) fn quiet(&self) {
+        self.inner.event.clear();
+    }
+
     /// Raised once it has rung.
     #[cfg(target_os = "linux")]
     pub(crate) fn event(&self) -> &Event {

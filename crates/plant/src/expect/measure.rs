@@ -173,6 +173,10 @@ fn what(text: &str, scope: Scope<'_>) -> Result<What, String> {
 /// The values of a drive in a time, each with how long it lasted.
 fn values(drive: DriveTrace<'_>, quantity: Quantity, from: Duration, to: Duration) -> Vec<(f64, Duration)> {
     let mut found = Vec::new();
+    // the run ended before
+    if from > to {
+        return found;
+    }
     let mut snapshots = drive.snapshots().peekable();
     while let Some((begin, snapshot)) = snapshots.next() {
         let next = snapshots.peek().map(|(next, _)| *next);
@@ -183,7 +187,7 @@ fn values(drive: DriveTrace<'_>, quantity: Quantity, from: Duration, to: Duratio
         let end = next.map_or(to, |next| next.min(to));
         found.push((snapshot.quantity(quantity), end.saturating_sub(begin.max(from))));
     }
-    if from > to { Vec::new() } else { found }
+    found
 }
 
 impl How {

@@ -302,8 +302,7 @@ impl Runner {
                 .wait(self.socket.fd(), wake - now())
                 .map_err(Error::system("cannot wait for frames"))?;
             if let (true, Some(bell)) = (woken.by_another, &self.bell) {
-                // its flag may have been taken before its event was raised: that would end each wait until it rings again
-                bell.event().clear();
+                bell.quiet();
             }
             if self.online {
                 let checked = self.socket.check(woken.events);

@@ -172,8 +172,7 @@ impl Waiting {
     pub fn called(&self, calls: &Calls) -> bool {
         let is_raised = self.revents(BELL) != 0;
         if let (true, Some(bell)) = (is_raised, &calls.bell) {
-            // its flag may have been taken before its event was raised: that would end each wait at once until it rings again
-            bell.event().clear();
+            bell.quiet();
         }
         calls.was_rung() || is_raised || self.revents(STOP) != 0
     }
