@@ -70,6 +70,8 @@ pub struct Provider {
     moved: i64,
     /// The next frame follows one of the peer.
     following: bool,
+    /// The next frame is put off already.
+    waits: bool,
     status: DataStatus,
     sent: u64,
     skipped: u64,
@@ -103,6 +105,7 @@ impl Provider {
             next: now,
             moved: 0,
             following: false,
+            waits: false,
             status: DataStatus::GOOD,
             sent: 0,
             skipped: 0,
@@ -147,10 +150,13 @@ impl Provider {
         self.timing.interval()
     }
 
-    /// Reports a received frame of the peer. The own frame then follows at once if it is due within a quarter of the
-    /// interval, so that the station wakes up once per cycle instead of twice. Later frames are shifted accordingly,
-    /// and cycle counters continue. A late or silent peer has no effect: the own frame is sent at most a sixteenth of
-    /// the interval (1 ms at most) after its time.
+    /// Reports a received frame of the peer, so that the own frames come into step with it: the station then wakes up
+    /// once per cycle instead of twice.
+    ///
+    /// An own frame that is due within a quarter of the interval follows at once. One that is due later is put off
+    /// by a sixteenth of the interval (1 ms at most), once in an interval, until it comes behind the peer's. Later
+    /// frames are shifted accordingly, and cycle counters continue. A late or silent peer has no effect: the own frame
+    /// is sent at most that sixteenth after its time.
     ///
     /// Only for a peer that sends with the same interval.
     pub fn follow(&mut self, now: Instant) {
@@ -159,17 +165,17 @@ impl Provider {
             self.moved = self.moved.saturating_add(signed(early));
             self.next = self.next.min(now);
             self.following = true;
+        } else if !self.waits {
+            self.put_off();
         }
     }
 
-    /// Returns the time for which a following provider waits for the peer's frame beyond its own time.
-    fn follow_wait(&self) -> Duration {
-        (self.interval() / 16).min(Duration::from_millis(1))
-    }
-
-    fn put_off(&mut self, time: Duration) {
+    /// Gives the peer's frame time to come before the own one.
+    fn put_off(&mut self) {
+        let time = (self.interval() / 16).min(Duration::from_millis(1));
         self.next += time;
         self.moved = self.moved.saturating_sub(signed(time));
+        self.waits = true;
     }
 
     /// Writes the frame that is due and returns its length; `None` if none is due or `buffer` is too small (that
@@ -185,8 +191,9 @@ impl Provider {
         let due = self.next + Duration::from_nanos(missed.saturating_mul(period));
         let cycle_counter = self.counter(due);
         self.next = due + Duration::from_nanos(period);
+        self.waits = false;
         if core::mem::take(&mut self.following) {
-            self.put_off(self.follow_wait());
+            self.put_off();
         }
         let trailer = Trailer {
             cycle_counter,
@@ -372,10 +379,11 @@ mod tests {
     fn a_following_provider_sends_behind_the_peer_and_counts_on() {
         let us = |micros: u64| Instant::from_nanos(micros * 1000);
         let mut p = provider(timing(32, 16, 1), Instant::ZERO, Instant::from_millis(1));
-        // far too early: stays on the grid
+        // far too early: put off, but once only, however often the peer sends
         p.follow(us(5_000));
-        assert_eq!(p.next_send(), us(16_000));
-        // the peer sends every 16 ms, at first 3 ms before us, with 200 us of jitter
+        p.follow(us(5_001));
+        assert_eq!(p.next_send(), us(17_000));
+        // the peer sends every 16 ms, at first 4 ms before us, with 200 us of jitter
         let mut expected = 512_u16;
         for cycle in 0..500_u64 {
             let comes = us(13_000 + 16_000 * cycle + 37 * cycle % 200);
@@ -401,6 +409,36 @@ mod tests {
         let back = Instant::ZERO + ((p.next_send() - Instant::ZERO) - Duration::from_millis(1));
         p.follow(back);
         assert_eq!(counter(&mut p, back), expected);
+    }
+
+    #[test]
+    fn a_provider_comes_into_step_with_a_peer_at_any_distance() {
+        for ratio in [1_u16, 4, 16] {
+            for distance in 1..32_u32 {
+                let mut p = provider(timing(32, ratio, 1), Instant::ZERO, Instant::from_nanos(1));
+                let interval = p.interval();
+                let mut comes = p.next_send() + interval * distance / 32;
+                let mut counters = Vec::new();
+                let mut in_step = 0;
+                for _ in 0..64 {
+                    let due = p.next_send();
+                    if due < comes {
+                        counters.push(counter(&mut p, due));
+                    }
+                    p.follow(comes);
+                    if p.is_due(comes) {
+                        in_step += 1;
+                        counters.push(counter(&mut p, comes));
+                    }
+                    comes += interval;
+                }
+                let step = 32 * ratio;
+                let counts = counters.is_sorted_by(|one, next| one.wrapping_add(step) == *next);
+                assert!(counts, "{ratio}, {distance}: {counters:?}");
+                assert!(in_step >= 64 - 16, "{ratio}, {distance}: {in_step} of 64 in step");
+                assert_eq!(p.skipped(), 0);
+            }
+        }
     }
 
     #[test]

@@ -161,8 +161,8 @@ pub struct DeviceConfig {
     pub max_device_access: usize,
     /// Services that the device refuses.
     pub refusals: Refusals,
-    /// Sends each input frame right behind the controller's output frame where that is at most a quarter of the interval
-    /// early, see [`Provider::follow`](crate::cyclic::Provider::follow): one wake-up in a cycle instead of two.
+    /// Comes into step with the controller and sends each input frame right behind its output frame then, see
+    /// [`Provider::follow`](crate::cyclic::Provider::follow): one wake-up in a cycle instead of two.
     pub follow_controller: bool,
     /// Enables LLDP (sent every 5 s and received) and SNMP. A PROFINET device requires both; off where only connections
     /// matter.
