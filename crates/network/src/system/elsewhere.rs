@@ -42,6 +42,11 @@ pub const fn thread_time() -> Option<ThreadTime> {
 }
 
 /// Returns nothing: not available in the standard library.
+pub const fn thread_ran() -> Option<Duration> {
+    None
+}
+
+/// Returns nothing: not available in the standard library.
 pub const fn permissions() -> Option<Permissions> {
     None
 }

@@ -34,11 +34,11 @@ impl First {
     /// Gives the calling thread a rank before all threads that have none.
     #[must_use]
     pub fn new(rank: Rank) -> Self {
-        let watch = os::thread_time()
+        let watch = os::thread_ran()
             .filter(|_| os::run_first(Some(rank)))
-            .map(|time| Watch {
+            .map(|ran| Watch {
                 since: os::now(),
-                ran: time.ran,
+                ran,
                 first: true,
             });
         Self { rank, watch }
@@ -53,16 +53,16 @@ impl First {
         if passed < WINDOW {
             return;
         }
-        let Some(time) = os::thread_time() else {
+        let Some(ran) = os::thread_ran() else {
             return;
         };
-        let first = stays_first(watch.first, time.ran.saturating_sub(watch.ran), passed);
+        let first = stays_first(watch.first, ran.saturating_sub(watch.ran), passed);
         if first != watch.first {
             os::run_first(first.then_some(self.rank));
         }
         *watch = Watch {
             since: now,
-            ran: time.ran,
+            ran,
             first,
         };
     }

@@ -20,7 +20,8 @@ pub use memory::free_memory;
 pub use processes::{holders, permissions};
 pub use processor::thread_time;
 pub use wait::{
-    Waiting, now, readable, run_first, sharpen_timers, timespec, wait, wait_for_octets, wait_for_room,
+    Waiting, now, readable, run_first, sharpen_timers, thread_ran, timespec, wait, wait_for_octets,
+    wait_for_room,
 };
 
 /// Whether a UDP port can be shared, only with programs that request sharing too.

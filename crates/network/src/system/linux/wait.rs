@@ -12,13 +12,24 @@ use crate::system::{Bell, Calls, Error, Rank, Stop};
 /// Returns the time of all media: the monotonic clock, whose origin is the start of the computer.
 #[must_use]
 pub fn now() -> Instant {
+    Instant::ZERO + clock(libc::CLOCK_MONOTONIC)
+}
+
+/// Returns how long the calling thread ran since it began, at the cost of a clock.
+#[expect(clippy::unnecessary_wraps, reason = "other systems do not report it")]
+pub fn thread_ran() -> Option<Duration> {
+    Some(clock(libc::CLOCK_THREAD_CPUTIME_ID))
+}
+
+/// Both clocks exist on every Linux.
+fn clock(id: libc::clockid_t) -> Duration {
     let mut time = libc::timespec {
         tv_sec: 0,
         tv_nsec: 0,
     };
-    // SAFETY: `time` is a valid place for the result. CLOCK_MONOTONIC exists on every Linux.
-    unsafe { libc::clock_gettime(libc::CLOCK_MONOTONIC, &raw mut time) };
-    Instant::from_nanos(time.tv_sec as u64 * 1_000_000_000 + time.tv_nsec as u64)
+    // SAFETY: `time` is a valid place for the result.
+    unsafe { libc::clock_gettime(id, &raw mut time) };
+    Duration::new(time.tv_sec as u64, time.tv_nsec as u32)
 }
 
 /// Lets timers of the calling thread expire when due, not up to 50 us later as the default allows.
