@@ -1,7 +1,8 @@
 //! Many virtual drives in one process, our controller in another: what is lost, what a drive costs, how fast all are there.
 //!
-//! A machine that is held up by its host leaves cycles out. A thread beside both that only sleeps shows for how long.
+//! A machine that is held up by its host leaves cycles out. A program for each processor that only sleeps shows how long.
 
+use std::process::{Child, Command, Stdio};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
@@ -12,8 +13,10 @@ use system_tests::{Lab, Running, Side, built};
 
 use crate::table::Row;
 
-/// A wake-up that is later than this counts as a stall: half a cycle of 1 ms.
-const LATE: Duration = Duration::from_micros(500);
+/// How long the sleeping programs sleep: what they do not see of a stall.
+const NAP: Duration = Duration::from_micros(250);
+/// A wake-up that is later than this is a stall.
+const LATE: Duration = Duration::from_micros(250);
 /// Processor time of one drive in a cycle above the share of the kernel.
 const CPU: f64 = 3.0;
 const MEMORY: f64 = 48.0;
@@ -68,7 +71,7 @@ fn fleet(count: u32, cycle_ms: u64, hold: u32) -> Vec<Row> {
     std::thread::sleep(window);
     let after = Share::of(&drives);
     let cycles = begin.elapsed().as_secs_f64() * 1000.0 / cycle_ms as f64 * f64::from(count);
-    let (stalled, longest) = stalls.end();
+    let stalls = stalls.end();
     let micros = |before: f64, after: f64| (after - before) * 1e6 / cycles;
     let (user, kernel) = (
         micros(before.user, after.user),
@@ -89,15 +92,15 @@ fn fleet(count: u32, cycle_ms: u64, hold: u32) -> Vec<Row> {
 
     let millis = |time: Duration| format!("{:.1} ms", time.as_secs_f64() * 1000.0);
     let of = |what: &str| format!("{count} drives at {cycle_ms} ms: {what}");
-    // a stall of either process costs each drive the cycles that fall into it, and the one that it began in
-    let explained = (stalled.as_millis() as u64).div_ceil(cycle_ms);
+    let explained = explained(&stalls, Duration::from_millis(cycle_ms));
     let mut rows = vec![
         Row::new(&of("connections lost in 60 s"), lost.to_string()).limit("0".into(), lost == 0),
         Row::new(&of("most cycles a drive missed in 60 s"), missed.to_string())
             .beside(format!(
-                "idle thread stalled {}, longest {}",
-                millis(stalled),
-                millis(longest)
+                "idle programs stalled {} times, {} in all, longest {}",
+                stalls.len(),
+                millis(stalls.iter().sum()),
+                millis(stalls.iter().copied().max().unwrap_or_default())
             ))
             .limit(format!("{explained} by stalls"), missed <= explained),
         Row::new(
@@ -119,6 +122,14 @@ fn fleet(count: u32, cycle_ms: u64, hold: u32) -> Vec<Row> {
         );
     }
     rows
+}
+
+/// Cycles of one drive that stalls of the host explain, of the processor of either process: one of more than half a cycle
+/// costs those that it touches.
+fn explained(stalls: &[Duration], cycle: Duration) -> u64 {
+    let long = stalls.iter().filter(|stall| **stall > cycle / 2);
+    long.map(|stall| stall.as_nanos().div_ceil(cycle.as_nanos()) as u64)
+        .sum()
 }
 
 /// What a process has used of the machine.
@@ -146,38 +157,59 @@ impl Share {
     }
 }
 
-/// A thread that only sleeps.
-struct Stalls {
-    stop: Arc<AtomicBool>,
-    thread: std::thread::JoinHandle<(Duration, Duration)>,
-}
+/// A program beside both for each processor that only sleeps there, before all others: what it waits for is the host.
+struct Stalls(Vec<Child>);
 
 impl Stalls {
     fn watch() -> Self {
-        let stop = Arc::new(AtomicBool::new(false));
-        let ended = stop.clone();
-        let thread = std::thread::spawn(move || {
-            // what it waits for is the host then, not the drives
-            let _first = First::new(Rank::Clock);
-            let nap = Duration::from_millis(1);
-            let (mut sum, mut longest) = (Duration::ZERO, Duration::ZERO);
-            while !ended.load(Ordering::Relaxed) {
-                let begin = Instant::now();
-                std::thread::sleep(nap);
-                let late = begin.elapsed().saturating_sub(nap);
-                if late > LATE {
-                    sum += late;
-                    longest = longest.max(late);
-                }
-            }
-            (sum, longest)
-        });
-        Self { stop, thread }
+        let own = std::env::current_exe().unwrap();
+        let processors = std::thread::available_parallelism().unwrap().get();
+        let start = |processor: usize| {
+            let mut command = Command::new("taskset");
+            command
+                .args(["-c", &processor.to_string()])
+                .arg(&own)
+                .arg("stalls");
+            command.stdin(Stdio::piped()).stdout(Stdio::piped());
+            command.spawn().unwrap()
+        };
+        Self((0..processors).map(start).collect())
     }
 
-    /// Time by which it woke up too late: in all, and the longest.
-    fn end(self) -> (Duration, Duration) {
-        self.stop.store(true, Ordering::Relaxed);
-        self.thread.join().unwrap()
+    /// Returns each stall since the start.
+    fn end(self) -> Vec<Duration> {
+        let lines = self.0.into_iter().flat_map(|mut child| {
+            drop(child.stdin.take());
+            let output = child.wait_with_output().unwrap();
+            assert!(output.status.success());
+            let text = String::from_utf8(output.stdout).unwrap();
+            text.lines().map(str::to_owned).collect::<Vec<_>>()
+        });
+        lines
+            .map(|line| Duration::from_micros(line.parse().unwrap()))
+            .collect()
+    }
+}
+
+/// Sleeps until the input ends; prints each stall in microseconds then.
+pub fn watch_stalls() {
+    let stop = Arc::new(AtomicBool::new(false));
+    let ended = stop.clone();
+    std::thread::spawn(move || {
+        let _ = std::io::copy(&mut std::io::stdin(), &mut std::io::sink());
+        ended.store(true, Ordering::Relaxed);
+    });
+    let _first = First::new(Rank::Clock);
+    let mut stalls = Vec::new();
+    while !stop.load(Ordering::Relaxed) {
+        let begin = Instant::now();
+        std::thread::sleep(NAP);
+        let late = begin.elapsed().saturating_sub(NAP);
+        if late > LATE {
+            stalls.push(late);
+        }
+    }
+    for stall in stalls {
+        println!("{}", stall.as_micros());
     }
 }

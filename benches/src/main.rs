@@ -50,6 +50,10 @@ fn main() -> ExitCode {
             round_trip::ask(address, port, vendor, count);
             return ExitCode::SUCCESS;
         }
+        ["stalls"] => {
+            fleet::watch_stalls();
+            return ExitCode::SUCCESS;
+        }
         ["read-all", interface] => {
             parameters::read_all(interface);
             return ExitCode::SUCCESS;
