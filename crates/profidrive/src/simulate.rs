@@ -15,6 +15,7 @@ use profinet::{IpSuite, MacAddress};
 use crate::open::{Access, Network, OpenError, Opening, Place, Transport};
 use crate::traffic::Traffic;
 
+pub(crate) use clock::MOST_BEHIND;
 use clock::{ByTheClock, Shared};
 
 /// The address of this program in a plant. The drives have others: those of a file are locally administered ones made of

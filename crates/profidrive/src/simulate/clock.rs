@@ -10,7 +10,7 @@ use client::{Driver, Engine};
 use profinet::{Endpoint, Instant, IpSuite, MacAddress, Medium, Traffic, Transmit};
 
 /// What the plant may be behind the clock, after a computer that slept: it does not make up for more.
-const MOST_BEHIND: Duration = Duration::from_secs(1);
+pub const MOST_BEHIND: Duration = Duration::from_secs(1);
 /// Time between two looks at whether a plant whose time stands still goes on.
 const PAUSE: Duration = Duration::from_millis(20);
 

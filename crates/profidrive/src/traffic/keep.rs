@@ -5,10 +5,13 @@ use std::io;
 use std::ops::RangeInclusive;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
 use std::thread;
-use std::time::{Duration, SystemTime, UNIX_EPOCH};
+use std::time::Duration;
+#[cfg(feature = "simulate")]
+use std::time::{SystemTime, UNIX_EPOCH};
 
 use network::ethernet::Capture;
 use network::pcap::Writer;
+#[cfg(feature = "simulate")]
 use network::segment::Tap;
 use profinet::Instant;
 
@@ -20,6 +23,10 @@ const OCTETS: usize = 32 << 20;
 const BESIDE: usize = 48;
 /// Time between two looks at whether anyone still wants the frames.
 const LOOK: Duration = Duration::from_millis(500);
+
+/// How late frames of a plant may be against the time at which they are seen: as late as a plant runs that catches up.
+#[cfg(feature = "simulate")]
+const MOST_BEHIND: Duration = crate::simulate::MOST_BEHIND;
 
 /// A frame that was kept.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -45,6 +52,7 @@ struct Kept {
     /// Number of the next frame.
     next: u64,
     /// Calendar time of the instant zero, of a plant.
+    #[cfg(feature = "simulate")]
     origin: Option<Duration>,
     /// Number of the first frame of the plant that runs: those before it are of another one.
     began: u64,
@@ -66,6 +74,20 @@ impl Kept {
             self.octets = self.octets.saturating_sub(oldest.octets.len() + BESIDE);
             self.frames.pop_front();
         }
+    }
+}
+
+#[cfg(feature = "simulate")]
+impl Kept {
+    /// Adds a frame of a plant at its time, which begins with the first one. A plant that was paused or could not keep up goes on
+    /// later than that: its times follow.
+    fn add_of_plant(&mut self, since: Duration, now: Duration, octets: &[u8]) {
+        let latest = now.saturating_sub(since);
+        let origin = self
+            .origin
+            .filter(|origin| latest.saturating_sub(*origin) <= MOST_BEHIND);
+        let origin = *self.origin.insert(origin.unwrap_or(latest));
+        self.add(origin + since, octets);
     }
 }
 
@@ -169,22 +191,19 @@ fn receive(mut capture: Capture, kept: &Weak<Mutex<Kept>>) {
 }
 
 /// Hands over the frames of a plant.
+#[cfg(feature = "simulate")]
 #[derive(Debug)]
 struct OfPlant {
     traffic: Traffic,
     base: Duration,
 }
 
-/// The time of a plant begins with its first frame.
+#[cfg(feature = "simulate")]
 impl Tap for OfPlant {
     fn frame(&mut self, at: Instant, frame: &[u8]) {
-        let mut kept = self.traffic.kept();
+        let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
         let since = self.base + Duration::from_nanos(at.as_nanos());
-        let origin = *kept.origin.get_or_insert_with(|| {
-            let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
-            now.saturating_sub(since)
-        });
-        kept.add(origin + since, frame);
+        self.traffic.kept().add_of_plant(since, now, frame);
     }
 }
 
@@ -208,6 +227,28 @@ mod tests {
         assert_eq!(traffic.since(98).len(), 2);
         assert_eq!(traffic.since(100), []);
         assert_eq!(traffic.since(u64::MAX), []);
+    }
+
+    #[cfg(feature = "simulate")]
+    #[test]
+    fn times_of_a_plant_follow_its_pauses() {
+        let (traffic, seconds) = (Traffic::new(), Duration::from_secs_f64);
+        let mut times = Vec::new();
+        for (since, now) in [
+            (0.0, 100.0),
+            (1.0, 101.0),
+            (1.5, 102.4),
+            (2.4, 102.4),
+            (2.5, 110.5),
+            (2.6, 110.6),
+        ] {
+            traffic
+                .kept()
+                .add_of_plant(seconds(since), seconds(now), &[0; 60]);
+            times.push(traffic.since(0).last().unwrap().time.as_secs_f64());
+        }
+        // late by less than a second it catches up; after a pause of eight seconds it does not
+        assert_eq!(times, [100.0, 101.0, 101.5, 102.4, 110.5, 110.6]);
     }
 
     #[test]
