@@ -1,6 +1,6 @@
-//! Replays the fuzz corpora: each seed whole, cut at every octet and with octets flipped.
+//! Replays the fuzz corpora: each input whole, and each seed cut at every octet and with octets flipped.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use profinet::wire::ethernet::Frame;
 use system_tests::fuzz_targets::TARGETS;
@@ -16,6 +16,11 @@ fn seeds(target: &str) -> Vec<PathBuf> {
     seeds
 }
 
+/// Returns whether the fuzzer found this input: its name is a digest of 40 digits then. It has cut and changed it already.
+fn is_found(seed: &Path) -> bool {
+    seed.file_name().is_some_and(|name| name.len() == 40)
+}
+
 #[test]
 fn every_seed_of_every_target() {
     for (name, target) in TARGETS {
@@ -25,6 +30,9 @@ fn every_seed_of_every_target() {
             println!("{name}: {}", seed.display());
             let data = std::fs::read(&seed).unwrap();
             target(&data);
+            if is_found(&seed) {
+                continue;
+            }
             for cut in 0..data.len().min(600) {
                 target(&data[..cut]);
             }
