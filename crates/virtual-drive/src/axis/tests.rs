@@ -100,6 +100,34 @@ fn the_current_limit_is_respected_and_stalls_the_axis_under_too_much_load() {
     assert!(axis.speed() < 0.0, "the load wins: {}", axis.speed());
 }
 
+/// What pulls harder than friction holds turns the shaft up to where its motor brakes it: not without end.
+#[test]
+fn a_load_that_overhauls_a_motor_is_braked_at_overspeed() {
+    for (plant, load, speeds) in [
+        // 380 V over sqrt(2/3) * 0.85 Vs: 5228 rpm
+        (Plant::SERVO, 9.0, 5228.0..5600.0),
+        (Plant::SERVO, 40.0, 5600.0..7000.0),
+        (Plant::INDUCTION, 9.0, 3600.0..4000.0),
+    ] {
+        for sign in [1.0, -1.0] {
+            let mut axis = Axis::new(plant);
+            axis.set_load(sign * load);
+            run(&mut axis, 10.0, Command::Off);
+            let speed = -sign * axis.speed();
+            assert!(speeds.contains(&speed), "{load} Nm: {speed} rpm");
+            let bus = axis.electrical.true_bus();
+            let servo = plant.motor == Motor::Servo;
+            assert_eq!(bus > plant.power.chopper, servo, "{bus} V");
+            run(&mut axis, 1.0, Command::Off);
+            let later = -sign * axis.speed();
+            assert!((later - speed).abs() < 0.01 * speed, "{speed} then {later} rpm");
+            axis.set_load(0.0);
+            run(&mut axis, 60.0, Command::Off);
+            assert!(axis.speed().abs() < 1.0, "friction ends it: {} rpm", axis.speed());
+        }
+    }
+}
+
 #[test]
 fn stops_on_the_ramp_in_the_right_time() {
     let mut axis = Axis::new(Plant::default());
