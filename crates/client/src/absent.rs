@@ -23,6 +23,27 @@ type Key = (MacAddress, Ipv4Addr, u16, u16);
 #[derive(Debug, Default)]
 pub(crate) struct Absent(BTreeMap<Key, OfDrive>);
 
+/// Parameters that were read to see whether a drive has them.
+#[derive(Debug, Default)]
+pub(crate) struct Looks(BTreeMap<Ipv4Addr, BTreeSet<u16>>);
+
+impl Looks {
+    /// Notes what is read of a drive.
+    pub fn note(&mut self, drive: &Drive, selections: &[Selection]) {
+        let address = drive.station.ip.address;
+        if self.0.len() >= DRIVES && !self.0.contains_key(&address) {
+            self.0.pop_first();
+        }
+        let known = self.0.entry(address).or_default();
+        known.extend(selections.iter().map(|selection| selection.pnu));
+    }
+
+    /// Returns whether this parameter of the drive at this address was read so.
+    pub fn has(&self, drive: Ipv4Addr, pnu: u16) -> bool {
+        self.0.get(&drive).is_some_and(|known| known.contains(&pnu))
+    }
+}
+
 #[derive(Debug)]
 struct OfDrive {
     /// Number, first element and count, as they were requested.
