@@ -4,6 +4,7 @@ import { address } from "../../app/selected";
 import { Command } from "../../parts/Command";
 import { downloadText } from "../../parts/download";
 import { cell, foreign, label, product, sentence, sorted } from "../../parts/format";
+import { Loading } from "../../parts/Loading";
 import { findings, owner, ownerName, Reason, reason, State } from "../../parts/Reason";
 import { Shaft } from "../../parts/Shaft";
 import { leases } from "../../store/control";
@@ -112,6 +113,7 @@ function Chosen({ all }: { all: Station[] }) {
       </button>
       <button
         type="button"
+        class="roomy"
         disabled={selected.length !== 2}
         onClick={() => {
           if (!one || !other) return;
@@ -157,7 +159,7 @@ function FirstMotion({ all }: { all: readonly Station[] }) {
   if (!free) return null;
   const name = label(free);
   return (
-    <section class="card" aria-labelledby="first-motion">
+    <section class="card roomy" aria-labelledby="first-motion">
       <h2 id="first-motion">{t("motor.title")}</h2>
       <ol>
         <li>
@@ -250,11 +252,13 @@ export function Network() {
             {all.length === 0 && (
               <tr>
                 <td class="empty" colSpan={12}>
-                  {waiting
-                    ? t("network.searching")
-                    : searches
-                      ? t("network.empty.search", { place: place() })
-                      : t("network.empty.addresses")}
+                  {waiting ? (
+                    <Loading what={t(stations.value === null ? "loading.workbench" : "loading.search")} count={6} />
+                  ) : searches ? (
+                    t("network.empty.search", { place: place() })
+                  ) : (
+                    t("network.empty.addresses")
+                  )}
                 </td>
               </tr>
             )}
