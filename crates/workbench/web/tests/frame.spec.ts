@@ -3,7 +3,7 @@ import { createRequire } from "node:module";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import type { Page } from "@playwright/test";
-import { end, expect, pictures, rows, serve, serveIn, test } from "./bench";
+import { end, expect, idOf, pictures, rows, serve, serveIn, test } from "./bench";
 
 const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
 
@@ -437,39 +437,45 @@ test("what is waited for keeps its place, and has a name when it takes long", as
   }
 });
 
-test("a long state is read whole, and so is why a jog is refused", async ({ entered: page }) => {
-  await page.goto("/network");
-  await rows(page);
-  const cut = await page
-    .locator("td.why bdi")
-    .evaluateAll((all) => all.filter((one) => one.scrollWidth > one.clientWidth + 1).map((one) => one.textContent));
-  expect(cut).toEqual([]);
-  const table = page.getByRole("region", { name: /^Stations of the network/ });
-  expect(await table.evaluate((one) => one.scrollWidth - one.clientWidth)).toBeLessThanOrEqual(0);
-  const control = (await screens(page)).find(([name]) => name === "control")?.[1] ?? "";
-  // beats that are answered late
-  await page.routeWebSocket("**/api/v1/control", (socket) => {
-    const server = socket.connectToServer();
-    server.onMessage((message) => {
-      if (String(message).includes('"beat"')) setTimeout(() => socket.send(message), 150);
-      else socket.send(message);
+test("a long state is read whole, and so is why a jog is refused", async ({ page }) => {
+  // one whose STOP was not pressed
+  const server = await serve("--demo", "--listen", "127.0.0.1:0");
+  try {
+    await page.goto(server.url);
+    await rows(page);
+    const cut = await page
+      .locator("td.why bdi")
+      .evaluateAll((all) => all.filter((one) => one.scrollWidth > one.clientWidth + 1).map((one) => one.textContent));
+    expect(cut).toEqual([]);
+    const table = page.getByRole("region", { name: /^Stations of the network/ });
+    expect(await table.evaluate((one) => one.scrollWidth - one.clientWidth)).toBeLessThanOrEqual(0);
+    const id = await idOf(page, "axis-1");
+    // beats that are answered late
+    await page.routeWebSocket("**/api/v1/control", (socket) => {
+      const server = socket.connectToServer();
+      server.onMessage((message) => {
+        if (String(message).includes('"beat"')) setTimeout(() => socket.send(message), 150);
+        else socket.send(message);
+      });
     });
-  });
-  await page.goto(control);
-  const why = page.locator("#jog-why");
-  const pad = page.getByRole("group", { name: /^Jog buttons/ });
-  await expect(why).toHaveText("Take control first.");
-  await expect(why).toBeInViewport({ ratio: 1 });
-  await expect(pad).toBeInViewport({ ratio: 1 });
-  await page.getByRole("button", { name: "Take control" }).click();
-  await expect(why).toHaveText("Enable the axis first.");
-  await page.getByRole("button", { name: "Enable" }).click();
-  await expect(why).toHaveText(/^The round trip to the workbench is \d+ ms: too slow to jog\.$/);
-  await expect(page.getByRole("button", { name: "+20 rpm" })).toBeDisabled();
-  await expect(why).toBeInViewport({ ratio: 1 });
-  await expect(pad).toBeInViewport({ ratio: 1 });
-  await page.getByRole("button", { name: "Release" }).click();
-  await expect(why).toHaveText("Take control first.");
+    await page.goto(`${server.origin}/drives/${encodeURIComponent(id)}/control`);
+    const why = page.locator("#jog-why");
+    const pad = page.getByRole("group", { name: /^Jog buttons/ });
+    await expect(why).toHaveText("Take control first.");
+    await expect(why).toBeInViewport({ ratio: 1 });
+    await expect(pad).toBeInViewport({ ratio: 1 });
+    await page.getByRole("button", { name: "Take control" }).click();
+    await expect(why).toHaveText("Enable the axis first.");
+    await page.getByRole("button", { name: "Enable" }).click();
+    await expect(why).toHaveText(/^The round trip to the workbench is \d+ ms: too slow to jog\.$/);
+    await expect(page.getByRole("button", { name: "+20 rpm" })).toBeDisabled();
+    await expect(why).toBeInViewport({ ratio: 1 });
+    await expect(pad).toBeInViewport({ ratio: 1 });
+    await page.getByRole("button", { name: "Release" }).click();
+    await expect(why).toHaveText("Take control first.");
+  } finally {
+    await end(server);
+  }
 });
 
 test("without a token the page says what it needs", async ({ browser, demo }) => {

@@ -55,8 +55,10 @@ function Row({ station, simulation, changes }: { station: Station; simulation: b
         </a>
         {station.status && found.length > 0 && <span class="warn small"> {found.join(", ")}</span>}
       </th>
-      <td class="number">{station.ip ?? dash}</td>
-      <td class="number">{known ? station.mac : dash}</td>
+      <td class="number">
+        <div>{station.ip ?? dash}</div>
+        <div class="muted">{known ? station.mac : dash}</div>
+      </td>
       <td>
         <bdi>{product(station) || dash}</bdi>
       </td>
@@ -235,8 +237,7 @@ export function Network() {
               <th scope="col">{t("network.why")}</th>
               {simulation && <th scope="col">{t("network.shaft")}</th>}
               <th scope="col">{t("network.name")}</th>
-              <th scope="col">{t("network.ip")}</th>
-              <th scope="col">{t("network.mac")}</th>
+              <th scope="col">{t("network.addresses.both")}</th>
               <th scope="col">{t("network.product")}</th>
               <th scope="col">{t("network.firmware")}</th>
               <th scope="col">{t("network.serial")}</th>
