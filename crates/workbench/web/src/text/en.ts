@@ -26,7 +26,6 @@ export const en = {
   "loading.faults": "the fault buffer of {name}",
   "loading.words": "the control and status word of {name}",
   "loading.frames": "the frames of {name}",
-  "loading.samples": "the first values of {name}",
   "loading.files": "the list of files",
   "loading.log": "the log",
   "loading.plant": "the virtual drives",
@@ -689,7 +688,6 @@ export const en = {
   "identity.location": "Location",
   "machine.title": "State machine",
   "machine.select": "Select a drive to see its state and its words.",
-  "machine.waiting": "Reading the words of the drive ..",
   "machine.unknown": "not known",
   "machine.since": "since {time}",
   "machine.frames": "from its cyclic frames",
@@ -709,7 +707,6 @@ export const en = {
   "machine.timeline": "States of the last minute",
   "telegram.title": "Telegram",
   "telegram.select": "Select a drive to see its cyclic frames.",
-  "telegram.waiting": "Waiting for cyclic frames ..",
   "telegram.none":
     "No cyclic frame of this drive was seen. A controller has to connect to it: Control does, or another one whose frames reach this computer.",
   "telegram.ended": "The cyclic connection has ended: these are its last frames, of {time}.",
