@@ -28,14 +28,12 @@ pub(crate) struct Absent(BTreeMap<Key, OfDrive>);
 pub(crate) struct Looks(BTreeMap<Ipv4Addr, BTreeSet<u16>>);
 
 impl Looks {
-    /// Notes what is read of a drive.
-    pub fn note(&mut self, drive: &Drive, selections: &[Selection]) {
-        let address = drive.station.ip.address;
-        if self.0.len() >= DRIVES && !self.0.contains_key(&address) {
+    /// Notes what is read of the drive at an address; another one makes room for it.
+    pub fn note(&mut self, drive: Ipv4Addr, pnus: impl Iterator<Item = u16>) {
+        if self.0.len() >= DRIVES && !self.0.contains_key(&drive) {
             self.0.pop_first();
         }
-        let known = self.0.entry(address).or_default();
-        known.extend(selections.iter().map(|selection| selection.pnu));
+        self.0.entry(drive).or_default().extend(pnus);
     }
 
     /// Returns whether this parameter of the drive at this address was read so.
@@ -146,5 +144,19 @@ mod tests {
         // one that is known already needs no room
         absent.known(station(1), Instant::ZERO);
         assert!(absent.0.contains_key(&station(1)) && absent.0.len() == DRIVES);
+    }
+
+    #[test]
+    fn drives_that_were_looked_at_are_bounded() {
+        let mut looks = Looks::default();
+        let drive = |number: u32| Ipv4Addr::from(number);
+        for number in 0..=u32::try_from(DRIVES).unwrap() {
+            looks.note(drive(number), [927, 928].into_iter());
+        }
+        assert_eq!(looks.0.len(), DRIVES);
+        assert!(!looks.has(drive(0), 927) && looks.has(drive(1), 928) && !looks.has(drive(1), 929));
+        // one that is known already needs no room
+        looks.note(drive(1), std::iter::once(929));
+        assert!(looks.has(drive(2), 927) && looks.has(drive(1), 929));
     }
 }

@@ -74,7 +74,8 @@ impl Session {
         drive: &mut Drive,
         selections: &[Selection],
     ) -> Result<Vec<Result<Reading, Refusal>>, Error> {
-        locked(&self.looks).note(drive, &split(selections));
+        let pnus: Vec<u16> = split(selections).iter().map(|selection| selection.pnu).collect();
+        locked(&self.looks).note(drive.station.ip.address, pnus.into_iter());
         self.read(drive, selections).await
     }
 

@@ -337,6 +337,12 @@ impl Mechanics {
         }
     }
 
+    /// Nothing brakes the shaft at overspeed.
+    #[cfg(test)]
+    pub const fn forget_overspeed(&mut self) {
+        self.overspeed.from = f64::INFINITY;
+    }
+
     /// Power that a shaft at overspeed feeds into the DC link, W.
     pub const fn fed(&self) -> f64 {
         self.fed
