@@ -1732,6 +1732,26 @@ class TaskDifference:
 
 
 @dataclass(frozen=True, slots=True)
+class NetworkDifference:
+    """Something in name or address that differs."""
+
+    setting: str
+    """`name of station`, `IP address`, `subnet mask` or `gateway`."""
+    left: str
+    """What it is on the left; empty for no name."""
+    right: str
+    """What it is on the right; empty for no name."""
+
+    @classmethod
+    def _of(cls, data: Mapping[str, Any]) -> NetworkDifference:
+        return cls(
+            data["setting"],
+            data["left"],
+            data["right"],
+        )
+
+
+@dataclass(frozen=True, slots=True)
 class DiffReport:
     """What differs between two sets of settings."""
 
@@ -1743,6 +1763,8 @@ class DiffReport:
     """The settings that differ."""
     tasks: tuple[TaskDifference, ...]
     """The motion tasks that differ."""
+    network: tuple[NetworkDifference, ...]
+    """What differs in name and address. A restore does not write it, and it does not count as a difference."""
 
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> DiffReport:
@@ -1751,6 +1773,7 @@ class DiffReport:
             data["right"],
             tuple(Difference._of(item) for item in data["differences"]),
             tuple(TaskDifference._of(item) for item in data["tasks"]),
+            tuple(NetworkDifference._of(item) for item in data["network"]),
         )
 
     def _repr_html_(self) -> str:
@@ -2160,6 +2183,7 @@ __all__ = [
     "MoveReport",
     "NameReport",
     "Neighbour",
+    "NetworkDifference",
     "NumberedTask",
     "Parameter",
     "ParameterContent",

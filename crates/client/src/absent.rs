@@ -23,6 +23,25 @@ type Key = (MacAddress, Ipv4Addr, u16, u16);
 #[derive(Debug, Default)]
 pub(crate) struct Absent(BTreeMap<Key, OfDrive>);
 
+/// Parameters that were read to see whether a drive has them.
+#[derive(Debug, Default)]
+pub(crate) struct Looks(BTreeMap<Ipv4Addr, BTreeSet<u16>>);
+
+impl Looks {
+    /// Notes what is read of the drive at an address; another one makes room for it.
+    pub fn note(&mut self, drive: Ipv4Addr, pnus: impl Iterator<Item = u16>) {
+        if self.0.len() >= DRIVES && !self.0.contains_key(&drive) {
+            self.0.pop_first();
+        }
+        self.0.entry(drive).or_default().extend(pnus);
+    }
+
+    /// Returns whether this parameter of the drive at this address was read so.
+    pub fn has(&self, drive: Ipv4Addr, pnu: u16) -> bool {
+        self.0.get(&drive).is_some_and(|known| known.contains(&pnu))
+    }
+}
+
 #[derive(Debug)]
 struct OfDrive {
     /// Number, first element and count, as they were requested.
@@ -125,5 +144,19 @@ mod tests {
         // one that is known already needs no room
         absent.known(station(1), Instant::ZERO);
         assert!(absent.0.contains_key(&station(1)) && absent.0.len() == DRIVES);
+    }
+
+    #[test]
+    fn drives_that_were_looked_at_are_bounded() {
+        let mut looks = Looks::default();
+        let drive = |number: u32| Ipv4Addr::from(number);
+        for number in 0..=u32::try_from(DRIVES).unwrap() {
+            looks.note(drive(number), [927, 928].into_iter());
+        }
+        assert_eq!(looks.0.len(), DRIVES);
+        assert!(!looks.has(drive(0), 927) && looks.has(drive(1), 928) && !looks.has(drive(1), 929));
+        // one that is known already needs no room
+        looks.note(drive(1), std::iter::once(929));
+        assert!(looks.has(drive(2), 927) && looks.has(drive(1), 929));
     }
 }

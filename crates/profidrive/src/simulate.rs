@@ -6,7 +6,7 @@ mod explained;
 use std::path::Path;
 use std::sync::Arc;
 
-use client::{Client, ErrorKind};
+use client::{Client, ErrorKind, Session};
 use network::system::Stop;
 use plant::{PlantFileError, PlantPlan};
 use profinet::controller::ControllerConfig;
@@ -109,11 +109,12 @@ impl Joined {
     }
 
     /// Starts this plant, or another one with the same address for this program, from its beginning, in the place of the one that runs.
-    /// The time of the network goes on; its connections end as if all drives were switched off and on at once.
+    /// The time of the network goes on, and `session`, a caller on it, forgets the drives of the plant before with their
+    /// connections ([`Session::forget_all`]): calls that wait for one end as if all drives were switched off at once.
     ///
     /// # Errors
     /// When a drive refuses its first parameters, or this program would need another address.
-    pub fn restart(&self, plan: &PlantPlan) -> Result<(), OpenError> {
+    pub fn restart(&self, plan: &PlantPlan, session: &mut Session) -> Result<(), OpenError> {
         let ip = plan.client_address()?;
         if ip != self.ip {
             return Err(OpenError::OtherAddress {
@@ -122,6 +123,8 @@ impl Joined {
             });
         }
         let mut world = plant::World::new(plan)?;
+        // before the new drives are there: none of them receives what is of a connection to another one
+        session.forget_all();
         self.plant.replace(|base| {
             if let Some(traffic) = &self.traffic {
                 world.add_tap(traffic.tap_since(base));

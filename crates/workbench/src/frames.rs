@@ -4,9 +4,9 @@ use std::collections::{BTreeMap, VecDeque};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
-use profidrive::MacAddress;
 use profidrive::report::{DriveState, DriveWords, MachineReport};
-use profidrive::traffic::{News, Node, StreamSummary, Traffic, Watch, hex_bytes};
+use profidrive::traffic::{News, Node, StreamSummary, Traffic, Watch, hex_bytes, is_own_look};
+use profidrive::{Caller as Network, MacAddress};
 use schemars::JsonSchema;
 use serde::Serialize;
 use tokio::time::{MissedTickBehavior, interval};
@@ -200,8 +200,9 @@ impl Frames {
         locked(&self.troubles).iter().cloned().collect()
     }
 
-    /// Reads the frames that have come since the last call.
-    pub fn catch_up(&self) {
+    /// Reads the frames that have come since the last call. That a drive does not have what this server looks for on it is no
+    /// trouble.
+    pub fn catch_up(&self, network: &Network) {
         let mut watch = locked(&self.watch);
         let mut states = locked(&self.states);
         watch.catch_up(&mut |news| match news {
@@ -212,6 +213,7 @@ impl Frames {
                 states.clear();
                 locked(&self.troubles).clear();
             }
+            News::Trouble { event, .. } if is_own_look(&event, network) => {}
             News::Trouble { time, event } => {
                 note_trouble(
                     &mut locked(&self.troubles),
@@ -345,7 +347,7 @@ pub(crate) async fn follow(shared: Arc<Shared>) {
     loop {
         turn.tick().await;
         looks = looks.wrapping_add(1);
-        frames.catch_up();
+        frames.catch_up(&shared.network);
         if changes.has_changed().unwrap_or(false) {
             changes.mark_unchanged();
             frames.note_read(&shared);

@@ -67,6 +67,8 @@ pub(crate) struct JobReport {
 #[derive(Debug)]
 pub(crate) struct Job {
     pub id: u64,
+    /// How many plants were started in the place of the first one when it began.
+    restarts: u64,
     view: watch::Sender<(JobReport, Option<Problem>)>,
     /// What was planned or applied; taken out while something is done with it.
     planned: Mutex<Option<Planned>>,
@@ -76,6 +78,15 @@ impl Job {
     /// Returns how far it is.
     pub fn report(&self) -> JobReport {
         self.view.borrow().0.clone()
+    }
+
+    /// Returns a problem where the plant that it is of is no more.
+    pub fn of_present(&self, restarts: u64) -> Result<(), Problem> {
+        if self.restarts == restarts {
+            return Ok(());
+        }
+        let detail = "the plant was started again since this plan was made, so its drives are others: make the plan again";
+        Err(Problem::new(StatusCode::CONFLICT, "plan", detail))
     }
 
     /// Notes how much of the work is done.
@@ -176,8 +187,8 @@ impl Jobs {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Begins a job.
-    pub fn begin(&self, drive: Option<&str>) -> Arc<Job> {
+    /// Begins a job; `restarts` is how many plants were started in the place of the first one.
+    pub fn begin(&self, drive: Option<&str>, restarts: u64) -> Arc<Job> {
         let mut state = self.state();
         let (last, jobs) = &mut *state;
         *last += 1;
@@ -195,6 +206,7 @@ impl Jobs {
         };
         let job = Arc::new(Job {
             id: *last,
+            restarts,
             view: watch::Sender::new((report, None)),
             planned: Mutex::new(None),
         });

@@ -75,6 +75,7 @@ impl Shown for InFolder<'_> {
                 right,
                 differences: Vec::new(),
                 tasks: Vec::new(),
+                network: Vec::new(),
             },
         }
     }

@@ -101,6 +101,23 @@ impl Header {
         })
     }
 
+    /// Returns what differs in name and address, where both say them. A restore writes none of it: names and addresses are set by
+    /// DCP.
+    #[must_use]
+    pub fn network_differences(&self, other: &Self) -> Vec<IdentityDifference> {
+        let mut all = vec![("name of station", self.station.clone(), other.station.clone())];
+        if let (Some(left), Some(right)) = (self.ip, other.ip) {
+            all.extend([
+                ("IP address", left.address.to_string(), right.address.to_string()),
+                ("subnet mask", left.mask.to_string(), right.mask.to_string()),
+                ("gateway", left.gateway.to_string(), right.gateway.to_string()),
+            ]);
+        }
+        all.retain(|(_, left, right)| left != right);
+        let difference = |(what, left, right)| IdentityDifference { what, left, right };
+        all.into_iter().map(difference).collect()
+    }
+
     /// Returns what differs between two drives of a kind, as a person should know before one gets the settings of the other.
     #[must_use]
     pub fn differences(&self, other: &Self) -> Vec<IdentityDifference> {

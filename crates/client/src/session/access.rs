@@ -9,10 +9,11 @@ use profinet::wire::{PnioStatus, Uuid};
 use profinet::{Instant, MacAddress};
 use std::net::Ipv4Addr;
 
-use super::Session;
 use super::axis::Place;
 use super::route::{Routes, is_no_service, refusal};
 use super::temporary::Work;
+use super::{Session, locked};
+use crate::absent::{Absent, Looks};
 use crate::engine::{At, Queues, Turn, at};
 use crate::line::Answered;
 use crate::{Client, Connection, Drive, Error, Link, Route, RouteNotice};
@@ -315,6 +316,24 @@ impl Session {
         if !of_axis {
             self.client().forget(ar);
         }
+    }
+
+    /// Forgets what is known of drives that are no more because others are in their places, and drops all connections for their
+    /// parameters without a release. Calls that wait for them end with [`Error::ConnectionLost`].
+    pub fn forget_all(&mut self) {
+        let now = self.now();
+        let ended: Vec<ArId> = {
+            let mut records = self.engine.records();
+            let ended = records.access.extract_if(.., |access| !access.cyclic);
+            ended.map(|access| access.ar).collect()
+        };
+        for ar in ended {
+            // one that has ended by itself is no error
+            let _ = self.client().controller().abort(now, ar);
+        }
+        *locked(&self.absent) = Absent::default();
+        *locked(&self.looks) = Looks::default();
+        self.engine.stir();
     }
 
     /// Closes every connection for record access.

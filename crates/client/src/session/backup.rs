@@ -174,7 +174,7 @@ impl Session {
         let mut answers = Vec::new();
         for (at, part) in selections.chunks(PART).enumerate() {
             progress(at * PART, selections.len());
-            answers.extend(self.read(drive, part).await?);
+            answers.extend(self.look_for(drive, part).await?);
         }
         progress(selections.len(), selections.len());
         let mut parameters = drive.parameters;

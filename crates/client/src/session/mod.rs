@@ -43,7 +43,7 @@ use std::time::Duration;
 use profinet::Instant;
 use uss::ReceiverStatistics;
 
-use crate::absent::Absent;
+use crate::absent::{Absent, Looks};
 use crate::axis::{Goal, StopKind};
 use crate::engine::{Interest, NextTurn, Touched};
 use crate::{
@@ -132,6 +132,8 @@ pub struct Session {
     pub(crate) bounds: Arc<[BoundedDrive]>,
     /// What drives have reported not to have, for all callers.
     absent: Arc<Mutex<Absent>>,
+    /// What was read to see whether drives have it, by all callers.
+    looks: Arc<Mutex<Looks>>,
 }
 
 /// Asks the caller something, now and then while a call waits.
@@ -171,6 +173,7 @@ impl Clone for Session {
             interest: self.interest,
             bounds: Arc::clone(&self.bounds),
             absent: Arc::clone(&self.absent),
+            looks: Arc::clone(&self.looks),
         }
     }
 }
@@ -194,6 +197,7 @@ impl Session {
             interest: Interest::Anything,
             bounds: Arc::default(),
             absent: Arc::default(),
+            looks: Arc::default(),
         }
     }
 

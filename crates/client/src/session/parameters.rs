@@ -2,12 +2,15 @@
 
 mod write;
 
+use std::net::Ipv4Addr;
 use std::ops::Range;
 
 use profile::parameter::{
     Answer, Description, ErrorNumber, ParameterAddress, ParameterError, RequestId, Response, encode_read,
     plan_reads, split_array,
 };
+
+use profinet::{Endpoint, MacAddress};
 
 use super::{Session, locked};
 use crate::line::Answered;
@@ -48,17 +51,46 @@ impl Session {
         Ok(join(&drive.parameters, selections, readings))
     }
 
-    /// Reads what the drive has of this; what it refuses is left out, and what it has reported not to have is not requested again.
-    pub(super) async fn read_present(
+    /// Reads what the drive has of this; what it refuses is left out, and what it has reported not to have is not requested again
+    /// for ten minutes.
+    ///
+    /// # Errors
+    /// When the drive cannot be reached, or its answer makes no sense.
+    pub async fn read_present(
         &mut self,
         drive: &mut Drive,
         selections: &[Selection],
     ) -> Result<Vec<Reading>, Error> {
         let now = self.now();
         let left = locked(&self.absent).left(drive, selections, now);
-        let answers = self.read(drive, &left).await?;
+        let answers = self.look_for(drive, &left).await?;
         locked(&self.absent).note(drive, &left, &answers, now);
         Ok(answers.into_iter().flatten().collect())
+    }
+
+    /// Reads this to see what of it the drive has: a refusal is an answer; see [`has_looked_for`](Self::has_looked_for).
+    pub(super) async fn look_for(
+        &mut self,
+        drive: &mut Drive,
+        selections: &[Selection],
+    ) -> Result<Vec<Result<Reading, Refusal>>, Error> {
+        let pnus: Vec<u16> = split(selections).iter().map(|selection| selection.pnu).collect();
+        locked(&self.looks).note(drive.station.ip.address, pnus.into_iter());
+        self.read(drive, selections).await
+    }
+
+    /// Returns whether a caller of this network has read a parameter of the drive at this address to see whether the drive has
+    /// it, as [`read_present`](Self::read_present) and [`backup`](Self::backup) do. Its refusal as an unknown parameter is then an
+    /// answer, and nothing that went wrong.
+    #[must_use]
+    pub fn has_looked_for(&self, drive: Ipv4Addr, pnu: u16) -> bool {
+        locked(&self.looks).has(drive, pnu)
+    }
+
+    /// Returns the Ethernet address of this program; all zeros where it has none.
+    #[must_use]
+    pub fn mac(&self) -> MacAddress {
+        self.client().controller_ref().mac()
     }
 
     /// The same without looking at the values that scale others first. What is [tolerated](Self::tolerate_unread) gives

@@ -88,6 +88,7 @@ fn report(
     };
     job.extend(pkw::refusal_json(dialect, words).filter(|_| side == "response"));
     let detail = Job {
+        refused: None,
         channel: "pkw",
         job,
         request_frame: None,

@@ -4,6 +4,7 @@ use std::fmt::Display;
 use std::net::Ipv4Addr;
 use std::time::Duration;
 
+use profile::parameter::ErrorNumber;
 use profinet::MacAddress;
 use serde::{Serialize, Serializer};
 use serde_json::{Map, Value};
@@ -164,6 +165,18 @@ pub struct Job {
     /// Frame of the request, in a response.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub request_frame: Option<u64>,
+    /// What is refused in this event; `job` of the first event has all of them.
+    #[serde(skip)]
+    pub refused: Option<RefusedParameter>,
+}
+
+/// A parameter that a drive refuses.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct RefusedParameter {
+    /// Number of the parameter.
+    pub pnu: u16,
+    /// Error number of the answer.
+    pub error: ErrorNumber,
 }
 
 /// A DCP service.

@@ -91,6 +91,31 @@ pub async fn read(
     drive: &mut Drive,
     wanted: &[ParameterReference],
 ) -> Result<Values, Error> {
+    let (selections, unknown) = selected(drive, wanted);
+    let mut readings = session.read(drive, &selections).await?;
+    name_bits(session, drive, &mut readings).await?;
+    Ok(Values { readings, unknown })
+}
+
+/// The same for what a drive may have: what it refuses is left out. What it has reported not to have is not read again for ten
+/// minutes.
+///
+/// # Errors
+/// When the drive cannot be reached, or its answer makes no sense.
+pub async fn read_present(
+    session: &mut Session,
+    drive: &mut Drive,
+    wanted: &[ParameterReference],
+) -> Result<Values, Error> {
+    let (selections, unknown) = selected(drive, wanted);
+    let present = session.read_present(drive, &selections).await?;
+    let mut readings: Vec<_> = present.into_iter().map(Ok).collect();
+    name_bits(session, drive, &mut readings).await?;
+    Ok(Values { readings, unknown })
+}
+
+/// Returns what is meant by these references, and why some mean nothing.
+fn selected(drive: &Drive, wanted: &[ParameterReference]) -> (Vec<Selection>, Vec<ParameterProblem>) {
     let (mut selections, mut unknown) = (Vec::new(), Vec::new());
     for reference in wanted {
         match drive.parameters.select(reference) {
@@ -98,9 +123,7 @@ pub async fn read(
             Err(problem) => unknown.push(problem),
         }
     }
-    let mut readings = session.read(drive, &selections).await?;
-    name_bits(session, drive, &mut readings).await?;
-    Ok(Values { readings, unknown })
+    (selections, unknown)
 }
 
 /// Names the bits of control and status words: what they are called depends on telegram, profile and mode, which only the
@@ -128,9 +151,9 @@ async fn name_bits(
         .flatten()
         .map(|pnu| Selection::number(pnu, drive.parameters.notation()))
         .collect();
-    let answers = session.read(drive, &selections).await?;
+    let answers = session.read_present(drive, &selections).await?;
     let raw = |pnu: u16| {
-        let found = answers.iter().flatten().find(|reading| reading.pnu == pnu);
+        let found = answers.iter().find(|reading| reading.pnu == pnu);
         found.and_then(Reading::raw)
     };
     let telegram = raw(pnu::TELEGRAM).and_then(|number| u16::try_from(number).ok());

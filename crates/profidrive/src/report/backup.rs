@@ -104,6 +104,30 @@ pub struct DiffReport {
     pub differences: Vec<Difference>,
     /// The motion tasks that differ.
     pub tasks: Vec<TaskDifference>,
+    /// What differs in name and address. A restore does not write it, and it does not count as a difference.
+    pub network: Vec<NetworkDifference>,
+}
+
+/// Something in name or address that differs.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct NetworkDifference {
+    /// `name of station`, `IP address`, `subnet mask` or `gateway`.
+    pub setting: &'static str,
+    /// What it is on the left; empty for no name.
+    pub left: String,
+    /// What it is on the right; empty for no name.
+    pub right: String,
+}
+
+impl From<client::backup::IdentityDifference> for NetworkDifference {
+    fn from(one: client::backup::IdentityDifference) -> Self {
+        Self {
+            setting: one.what,
+            left: one.left,
+            right: one.right,
+        }
+    }
 }
 
 /// A setting that differs.

@@ -1,6 +1,6 @@
 //! Comparing settings.
 
-use client::backup::{self, Backup, Difference, Pattern, TaskCoverage, TaskDifference};
+use client::backup::{self, Backup, Difference, IdentityDifference, Pattern, TaskCoverage, TaskDifference};
 use client::{Drive, Error, ErrorKind, Session};
 use profile::catalogue::Role;
 
@@ -200,6 +200,26 @@ impl<'b> Comparison<'b> {
         settings.filter(|one| self.is_of_connection(one)).count()
     }
 
+    /// What differs in name and address, which no restore writes and which is none of the differences that count.
+    ///
+    /// ```
+    /// use profidrive::client::backup::Backup;
+    /// use profidrive::settings::Comparison;
+    ///
+    /// let head = "profidrive backup 1\nmodel: AKD\nvendor: 0x0105\ndevice: 0x0001\n";
+    /// let left = Backup::read(format!("{head}station: axis-1\np2108 = 3000 rpm/s\n"))?;
+    /// let right = Backup::read(format!("{head}station: axis-9\np2108 = 3000 rpm/s\n"))?;
+    /// let comparison = Comparison::new(&left, &right)?;
+    /// assert_eq!(comparison.count(), 0);
+    /// let [name] = &comparison.network()[..] else { panic!("only the name differs") };
+    /// assert_eq!((name.what, &*name.left, &*name.right), ("name of station", "axis-1", "axis-9"));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn network(&self) -> Vec<IdentityDifference> {
+        self.left.header.network_differences(&self.right.header)
+    }
+
     /// Why motion tasks of the left and of the right side are not compared though the other side has some: they are left out
     /// there.
     #[must_use]
@@ -235,6 +255,7 @@ impl<'b> Comparison<'b> {
             right: right.to_owned(),
             differences: self.settings.iter().map(difference).collect(),
             tasks: self.tasks.iter().map(task).collect(),
+            network: self.network().into_iter().map(Into::into).collect(),
         }
     }
 }

@@ -21,8 +21,26 @@
 mod keep;
 mod watch;
 
+use client::Session;
+use profile::parameter::ErrorNumber;
+
 pub use keep::{Frame, Traffic};
 pub use watch::{News, Watch};
+
+/// Returns true for a refusal that is an answer to this program: it has read a parameter to see whether a drive has it
+/// ([`Session::has_looked_for`](client::Session::has_looked_for)), and the drive does not.
+#[must_use]
+pub fn is_own_look(event: &Event, session: &Session) -> bool {
+    let Detail::Job(job) = &event.detail else {
+        return false;
+    };
+    let (Some(refused), Some(drive)) = (job.refused, event.source.ip) else {
+        return false;
+    };
+    refused.error == ErrorNumber::UNKNOWN_PARAMETER
+        && event.target.mac == Some(session.mac())
+        && session.has_looked_for(drive, refused.pnu)
+}
 
 /// Captures: their files, and what their frames mean.
 pub use dissect::capture::event::Detail;

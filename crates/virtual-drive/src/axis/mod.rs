@@ -218,7 +218,7 @@ impl Axis {
             self.current = if self.electrical.can_drive() { wanted } else { 0.0 };
             let power = self.current * self.mechanics.plant().torque_constant * self.mechanics.omega;
             self.mechanics.step(dt, self.current);
-            power
+            power - self.mechanics.fed()
         };
         self.sensors.pass(before, self.mechanics.position);
         self.electrical.step(dt, power, self.current * self.current);

@@ -11,6 +11,54 @@ pub(super) const REVOLUTION: f64 = 4_294_967_296.0;
 /// What no shaft exceeds, whatever pulls at it, rad/s: 100,000 rpm.
 const FASTEST: f64 = 100_000.0 / 60.0 * TAU;
 
+/// Highest voltage between two lines over the torque constant (Nm per ampere, effective) and the speed of a synchronous motor:
+/// sqrt(2/3).
+const LINE_VOLTAGE: f64 = 0.816_496_580_927_726;
+
+/// Highest safe speed of a cage motor over its synchronous speed: 3600 rpm with four poles at 50 Hz, 2400 rpm with six, as IEC
+/// 60034-1 has them for small ones.
+const SAFE: f64 = 2.4;
+
+/// What brakes a shaft that a load turns faster than its motor is made for, whether the power stage is on or off.
+///
+/// A servo motor induces more voltage then than the DC link has: the diodes of the power stage rectify it, and the brake resistor
+/// takes the power. A cage motor induces nothing without current; its fan and its bearings brake it, with the nominal torque at
+/// 10 % above its highest safe speed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Overspeed {
+    /// Where it begins, rad/s.
+    from: f64,
+    /// What it grows by, Nm/(rad/s).
+    slope: f64,
+    /// Whether the power goes to the DC link.
+    generates: bool,
+}
+
+impl Overspeed {
+    fn of(plant: &Plant) -> Self {
+        match &plant.motor {
+            Motor::Servo => {
+                let torque_constant = positive(plant.torque_constant, 1.0e-6);
+                Self {
+                    from: plant.power.chopper.max(0.0) / (LINE_VOLTAGE * torque_constant),
+                    slope: torque_constant * torque_constant / positive(plant.power.loss, 1.0e-3),
+                    generates: true,
+                }
+            }
+            Motor::Induction(plate) => {
+                let synchronous = TAU * plate.frequency.max(0.0) / f64::from(plate.pole_pairs.max(1));
+                let nominal = plate.power.max(0.0) / positive(plate.speed / 60.0 * TAU, 1.0);
+                let from = SAFE * synchronous;
+                Self {
+                    from,
+                    slope: nominal / positive(0.1 * from, 1.0),
+                    generates: false,
+                }
+            }
+        }
+    }
+}
+
 /// Motor and load.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Plant {
@@ -149,6 +197,9 @@ pub(super) struct Mechanics {
     load: f64,
     blocked: bool,
     braked: bool,
+    overspeed: Overspeed,
+    /// Power that overspeed feeds into the DC link, W.
+    fed: f64,
 }
 
 impl Mechanics {
@@ -165,6 +216,8 @@ impl Mechanics {
             load: 0.0,
             blocked: false,
             braked: false,
+            overspeed: Overspeed::of(&plant),
+            fed: 0.0,
         };
         mechanics.set_plant(plant);
         mechanics
@@ -179,6 +232,7 @@ impl Mechanics {
         self.authority = positive(plant.torque_constant, 1.0e-6) * self.mobility;
         self.reluctance = 1.0 / self.authority;
         self.travel = plant.travel.unwrap_or_default();
+        self.overspeed = Overspeed::of(&plant);
         self.plant = plant;
     }
 
@@ -257,12 +311,14 @@ impl Mechanics {
 
     /// One step with this torque of the motor, Nm.
     pub fn turn(&mut self, dt: f64, torque: f64) {
+        self.fed = 0.0;
         if self.blocked {
             self.omega = 0.0;
             return;
         }
         let torque = torque - self.load;
-        self.omega = self.next_speed(torque, dt).clamp(-FASTEST, FASTEST);
+        let next = self.next_speed(torque, dt);
+        self.omega = self.slowed(next, dt).clamp(-FASTEST, FASTEST);
         let counts = self.omega * (dt * (REVOLUTION / TAU)) + self.remainder;
         let whole = counts as i64;
         self.remainder = counts - whole as f64;
@@ -279,6 +335,36 @@ impl Mechanics {
             self.remainder = 0.0;
             self.omega = 0.0;
         }
+    }
+
+    /// Nothing brakes the shaft at overspeed.
+    #[cfg(test)]
+    pub const fn forget_overspeed(&mut self) {
+        self.overspeed.from = f64::INFINITY;
+    }
+
+    /// Power that a shaft at overspeed feeds into the DC link, W.
+    pub const fn fed(&self) -> f64 {
+        self.fed
+    }
+
+    /// Speed in rad/s after what brakes a shaft at [`Overspeed`] for `dt` seconds.
+    fn slowed(&mut self, omega: f64, dt: f64) -> f64 {
+        let Overspeed {
+            from,
+            slope,
+            generates,
+        } = self.overspeed;
+        let excess = omega.abs() - from;
+        if excess <= 0.0 {
+            return omega;
+        }
+        // by the speed at the end of the step: it never brakes below where it begins
+        let left = excess / (1.0 + slope * self.mobility * dt);
+        if generates {
+            self.fed = slope * left * from;
+        }
+        (from + left).copysign(omega)
     }
 
     /// Speed in rad/s after `dt` seconds with `torque` Nm from motor and load.

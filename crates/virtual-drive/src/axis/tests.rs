@@ -100,6 +100,34 @@ fn the_current_limit_is_respected_and_stalls_the_axis_under_too_much_load() {
     assert!(axis.speed() < 0.0, "the load wins: {}", axis.speed());
 }
 
+/// What pulls harder than friction holds turns the shaft up to where its motor brakes it: not without end.
+#[test]
+fn a_load_that_overhauls_a_motor_is_braked_at_overspeed() {
+    for (plant, load, speeds) in [
+        // 380 V over sqrt(2/3) * 0.85 Vs: 5228 rpm
+        (Plant::SERVO, 9.0, 5228.0..5600.0),
+        (Plant::SERVO, 40.0, 5600.0..7000.0),
+        (Plant::INDUCTION, 9.0, 3600.0..4000.0),
+    ] {
+        for sign in [1.0, -1.0] {
+            let mut axis = Axis::new(plant);
+            axis.set_load(sign * load);
+            run(&mut axis, 10.0, Command::Off);
+            let speed = -sign * axis.speed();
+            assert!(speeds.contains(&speed), "{load} Nm: {speed} rpm");
+            let bus = axis.electrical.true_bus();
+            let servo = plant.motor == Motor::Servo;
+            assert_eq!(bus > plant.power.chopper, servo, "{bus} V");
+            run(&mut axis, 1.0, Command::Off);
+            let later = -sign * axis.speed();
+            assert!((later - speed).abs() < 0.01 * speed, "{speed} then {later} rpm");
+            axis.set_load(0.0);
+            run(&mut axis, 60.0, Command::Off);
+            assert!(axis.speed().abs() < 1.0, "friction ends it: {} rpm", axis.speed());
+        }
+    }
+}
+
 #[test]
 fn stops_on_the_ramp_in_the_right_time() {
     let mut axis = Axis::new(Plant::default());
@@ -192,10 +220,20 @@ fn the_length_of_the_call_changes_little_and_time_is_bounded() {
     assert!((coarse.speed() - 300.0).abs() < 1.0);
 }
 
-/// Every bit of a servo's way through all commands. It changes only when the servo itself is changed.
+/// Every bit of a servo's way through all commands. It changes only when the servo itself is changed. On its way its load turns it
+/// beyond overspeed while it is off: without what brakes it there, it moves as before there was that.
 #[test]
 fn the_servo_moves_as_ever() {
-    let mut axis = Axis::new(Plant::default());
+    let mut free = Axis::new(Plant::default());
+    free.mechanics.forget_overspeed();
+    let hash = way(free);
+    assert_eq!(hash, 0x2915_69e3_8da4_3646, "{hash:#018x}");
+    let hash = way(Axis::new(Plant::default()));
+    assert_eq!(hash, 0x156f_5265_53dc_9f3f, "{hash:#018x}");
+}
+
+/// Returns a number that stands for each bit of the way of an axis through all commands.
+fn way(mut axis: Axis) -> u64 {
     let ramps = RAMPS.unwrap();
     let turn = |target| Command::Position {
         target,
@@ -239,5 +277,5 @@ fn the_servo_moves_as_ever() {
         }
         axis.set_mains((number == 3).then_some(180.0));
     }
-    assert_eq!(hash, 0x2915_69e3_8da4_3646, "{hash:#018x}");
+    hash
 }

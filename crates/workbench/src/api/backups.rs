@@ -134,7 +134,9 @@ pub(super) async fn back_up(
     Path(id): Path<String>,
 ) -> Result<Json<JobReport>, Problem> {
     let (mut network, mut drive) = find(&shared, &id).await?;
-    let job = shared.jobs.begin(Some(&id.to_lowercase()));
+    let job = shared
+        .jobs
+        .begin(Some(&id.to_lowercase()), shared.board.restarts());
     let work = Arc::clone(&job);
     job.run(async move {
         let progress = |done, total| work.progress(done, total);
@@ -166,7 +168,7 @@ pub(super) async fn compare(
     wanted: Result<Json<Compare>, JsonRejection>,
 ) -> Result<Json<JobReport>, Problem> {
     let Json(Compare { left, right }) = wanted.map_err(|error| Problem::of_body(&error))?;
-    let job = shared.jobs.begin(None);
+    let job = shared.jobs.begin(None, shared.board.restarts());
     let work = Arc::clone(&job);
     job.run(async move {
         let sides = match (known(&shared, &left).await?, known(&shared, &right).await?) {

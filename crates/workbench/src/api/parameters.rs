@@ -13,6 +13,7 @@ use profidrive::report::{DescribeReport, ListReport, ParametersReport, TelegramL
 
 use super::drives::find;
 use crate::problem::Problem;
+use crate::query::Query;
 use crate::shared::Shared;
 use crate::words::PageWords;
 
@@ -51,13 +52,17 @@ pub(super) async fn describe(
 }
 
 /// Reads values. What the drive refuses has its reason in its place.
-#[utoipa::path(get, path = "/api/v1/drives/{id}/values/{references}", params(("references" = String, Path, description = "Numbers or names with commas between them: `DRV.ACC,DRV.DEC`; at most 200")), responses(
+#[utoipa::path(get, path = "/api/v1/drives/{id}/values/{references}", params(
+    ("references" = String, Path, description = "Numbers or names with commas between them: `DRV.ACC,DRV.DEC`; at most 200"),
+    ("present" = Option<bool>, Query, description = "Whether only what the drive has is of interest: what it refuses is left out, and what it has reported not to have is not read again for ten minutes"),
+), responses(
     (status = 200, description = "The values, in the order of the request", body = ref("#/components/schemas/ParametersReport")),
     (status = 400, description = "A name that the drive does not have"),
 ))]
 pub(super) async fn values(
     State(shared): State<Arc<Shared>>,
     Path((id, references)): Path<(String, String)>,
+    query: Query,
 ) -> Result<Json<ParametersReport>, Problem> {
     let wanted: Vec<_> = references.split(',').map(parsed).collect::<Result<_, _>>()?;
     if wanted.len() > AT_ONCE {
@@ -68,7 +73,10 @@ pub(super) async fn values(
         return Err(Problem::new(StatusCode::BAD_REQUEST, "usage", &detail));
     }
     let (mut network, mut drive) = find(&shared, &id).await?;
-    let values = verbs::read(&mut network, &mut drive, &wanted).await;
+    let values = match query.is_true("present") {
+        true => verbs::read_present(&mut network, &mut drive, &wanted).await,
+        false => verbs::read(&mut network, &mut drive, &wanted).await,
+    };
     let values = values.map_err(|error| Problem::of(&error))?;
     match values.unknown.first() {
         Some(problem) => Err(Problem::of(&Error::from(problem.clone()))),

@@ -38,6 +38,9 @@ pub(super) struct NewPlan {
     /// Only these settings of the file: numbers, names or patterns (`DRV.*`); empty for all.
     #[serde(default)]
     settings: Vec<String>,
+    /// Whether the settings of the connection are restored too: telegram, command source, way to get an address.
+    #[serde(default)]
+    network: bool,
     /// Whether the drive saves the new values over a power cycle.
     save: bool,
 }
@@ -64,7 +67,9 @@ pub(super) async fn plan(
     }
     // an unknown drive is no job
     drop(find(&shared, &id).await?);
-    let job = shared.jobs.begin(Some(&id.to_lowercase()));
+    let job = shared
+        .jobs
+        .begin(Some(&id.to_lowercase()), shared.board.restarts());
     match wanted.file.clone() {
         None => job.run(plan_values(Arc::clone(&shared), Arc::clone(&job), id, wanted)),
         Some(file) => {
@@ -77,6 +82,7 @@ pub(super) async fn plan(
                 .map_err(|error| usage(&error.to_string()))?;
             let choice = Choice {
                 only,
+                network: wanted.network,
                 ..Choice::default()
             };
             let restore = Restore {
@@ -172,7 +178,7 @@ async fn plan_restore(
 #[utoipa::path(post, path = "/api/v1/plans/{id}/apply", params(("id" = u64, Path, description = "The plan")), responses(
     (status = 200, description = "What was written; `working` where it takes longer, then its job has it", body = ref("#/components/schemas/JobReport")),
     (status = 404, description = "No such plan"),
-    (status = 409, description = "It was applied before, or the drive has changed since"),
+    (status = 409, description = "It was applied before, the drive has changed since, or the plant was started again"),
     (status = 503, description = "It cannot be logged"),
     (status = 504, description = "The drive does not answer"),
 ))]
@@ -182,6 +188,7 @@ pub(super) async fn apply(
     Path(id): Path<u64>,
 ) -> Result<Json<JobReport>, Problem> {
     let job = shared.jobs.get(id)?;
+    job.of_present(shared.board.restarts())?;
     let planned = job.take(Phase::Planned).ok_or_else(|| {
         let detail = "this plan is applied already, or has nothing that can be written";
         Problem::new(StatusCode::CONFLICT, "plan", detail)
@@ -210,7 +217,7 @@ pub(super) async fn apply(
 #[utoipa::path(post, path = "/api/v1/plans/{id}/undo", params(("id" = u64, Path, description = "The plan")), responses(
     (status = 200, description = "What was written; `working` where it takes longer, then its job has it", body = ref("#/components/schemas/JobReport")),
     (status = 404, description = "No such plan"),
-    (status = 409, description = "It was not applied, or is undone already"),
+    (status = 409, description = "It was not applied, is undone already, or the plant was started again"),
     (status = 503, description = "It cannot be logged"),
     (status = 504, description = "The drive does not answer"),
 ))]
@@ -220,6 +227,7 @@ pub(super) async fn undo(
     Path(id): Path<u64>,
 ) -> Result<Json<JobReport>, Problem> {
     let job = shared.jobs.get(id)?;
+    job.of_present(shared.board.restarts())?;
     let no_undo = || {
         let detail = "there is nothing to undo: the plan was not applied, is undone, or is of a file, whose values before are in a file too";
         Problem::new(StatusCode::CONFLICT, "plan", detail)
@@ -266,6 +274,8 @@ where
     let lock = shared.jobs.drive(&id);
     let _alone = lock.lock_owned().await;
     let (network, drive) = find(&shared, &id).await?;
+    // the plant may have been started again while this waited
+    job.of_present(shared.board.restarts())?;
     let intent = Intent {
         action,
         drive: Some(id),

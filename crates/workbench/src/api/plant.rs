@@ -162,6 +162,7 @@ pub(super) async fn restart(
     };
     let at = Arc::clone(&shared);
     let work = async move {
+        let mut network = at.network.clone();
         let restarts = at.board.restart(|restarts| {
             if seen.is_some_and(|seen| seen != restarts) {
                 return Err(Problem::new(StatusCode::CONFLICT, "changed", REPLACED));
@@ -170,11 +171,13 @@ pub(super) async fn restart(
             if at.control.has_axes() {
                 return Err(refused(StatusCode::CONFLICT, CONTROLS));
             }
-            plant.restart(source.plan()).map_err(|error| match error {
-                OpenError::OtherAddress { .. } => refused(StatusCode::CONFLICT, &error.to_string()),
-                _ => Problem::new(StatusCode::BAD_REQUEST, "usage", &error.to_string()),
-            })?;
-            at.frames.catch_up();
+            plant
+                .restart(source.plan(), &mut network)
+                .map_err(|error| match error {
+                    OpenError::OtherAddress { .. } => refused(StatusCode::CONFLICT, &error.to_string()),
+                    _ => Problem::new(StatusCode::BAD_REQUEST, "usage", &error.to_string()),
+                })?;
+            at.frames.catch_up(&at.network);
             at.hub.forget();
             at.happened().clear();
             *at.plant() = Some(source);

@@ -1,12 +1,19 @@
 //! What the frames of the network show.
 
 use std::cell::Cell;
+use std::io::Cursor;
+use std::thread;
+use std::time::{Duration, Instant};
 
+use profidrive::traffic::{Detail, Reader, Walker};
 use profidrive_workbench::{Settings, Source};
 use serde_json::Value;
 
 use crate::change::known;
 use crate::server::{Running, eventually};
+
+/// The server reads the frames within this time.
+const WAIT: Duration = Duration::from_secs(10);
 
 fn bearer(server: &Running) -> String {
     Running::bearer(&server.view)
@@ -130,29 +137,94 @@ fn the_log_is_read_in_pages_and_as_files() {
     }
 }
 
+/// Returns the texts of what went wrong on the network, with how often.
+fn troubles(server: &Running) -> Vec<(String, u64)> {
+    let report = server.ask("GET", "/api/v1/troubles", &bearer(server), "").json();
+    let all = report["troubles"].as_array().unwrap().iter();
+    all.map(|one| {
+        (
+            format!("{}: {}", one["from"], one["text"]),
+            one["count"].as_u64().unwrap(),
+        )
+    })
+    .collect()
+}
+
+/// Waits for the next search.
+fn searched(server: &Running) {
+    let before = Cell::new(f64::NEG_INFINITY);
+    eventually(server, "/api/v1/stations", |report| {
+        let age = report["age"].as_f64().unwrap_or(f64::INFINITY);
+        age < before.replace(age)
+    });
+}
+
+/// Returns how often a drive refused a parameter in the frames of the last minute.
+fn refusals(server: &Running, drive: &str) -> usize {
+    let file = server.file("/api/v1/traffic");
+    let mut walker = Walker::new(None);
+    let mut count = 0;
+    for captured in Reader::new(Cursor::new(file)).unwrap().map(Result::unwrap) {
+        let events = walker.frame(captured.time, &captured.frame);
+        let of_drive = events.iter().filter(|event| event.from == drive);
+        count += of_drive
+            .filter(|event| matches!(&event.detail, Detail::Job(job) if job.refused.is_some()))
+            .count();
+    }
+    count
+}
+
 /// A VLT has no PNU 930: what is read again and again does not request it each time.
 #[test]
 fn what_a_drive_does_not_have_is_not_read_again() {
     let server = Running::demo();
     known(&server, "pump-1");
-    let refusals = || {
-        let report = server.ask("GET", "/api/v1/troubles", &bearer(&server), "").json();
-        let all = report["troubles"].as_array().unwrap().iter();
-        let own = all.filter(|one| one["from"] == "pump-1" && one["text"].as_str().unwrap().contains("0x00"));
-        own.map(|one| one["count"].as_u64().unwrap()).sum::<u64>()
-    };
     // identities are read each five seconds, the status each second: all of it is read again when a search ends
-    let searched = || {
-        let before = Cell::new(f64::NEG_INFINITY);
-        eventually(&server, "/api/v1/stations", |report| {
-            let age = report["age"].as_f64().unwrap_or(f64::INFINITY);
-            age < before.replace(age)
-        });
+    searched(&server);
+    let first = refusals(&server, "pump-1");
+    assert!(first > 0, "it was looked for once");
+    searched(&server);
+    assert_eq!(refusals(&server, "pump-1"), first);
+}
+
+/// The server looks whether drives have what not each of them has; that they do not is an answer.
+#[test]
+fn what_the_server_looks_for_is_no_trouble_and_what_is_requested_is() {
+    let server = Running::demo();
+    let get = |path: String| {
+        let answer = server.ask("GET", &path, &bearer(&server), "");
+        assert_eq!(answer.status, 200, "{path}: {answer:?}");
+        answer.json()
     };
-    searched();
-    let first = refusals();
-    searched();
-    assert_eq!(refusals(), first);
+    for name in ["axis-1", "pump-1", "fan-1"] {
+        let id = known(&server, name);
+        get(format!("/api/v1/drives/{id}/values/927,928?present=true"));
+        get(format!("/api/v1/drives/{id}/changed"));
+        get(format!("/api/v1/drives/{id}/faults"));
+    }
+    searched(&server);
+    let refused = |text: &str| text.contains("0x00");
+    let own: Vec<_> = troubles(&server)
+        .into_iter()
+        .filter(|(text, _)| refused(text))
+        .collect();
+    assert!(own.is_empty(), "{own:#?}");
+    // a person has requested this one, and the drive refuses it
+    let id = known(&server, "axis-1");
+    let read = get(format!("/api/v1/drives/{id}/values/60000"));
+    assert_eq!(read["parameters"][0]["error"]["number"], 0, "{read}");
+    let listed = || {
+        let all = troubles(&server);
+        let mut own = all
+            .iter()
+            .filter(|(text, _)| text.contains("60000") && refused(text));
+        own.next().map(|(_, count)| *count)
+    };
+    let begun = Instant::now();
+    while listed().is_none() && begun.elapsed() < WAIT {
+        thread::yield_now();
+    }
+    assert_eq!(listed(), Some(1));
 }
 
 #[test]

@@ -77,3 +77,59 @@ fn a_plant_that_another_one_has_replaced_meanwhile_is_not_restarted() {
     assert_eq!(restart(Some(1)).status, 200);
     assert_eq!(restart(None).json()["restarts"], 3, "whichever runs");
 }
+
+#[test]
+fn connections_to_the_plant_before_make_no_trouble() {
+    let server = Running::demo();
+    let text = plant_file(&server);
+    for name in ["axis-1", "pump-1", "fan-1"] {
+        known(&server, name);
+    }
+    for restarts in 1..=3 {
+        let answer = server.post(
+            "/api/v1/plant/restart",
+            &json!({ "text": text, "restarts": null }),
+        );
+        assert_eq!(answer.json()["restarts"], restarts);
+        // each drive is read again
+        for name in ["axis-1", "pump-1", "fan-1"] {
+            known(&server, name);
+        }
+        let report = get(&server, "/api/v1/troubles");
+        let all = report["troubles"].as_array().unwrap().iter();
+        let unknown: Vec<_> = all
+            .filter(|one| one["text"].to_string().contains("ARUUID"))
+            .collect();
+        assert!(unknown.is_empty(), "{unknown:#?}");
+    }
+}
+
+#[test]
+fn a_plan_of_the_plant_before_is_refused() {
+    let server = Running::demo();
+    let id = known(&server, "axis-1");
+    let plan = |value: &str| {
+        let wanted = json!({ "changes": [{ "parameter": "DRV.ACC", "value": value }], "save": false });
+        server.post(&format!("/api/v1/drives/{id}/plans"), &wanted).json()
+    };
+    let (applied, waiting) = (plan("8000 rpm/s"), plan("9000 rpm/s"));
+    assert_eq!(waiting["phase"], "planned", "{waiting}");
+    let post = |job: &Value, what: &str| {
+        let path = format!("/api/v1/plans/{}/{what}", job["id"]);
+        server.post(&path, &json!({}))
+    };
+    assert_eq!(post(&applied, "apply").status, 200);
+    let text = plant_file(&server);
+    let restart = json!({ "text": text, "restarts": null });
+    assert_eq!(server.post("/api/v1/plant/restart", &restart).status, 200);
+    known(&server, "axis-1");
+    for (job, what) in [(&waiting, "apply"), (&applied, "undo")] {
+        let refused = post(job, what);
+        assert_eq!((refused.status, &refused.json()["kind"]), (409, &"plan".into()));
+        let detail = refused.json()["detail"].to_string();
+        assert!(detail.contains("started again"), "{detail}");
+    }
+    let value = get(&server, &format!("/api/v1/drives/{id}/values/DRV.ACC"));
+    assert_eq!(value["parameters"][0]["text"], "3000", "{value}");
+    assert_eq!(post(&plan("9000 rpm/s"), "apply").status, 200);
+}

@@ -62,13 +62,26 @@ impl Running {
 
     /// Sends octets as they are and returns the answer.
     pub fn raw(&self, request: &[u8]) -> Answer {
+        Answer::of(&self.exchange(request))
+    }
+
+    fn exchange(&self, request: &[u8]) -> Vec<u8> {
         let mut stream = TcpStream::connect(self.address).unwrap();
         stream.set_read_timeout(Some(Duration::from_secs(30))).unwrap();
         // the server may answer and close before it has read all
         let _ = stream.write_all(request);
         let mut octets = Vec::new();
         let _ = stream.read_to_end(&mut octets);
-        Answer::of(&octets)
+        octets
+    }
+
+    /// Returns the content of a file as it is.
+    pub fn file(&self, path: &str) -> Vec<u8> {
+        let headers = Self::bearer(&self.view).replace("{address}", &self.address.to_string());
+        let request = format!("GET {path} HTTP/1.1\r\n{headers}Connection: close\r\n\r\n");
+        let octets = self.exchange(request.as_bytes());
+        let head = octets.windows(4).position(|part| part == b"\r\n\r\n").unwrap();
+        octets[head + 4..].to_vec()
     }
 
     /// Makes a request with these headers in place of none; `Host` and the origin of the page are in `PAGE`.

@@ -372,3 +372,38 @@ fn what_differs_from_values_as_delivered_is_read_and_compared() {
         404
     );
 }
+
+#[test]
+fn network_settings_are_left_out_of_a_restore_unless_they_are_chosen() {
+    let server = Running::demo();
+    let id = known(&server, "axis-1");
+    let file = back_up(&server, &id);
+    let text = get(&server, &format!("/api/v1/backups/{file}")).body;
+    let telegram = text.lines().find(|line| line.starts_with("p0922")).unwrap();
+    let other = text
+        .replace(telegram, &telegram.replacen("= 1", "= 9", 1))
+        .replace("station: axis-1", "station: axis-7");
+    assert_ne!(other, text);
+    let kept = server.post("/api/v1/backups", &json!({ "text": other })).json();
+    let file = kept["file"].as_str().unwrap().to_owned();
+    let job = compare(&server, &json!({ "drive": id }), &json!({ "file": file }));
+    let differences = &job["differences"];
+    assert_eq!(
+        differences["network"],
+        json!([{ "setting": "name of station", "left": "axis-1", "right": "axis-7" }])
+    );
+    let all = differences["differences"].as_array().unwrap();
+    let of_connection: Vec<_> = all.iter().map(|one| (&one["pnu"], &one["connection"])).collect();
+    assert_eq!(of_connection, [(&json!(922), &json!(true))]);
+    let changes = |network: bool| {
+        let wanted = json!({ "file": file, "network": network, "save": false });
+        let answer = server.post(&format!("/api/v1/drives/{id}/plans"), &wanted);
+        let planned = settled(&server, &answer);
+        let changes = planned["plan"]["changes"].as_array().unwrap().iter();
+        changes
+            .map(|change| change["new"]["text"].clone())
+            .collect::<Vec<_>>()
+    };
+    assert!(changes(false).is_empty());
+    assert_eq!(changes(true), ["9"]);
+}

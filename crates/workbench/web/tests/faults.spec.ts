@@ -55,6 +55,15 @@ test("a fault is announced once, with its remedy, and goes to the history when i
     await acknowledge.click();
     await expect(page.getByText("No fault and no warning is present.")).toBeVisible();
     await expect(page.getByRole("row", { name: /F439/ })).toBeVisible();
+    // one that came while the Scope was closed is not between what it recorded before and after
+    await inject(page, "axis-1", "fault=439!");
+    await expect(row).toBeVisible();
+    await scope.click();
+    await expect(page.getByRole("status").filter({ hasText: /^Nothing of .* UTC is recorded/ })).toBeVisible();
+    await page.goBack();
+    await inject(page, "axis-1", "clear=439");
+    await acknowledge.click();
+    await expect(page.getByText("No fault and no warning is present.")).toBeVisible();
     // the file has what the table has, and no cell is a formula
     const [download] = await Promise.all([
       page.waitForEvent("download"),

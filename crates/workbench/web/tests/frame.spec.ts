@@ -3,7 +3,7 @@ import { createRequire } from "node:module";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import type { Page } from "@playwright/test";
-import { end, expect, pictures, rows, serve, serveIn, test } from "./bench";
+import { end, expect, idOf, pictures, rows, serve, serveIn, test } from "./bench";
 
 const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
 
@@ -150,9 +150,7 @@ for (const theme of ["light", "dark", "contrast"] as const) {
       for (const [name, path] of await screens(page)) {
         await page.goto(path + lang);
         await expect(page.locator("main h1")).toBeVisible();
-        await expect(page.getByText(/Reading the (drive|words of the drive) ..|Waiting for cyclic frames/)).toHaveCount(
-          0,
-        );
+        await expect(page.locator(".bars")).toHaveCount(0, { timeout: 30_000 });
         await expect(page.getByRole("option").filter({ hasText: "axis-1" }).first()).toBeAttached();
         await expect(page.getByText(/(Connecting|Waiting for the first values) \.\./)).toHaveCount(0);
         // by the protocol of the browser, which the policy of the page does not bind
@@ -359,6 +357,132 @@ test("on a touch screen STOP is at the lower right, and what is pressed is large
   await context.close();
 });
 
+test("a tablet and a phone have their screens at the lower end, a phone those that look", async ({ entered: page }) => {
+  const links = page.locator("nav > a:visible");
+  const offered = ["Network", "Overview", "Faults"];
+  for (const [name, path] of await screens(page)) {
+    await page.goto(path);
+    await expect(page.locator("main h1")).toBeVisible();
+    for (const [width, height] of [
+      [768, 950],
+      [600, 900],
+    ] as const) {
+      await page.setViewportSize({ width, height });
+      const seen = await page.evaluate(() => {
+        const nav = document.querySelector("nav")?.getBoundingClientRect();
+        const stop = document.querySelector(".stop")?.getBoundingClientRect();
+        const rows = [...document.querySelectorAll("tbody tr")].filter((row) => row.checkVisibility());
+        return {
+          below: nav?.bottom === innerHeight && nav.top > innerHeight - 100,
+          corner: stop !== undefined && (nav?.right ?? 0) - stop.right < 16 && stop.bottom <= (nav?.top ?? 0),
+          high: stop?.height === 64,
+          rows: rows.every((row) => row.getBoundingClientRect().height >= 43),
+        };
+      });
+      // the histogram is a picture made of rows
+      const rows = name === "telegram" ? { ...seen, rows: true } : seen;
+      expect(rows, `${name} ${width}`).toEqual({ below: true, corner: true, high: true, rows: true });
+      if (width < 700) await expect(links).toHaveText(offered);
+      else await expect(links).toHaveCount(12);
+    }
+    const needs = page.getByText("This screen is made for a width of 700 px");
+    const whole = ["network", "overview", "faults"].includes(name.split("-")[0] ?? "");
+    await expect(needs).toHaveCount(whole ? 0 : 1);
+  }
+  // nothing else leads to another screen
+  await page.goto("/network");
+  await expect(page.getByRole("row", { name: "axis-2" })).toBeVisible();
+  await page.getByRole("link", { name: "axis-2", exact: true }).click();
+  await expect(page.locator(".why-not")).toBeVisible();
+  const elsewhere = await page
+    .locator("main a:visible")
+    .evaluateAll((all) =>
+      all.map((one) => one.getAttribute("href") ?? "").filter((to) => !/overview|faults|network/.test(to)),
+    );
+  expect(elsewhere).toEqual([]);
+});
+
+test("what is waited for keeps its place, and has a name when it takes long", async ({ entered, context }) => {
+  const all = await screens(entered);
+  const path = (name: string) => all.find(([one]) => one === name)?.[1] ?? "";
+  const held = async (name: string, withheld: RegExp, text: string) => {
+    const page = await context.newPage();
+    await page.routeWebSocket("**/api/v1/live", (socket) => {
+      const server = socket.connectToServer();
+      server.onMessage((message) => {
+        if (typeof message !== "string" || !withheld.test(message)) socket.send(message);
+      });
+    });
+    // requests that are not answered
+    await page.route(/\/api\/v1\/(audit|backups|captures|drives\/[^/]+\/(parameters|changed))/, () => {});
+    await page.goto(path(name));
+    const line = page.getByText(text);
+    await expect(line, name).toBeVisible();
+    await expect(page.locator(".bars").first(), name).toBeVisible();
+    // the line was there before its words, so that nothing has moved
+    expect((await line.boundingBox())?.height, name).toBe(20);
+    await page.close();
+  };
+  const cases = [
+    ["network", /"topic":"network"/, "Waiting for the workbench .."],
+    ["overview", /"topic":"network"/, "Waiting for the end of the first search for stations .."],
+    ["overview", /nothing/, "Waiting for the settings of fan-1 .."],
+    ["faults", /\/faults"/, "Waiting for the fault buffer of axis-2 .."],
+    ["parameters", /nothing/, "Waiting for the list of parameters .."],
+    ["compare", /nothing/, "Waiting for the list of files .."],
+    ["machine", /\/machine"/, "Waiting for the control and status word of press-1 .."],
+    ["telegram", /\/telegram"/, "Waiting for the frames of press-1 .."],
+    ["capture", /nothing/, "Waiting for the list of files .."],
+    ["log", /nothing/, "Waiting for the log .."],
+    ["virtual", /"topic":"plant"/, "Waiting for the virtual drives .."],
+  ] as const;
+  // some at once: each waits two seconds
+  for (let first = 0; first < cases.length; first += 4) {
+    await Promise.all(cases.slice(first, first + 4).map(([name, withheld, text]) => held(name, withheld, text)));
+  }
+});
+
+test("a long state is read whole, and so is why a jog is refused", async ({ page }) => {
+  // one whose STOP was not pressed
+  const server = await serve("--demo", "--listen", "127.0.0.1:0");
+  try {
+    await page.goto(server.url);
+    await rows(page);
+    const cut = await page
+      .locator("td.why bdi")
+      .evaluateAll((all) => all.filter((one) => one.scrollWidth > one.clientWidth + 1).map((one) => one.textContent));
+    expect(cut).toEqual([]);
+    const table = page.getByRole("region", { name: /^Stations of the network/ });
+    expect(await table.evaluate((one) => one.scrollWidth - one.clientWidth)).toBeLessThanOrEqual(0);
+    const id = await idOf(page, "axis-1");
+    // beats that are answered late
+    await page.routeWebSocket("**/api/v1/control", (socket) => {
+      const server = socket.connectToServer();
+      server.onMessage((message) => {
+        if (String(message).includes('"beat"')) setTimeout(() => socket.send(message), 150);
+        else socket.send(message);
+      });
+    });
+    await page.goto(`${server.origin}/drives/${encodeURIComponent(id)}/control`);
+    const why = page.locator("#jog-why");
+    const pad = page.getByRole("group", { name: /^Jog buttons/ });
+    await expect(why).toHaveText("Take control first.");
+    await expect(why).toBeInViewport({ ratio: 1 });
+    await expect(pad).toBeInViewport({ ratio: 1 });
+    await page.getByRole("button", { name: "Take control" }).click();
+    await expect(why).toHaveText("Enable the axis first.");
+    await page.getByRole("button", { name: "Enable" }).click();
+    await expect(why).toHaveText(/^The round trip to the workbench is \d+ ms: too slow to jog\.$/);
+    await expect(page.getByRole("button", { name: "+20 rpm" })).toBeDisabled();
+    await expect(why).toBeInViewport({ ratio: 1 });
+    await expect(pad).toBeInViewport({ ratio: 1 });
+    await page.getByRole("button", { name: "Release" }).click();
+    await expect(why).toHaveText("Take control first.");
+  } finally {
+    await end(server);
+  }
+});
+
 test("without a token the page says what it needs", async ({ browser, demo }) => {
   const context = await browser.newContext();
   const page = await context.newPage();
@@ -376,7 +500,7 @@ test("the picture of the README", async ({ page }) => {
   try {
     await page.goto(server.url);
     await rows(page);
-    await page.setViewportSize({ width: 1366, height: 420 });
+    await page.setViewportSize({ width: 1366, height: 440 });
     await expect(page.getByRole("row", { name: "press-1" })).toContainText("it runs");
     const file = join(pictures, "workbench.png");
     await page.screenshot({ path: file });

@@ -108,7 +108,8 @@ test("texts of stations are shown as text", async ({ page, demo }) => {
   expect(await page.locator("main img").count()).toBe(0);
   expect(await page.title()).toBe("Network - profidrive workbench");
   const boxes = await page.getByRole("row").evaluateAll((all) => all.map((row) => row.getBoundingClientRect().height));
-  expect(Math.max(...boxes)).toBeLessThan(32);
+  // a state is read whole, and texts are cut with a count before they have more lines than these
+  expect(Math.max(...boxes)).toBeLessThan(90);
   expect(await page.locator("bdi", { hasText: "gnp.exe" }).first().textContent()).toContain("\ufffdgnp.exe");
   const [download] = await Promise.all([
     page.waitForEvent("download"),

@@ -212,6 +212,18 @@ test("settings are backed up, compared, restored as a plan, and downloaded", asy
     await expect(review).toContainText("written and verified");
     await compare.click();
     await expect(ramp).toHaveCount(0);
+    // name and address are among what differs only where that is chosen
+    await page.getByRole("combobox", { name: "Left" }).selectOption({ label: "axis-1" });
+    await right.selectOption({ label: "axis-2" });
+    await compare.click();
+    const network = page.getByRole("checkbox", { name: "Network settings (2)" });
+    await expect(network).toBeVisible();
+    await expect(page.getByRole("row", { name: "name of station" })).toHaveCount(0);
+    await network.check();
+    await expect(page.getByRole("row", { name: "name of station" })).toContainText("axis-2");
+    await expect(page.getByRole("row", { name: "IP address" })).toBeVisible();
+    await network.uncheck();
+    await right.selectOption(delivered);
     // of another kind of drive: both are named
     const left = page.getByRole("combobox", { name: "Left" });
     await left.selectOption({ label: "axis-1" });

@@ -70,9 +70,23 @@ model = "vlt"
 ip = "192.168.77.32/24"
 parameters = { "9-22" = 102 }
 
+[[drive]]
+name = "pump-3"
+model = "vlt"
+ip = "192.168.77.33/24"
+parameters = { "9-22" = 102 }
+
+# reads 3-41
 [[controller]]
 drive = "pump-2"
 telegram = 102
+step = [{ at = "0s", words = [0x1155, 0, 0, 0] }]
+
+# reads a parameter that there is not
+[[controller]]
+drive = "pump-3"
+telegram = 102
+step = [{ at = "0s", words = [0x17D0, 0, 0, 0] }]
 `;
 
 test("the ends of a way and a parameter channel are shown of drives that have them", async ({ page }) => {
@@ -86,8 +100,18 @@ test("the ends of a way and a parameter channel are shown of drives that have th
     await expect(page.getByRole("row", { name: "lift-1" })).toContainText("stop -5.00, stop 20.00");
     await page.goto(`${server.origin}/drives/${encodeURIComponent(await idOf(page, "pump-2"))}/telegram`);
     const channel = page.locator(".channel");
-    await expect(channel.getByRole("row", { name: /^Request/ })).toContainText("00 00");
-    await expect(channel.getByRole("row", { name: /^Reply/ })).toContainText("00 00 00 00");
+    const request = channel.getByRole("row", { name: /^Request/ });
+    const reply = channel.getByRole("row", { name: /^Reply/ });
+    await expect(request).toContainText("11 55");
+    await expect(request).toContainText("3-41");
+    // 3.00 s in steps of 10 ms, as the drive has it
+    await expect(reply).toContainText("21 55");
+    await expect(reply).toContainText("00 00 01 2C");
+    await expect(reply).toContainText("(3-41) = 3 s");
+    await page.goto(`${server.origin}/drives/${encodeURIComponent(await idOf(page, "pump-3"))}/telegram`);
+    await expect(request).toContainText("17 D0");
+    await expect(reply).toContainText("77 D0");
+    await expect(reply.locator(".fault")).toContainText("parameter number does not exist");
     expect(wrong).toEqual([]);
   } finally {
     await end(server);

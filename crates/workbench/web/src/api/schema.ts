@@ -1087,6 +1087,8 @@ export interface components {
             differences: components["schemas"]["Difference"][];
             /** @description File or drive on the left. */
             left: string;
+            /** @description What differs in name and address. A restore does not write it, and it does not count as a difference. */
+            network: components["schemas"]["NetworkDifference"][];
             /** @description File or drive on the right. */
             right: string;
             /** @description The motion tasks that differ. */
@@ -1932,6 +1934,15 @@ export interface components {
             /** @description Name of the neighbour. */
             station: string | null;
         };
+        /** @description Something in name or address that differs. */
+        NetworkDifference: {
+            /** @description What it is on the left; empty for no name. */
+            left: string;
+            /** @description What it is on the right; empty for no name. */
+            right: string;
+            /** @description `name of station`, `IP address`, `subnet mask` or `gateway`. */
+            setting: string;
+        };
         /** @description Something that went wrong on the network. */
         NetworkTrouble: {
             /**
@@ -1970,6 +1981,11 @@ export interface components {
              * @default null
              */
             file: string | null;
+            /**
+             * @description Whether the settings of the connection are restored too: telegram, command source, way to get an address.
+             * @default false
+             */
+            network: boolean;
             /** @description Whether the drive saves the new values over a power cycle. */
             save: boolean;
             /**
@@ -4506,7 +4522,10 @@ export interface operations {
     };
     values: {
         parameters: {
-            query?: never;
+            query?: {
+                /** @description Whether only what the drive has is of interest: what it refuses is left out, and what it has reported not to have is not read again for ten minutes */
+                present?: boolean;
+            };
             header?: never;
             path: {
                 /** @description MAC address, or `ip-` with the IP address */
@@ -4789,7 +4808,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It was applied before, or the drive has changed since */
+            /** @description It was applied before, the drive has changed since, or the plant was started again */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -4866,7 +4885,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It was not applied, or is undone already */
+            /** @description It was not applied, is undone already, or the plant was started again */
             409: {
                 headers: {
                     [name: string]: unknown;

@@ -8,7 +8,7 @@ import { t } from "../text";
 import { Frame } from "./Frame";
 import { useKeys } from "./keys";
 import { Overlay } from "./Palette";
-import { address, recent, remember, screenOf } from "./selected";
+import { address, recent, remember, type Screen, screenOf } from "./selected";
 import { shown } from "./shortcuts";
 import { type Theme, theme } from "./theme";
 
@@ -27,11 +27,18 @@ const Virtual = lazy(() => import("../screens/screens").then((screens) => screen
 /** Keeps what follows the address: `?lang=`. */
 const query = location.search;
 
+/** The screens that a narrow page offers. */
+const NARROW: readonly Screen[] = ["network", "overview", "faults"];
+
 function Link({ href, icon, text }: { href: string; icon: IconName; text: string }) {
   const { path } = useLocation();
   const here = screenOf(path) === screenOf(href);
   return (
-    <a href={href + query} aria-current={here ? "page" : undefined}>
+    <a
+      href={href + query}
+      aria-current={here ? "page" : undefined}
+      data-narrow={NARROW.includes(screenOf(href)) ? "" : undefined}
+    >
       <Icon name={icon} />
       <span>{text}</span>
     </a>
@@ -102,6 +109,7 @@ function Shell() {
       <div class="body">
         <Navigation />
         <main id="content" tabIndex={-1}>
+          {!NARROW.includes(screenOf(path)) && <p class="narrow muted">{t("nav.narrow")}</p>}
           <ErrorBoundary>
             <Router>
               <Route path="/" component={Network} />

@@ -105,7 +105,9 @@ function ms(seconds: number | null): string {
 function Link({ id }: { id: string }) {
   useEffect(() => want(`drive/${id}/link`, 2), [id]);
   const held = topics.value.get(`drive/${id}/link`);
-  const fresh = silent.value === null && held !== undefined && (now.value - held.received) / 1000 < STALE;
+  // before the first report nothing is known of them
+  if (held === undefined) return <span class="spare muted">{"\u2013"}</span>;
+  const fresh = silent.value === null && (now.value - held.received) / 1000 < STALE;
   const timing = fresh ? (held.data as LinkTopic).timing : null;
   if (timing === null) return <span class="spare muted">{t("frame.link.none")}</span>;
   return (

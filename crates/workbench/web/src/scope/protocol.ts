@@ -56,6 +56,8 @@ export interface Status {
   reason: string | null;
   /** The whole time that is kept, in us of the engine. */
   kept: Span | null;
+  /** The parts of it in which nothing was recorded, as long as a person sees. */
+  pauses: Span[];
   octets: number;
 }
 

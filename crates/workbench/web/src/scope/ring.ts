@@ -143,6 +143,12 @@ export class Ring {
     }
   }
 
+  /** Returns the times that are longer than this without a row between two that are kept. */
+  pauses(longest: number): { from: number; to: number }[] {
+    const spans = this.gaps.map(({ row }) => ({ from: this.time(row - 1), to: this.time(row) }));
+    return spans.filter(({ from, to }) => to - from > longest);
+  }
+
   /** Returns the first row at or behind a time. */
   rowAt(time: number): number {
     let [low, high] = [this.first, this.next];

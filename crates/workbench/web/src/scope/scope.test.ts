@@ -174,6 +174,9 @@ describe("rings", () => {
     expect(ring.gaps).toEqual([{ row: 3, lost: 3 }]);
     const part = ring.slice(2, 5);
     expect([part.next, part.gaps]).toEqual([3, [{ row: 1, lost: 3 }]]);
+    // a time in it was not recorded; a short gap is none that a person sees
+    expect(ring.pauses(30)).toEqual([{ from: 20, to: 60 }]);
+    expect(ring.pauses(40)).toEqual([]);
   });
 });
 

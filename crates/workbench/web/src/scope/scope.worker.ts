@@ -109,6 +109,9 @@ function frame(now: number): void {
   );
 }
 
+/** A shorter time without values is no pause of the recording, in us. */
+const PAUSE = 1e6;
+
 function status(): void {
   const ring = acquisition.ring;
   const kept = ring !== null && ring.next > 0 ? { from: ring.time(ring.first), to: acquisition.latest } : null;
@@ -127,6 +130,7 @@ function status(): void {
     dropped: acquisition.dropped,
     reason,
     kept,
+    pauses: ring?.pauses(PAUSE) ?? [],
     octets: ring?.octets ?? 0,
   };
   post(message);

@@ -106,7 +106,8 @@ function receive(message: FromWorker): void {
     case "status": {
       const before = status.value;
       status.value = message;
-      if (sought !== null && message.obeyed >= sought.order && message.header !== null) showTime(message, sought.at);
+      const known = message.header !== null || message.reason !== null;
+      if (sought !== null && message.obeyed >= sought.order && known) showTime(message, sought.at);
       if (JSON.stringify(before?.header) !== JSON.stringify(message.header)) {
         if (other && chosen().length === 0) chooseFirst();
         calculate();
@@ -145,10 +146,11 @@ let sought: { at: number; order: number } | null = null;
 const BEFORE_TIME = 0.6;
 
 /** Shows a time of what is recorded, or says that it is not. */
-function showTime({ header, kept }: Status, at: number): void {
+function showTime({ header, kept, pauses }: Status, at: number): void {
   sought = null;
   const time = header === null || header.unix_ms === 0 ? null : header.t_us + (at - header.unix_ms) * 1000;
-  const there = time !== null && kept !== null && time >= kept.from && time <= kept.to;
+  const within = (span: { from: number; to: number }) => time !== null && time >= span.from && time <= span.to;
+  const there = time !== null && kept !== null && within(kept) && !pauses.some(within);
   const clock = `${new Date(at).toISOString().slice(11, 19)} UTC`;
   said.value = { text: t(there ? "scope.at" : "scope.at.none", { time: clock }), failed: false, unrecorded: !there };
   if (!there) return;

@@ -1,6 +1,7 @@
 import { useEffect } from "preact/hooks";
 import { foreign, sentence } from "../../parts/format";
 import { Icon } from "../../parts/Icon";
+import { Loading } from "../../parts/Loading";
 import { server } from "../../store/store";
 import { t } from "../../text";
 import { Devices } from "./Devices";
@@ -41,7 +42,7 @@ export function Capture() {
           />
           {t("capture.upload")}
         </label>
-        {captures.value.length > 0 && (
+        {captures.value !== null && captures.value.length > 0 && (
           <label>
             <span class="muted small">{t("capture.kept")}</span>
             <select
@@ -67,6 +68,7 @@ export function Capture() {
           <Icon name="cross" /> <bdi>{sentence(failure.value)}</bdi>
         </p>
       )}
+      {captures.value === null && failure.value === "" && <Loading what={t("loading.files")} count={8} />}
       {capture && (
         <>
           <p role="status" data-frames={capture.ended ? capture.counts.frames : ""}>

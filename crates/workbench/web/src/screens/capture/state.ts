@@ -20,7 +20,8 @@ const UPLOAD = 300_000;
 /** States that the time line shows. */
 const STATES = 1000;
 
-export const captures = signal<CaptureReport[]>([]);
+/** The captures of the server; `null` before they were listed. */
+export const captures = signal<CaptureReport[] | null>(null);
 export const current = signal<CaptureReport | null>(null);
 export const view = signal<"events" | "frames">("events");
 export const filter = signal({ trouble: false, device: "", begin: "", end: "" });

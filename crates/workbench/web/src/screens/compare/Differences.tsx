@@ -1,4 +1,5 @@
 import { signal } from "@preact/signals";
+import type { Diff } from "../../api";
 import { Check } from "../../parts/Check";
 import { downloadText } from "../../parts/download";
 import { foreign, sentence } from "../../parts/format";
@@ -6,7 +7,7 @@ import { groupOf, groups } from "../../parts/group";
 import { server } from "../../store/store";
 import { t } from "../../text";
 import { csv, html, keyOf, type Report, type Row, valueText } from "./merge";
-import { type Compared, picked, plan, type Restorable, restorable, save } from "./state";
+import { type Compared, network, picked, plan, type Restorable, restorable, save } from "./state";
 
 /** Which of the differences are listed. */
 const search = signal("");
@@ -56,7 +57,6 @@ function Take({ row }: { row: Row }) {
       type="checkbox"
       aria-label={t("compare.take.one", { name: row.of.name ?? key })}
       checked={picked.value.has(key)}
-      disabled={row.of.connection}
       onChange={(event) => {
         const next = new Set(picked.value);
         if (event.currentTarget.checked) next.add(key);
@@ -107,6 +107,61 @@ function Table({ rows, names, take, withBase }: TableProps) {
         </tbody>
       </table>
     </section>
+  );
+}
+
+/** What differs in name and address, which is set on another screen. */
+function Addresses({ differences }: { differences: Diff }) {
+  if (differences.network.length === 0) return null;
+  return (
+    <section class="scroll">
+      <table>
+        <caption class="unseen">{t("compare.network")}</caption>
+        <thead>
+          <tr>
+            <th scope="col">{t("parameters.name")}</th>
+            <th scope="col">{foreign(differences.left)}</th>
+            <th scope="col">{foreign(differences.right)}</th>
+            <th scope="col">{t("compare.kind")}</th>
+          </tr>
+        </thead>
+        <tbody>
+          {differences.network.map(({ setting, left, right }) => (
+            <tr key={setting} data-network={setting}>
+              <th scope="row">{setting}</th>
+              <td class="number">
+                <bdi>{foreign(left) || dash}</bdi>
+              </td>
+              <td class="number">
+                <bdi>{foreign(right) || dash}</bdi>
+              </td>
+              <td class="muted small">
+                {t("compare.network.set")} <a href={`/network${location.search}`}>{t("nav.network")}</a>
+              </td>
+            </tr>
+          ))}
+        </tbody>
+      </table>
+    </section>
+  );
+}
+
+/** Whether the settings of the network are listed and restored, with how many there are. */
+function WithNetwork({ count }: { count: number }) {
+  return (
+    <p class="buttons">
+      <Check
+        of={network}
+        onChange={() => {
+          // what is not listed is not taken
+          picked.value = new Set();
+          plan.value = null;
+        }}
+      >
+        {t("compare.network.with", { count })}
+      </Check>
+      <span class="muted small">{t(network.value ? "compare.network.taken" : "compare.network.left")}</span>
+    </p>
   );
 }
 
@@ -173,12 +228,14 @@ export function Differences({
   left,
   right,
   base,
-  rows,
+  rows: all,
   usable,
   makePlan,
 }: Compared & { usable: boolean; makePlan: (wanted: Restorable) => void }) {
   const differences = job.differences;
   if (differences === null) return null;
+  const ofNetwork = all.filter(({ of }) => of.connection).length + differences.network.length;
+  const rows = network.value ? all : all.filter(({ of }) => !of.connection);
   const may = restorable({ left, right });
   const control = server.value?.role === "control";
   const tasks = differences.tasks.length;
@@ -200,6 +257,8 @@ export function Differences({
           <Table rows={shown} names={names} take={may !== null && control} withBase={withBase} />
         </>
       )}
+      {network.value && <Addresses differences={differences} />}
+      {ofNetwork > 0 && <WithNetwork count={ofNetwork} />}
       {tasks > 0 && <p>{t("compare.tasks", { list: differences.tasks.map(({ number }) => number).join(", ") })}</p>}
       {may && control && rows.length + tasks > 0 && (
         <p class="buttons">

@@ -4,6 +4,7 @@ import { useLocation } from "preact-iso";
 import { type Backups, type Job, post, request, type Station } from "../../api";
 import { selected, selectedId } from "../../app/selected";
 import { foreign, label, sentence } from "../../parts/format";
+import { Bars, Loading } from "../../parts/Loading";
 import { Nothing } from "../../parts/Nothing";
 import { Plan } from "../../parts/Plan";
 import { follow, reason } from "../../store/jobs";
@@ -11,9 +12,10 @@ import { server, silent, stations } from "../../store/store";
 import { t } from "../../text";
 import { Differences } from "./Differences";
 import { keyOf, merge, valueText } from "./merge";
-import { base, compared, left, picked, plan, type Restorable, right, save } from "./state";
+import { base, compared, left, network, picked, plan, type Restorable, right, save } from "./state";
 
-const files = signal<Backups["files"]>([]);
+/** The files of the server; `null` before they were listed. */
+const files = signal<Backups["files"] | null>(null);
 /** What is worked on, in words, and how far that is. */
 const work = signal<{ text: string; done: number; total: number } | null>(null);
 const failure = signal("");
@@ -68,15 +70,17 @@ async function compare(): Promise<void> {
   });
 }
 
-/** Values as delivered are written like values that are typed; those of the connection are left to the controller. */
+/** Values as delivered are written like values that are typed; those of the connection only where they are chosen. */
 function delivered(from: "left" | "right"): { parameter: string; value: string }[] {
   const rows = compared.value?.rows ?? [];
-  const wanted = rows.filter(({ of }) => !of.connection && (picked.value.size === 0 || picked.value.has(keyOf(of))));
+  const may = rows.filter(({ of }) => network.value || !of.connection);
+  const wanted = may.filter(({ of }) => picked.value.size === 0 || picked.value.has(keyOf(of)));
   return wanted.map(({ of }) => ({ parameter: keyOf(of), value: valueText(of[from]) }));
 }
 
 async function makePlan({ id, file, from }: Restorable): Promise<void> {
-  const wanted = file === null ? { changes: delivered(from) } : { file, settings: [...picked.value] };
+  const wanted =
+    file === null ? { changes: delivered(from) } : { file, settings: [...picked.value], network: network.value };
   await working(t("plan.checking"), async (show) => {
     const begun = await post<Job>(`drives/${encodeURIComponent(id)}/plans`, { ...wanted, save: save.value });
     plan.value = await follow(begun, show);
@@ -128,7 +132,7 @@ function Side({ title, side, none, of }: { title: string; side: typeof left; non
             <option value={`delivered ${of.id}`}>{t("compare.delivered", { name: label(of) })}</option>
           </optgroup>
           <optgroup label={t("compare.files")}>
-            {files.value.map((kept) => (
+            {(files.value ?? []).map((kept) => (
               <option key={kept.file} value={`file ${kept.file}`}>
                 {foreign(kept.file)}
               </option>
@@ -158,7 +162,7 @@ export function Compare() {
     });
   }, [id]);
   if (id === null || !station) {
-    return <Nothing title={t("compare.title")} text={t(id === null ? "compare.select" : "overview.unknown")} />;
+    return <Nothing title={t("compare.title")} select={t("compare.select")} />;
   }
   const control = server.value?.role === "control";
   const usable = control && work.value === null && silent.value === null;
@@ -215,7 +219,11 @@ export function Compare() {
           <bdi>{sentence(failure.value)}</bdi>
         </p>
       )}
-      {compared.value === null && work.value === null && <p class="muted">{t("compare.empty")}</p>}
+      {files.value === null && failure.value === "" && <Loading key={id} what={t("loading.files")} count={6} />}
+      {compared.value === null && work.value !== null && <Bars count={6} />}
+      {compared.value === null && work.value === null && files.value !== null && (
+        <p class="muted">{t("compare.empty")}</p>
+      )}
       {compared.value && (
         <Differences
           {...compared.value}

@@ -16,6 +16,8 @@ export const plan = signal<Job | null>(null);
 /** The differences that are taken from the file. */
 export const picked = signal<ReadonlySet<string>>(new Set());
 export const save = signal(false);
+/** Whether the settings of the network are among the differences: name and address, and what belongs to the connection. */
+export const network = signal(false);
 
 whenRestarted(() => {
   compared.value = null;

@@ -24,17 +24,18 @@ function rpm(speed: number): number {
 export function JogPad({
   drive,
   speed,
-  may,
+  refused,
   slow,
 }: {
   drive: string;
   speed: number | null;
-  may: boolean;
+  refused: boolean;
+  /** Whether a slow round trip is all that speaks against it. */
   slow: boolean;
 }) {
   const held = control.held.value;
   // what is too slow begins no jog; one under way ends by its beats
-  const usable = may && speed !== null && speed > 0 && (!slow || held !== null);
+  const usable = !refused || (slow && speed !== null && speed > 0 && held !== null);
   useEffect(() => {
     if (!usable) control.letGo();
   }, [usable]);
@@ -47,6 +48,7 @@ export function JogPad({
     <fieldset
       class="pad"
       aria-label={t("control.pad")}
+      aria-describedby="jog-why"
       onBlurCapture={(event) => {
         // from one button to another is not away
         const to = event.relatedTarget;
@@ -86,7 +88,6 @@ export function JogPad({
             : t(share < 0 ? "control.backward" : "control.forward", { speed: rpm(Math.abs(speed * share)) })}
         </button>
       ))}
-      <p class="muted small">{t("control.keys")}</p>
     </fieldset>
   );
 }

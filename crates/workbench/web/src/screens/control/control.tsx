@@ -287,11 +287,23 @@ function Confirm({ id }: { id: string }) {
   );
 }
 
+/** Why the jog buttons are off, in words; `null` where they are on. */
+function jogRefusal(station: Station, slow: boolean): string | null {
+  const axis = control.own(station.id);
+  if (axis === undefined) return t("control.jog.take");
+  if (control.stopped.value) return t("control.jog.reset");
+  if (axis.phase !== "enabled" && axis.phase !== "moving") return t("control.jog.enable");
+  const speed = numberOf(jogSpeed.value);
+  if (speed === null || speed <= 0) return t("control.jog.speed");
+  return slow ? t("control.slow", { ms: Math.round(control.trip.value ?? 0) }) : null;
+}
+
 function Motion({ station }: { station: Station }) {
   const { id } = station;
   const axis = control.own(id);
   const on = (axis?.phase === "enabled" || axis?.phase === "moving") && !control.stopped.value;
   const slow = (control.trip.value ?? 0) > control.SLOW;
+  const refused = jogRefusal(station, slow);
   const tabs =
     axis?.purpose === "position" ? (["jog", "move", "home", "task"] as const) : (["jog", "velocity"] as const);
   const here = (tabs as readonly string[]).includes(tab.value) ? tab.value : "jog";
@@ -317,9 +329,13 @@ function Motion({ station }: { station: Station }) {
       </div>
       {here === "jog" && (
         <>
-          <Field title={t("control.speed")} value={jogSpeed} unit="rpm" />
-          <JogPad drive={id} speed={numberOf(jogSpeed.value)} may={on} slow={slow} />
-          {slow && <p class="fault">{t("control.slow", { ms: Math.round(control.trip.value ?? 0) })}</p>}
+          <div class="beside-field">
+            <Field title={t("control.speed")} value={jogSpeed} unit="rpm" />
+            <p class={`small ${slow && on ? "fault" : "muted"}`} id="jog-why" role="status">
+              {refused ?? t("control.keys")}
+            </p>
+          </div>
+          <JogPad drive={id} speed={numberOf(jogSpeed.value)} refused={refused !== null} slow={slow && on} />
         </>
       )}
       {here === "velocity" && (
@@ -544,7 +560,7 @@ export function Control() {
     };
   }, []);
   if (id === null || !station) {
-    return <Nothing title={t("control.title")} text={t(id === null ? "control.select" : "overview.unknown")} />;
+    return <Nothing title={t("control.title")} select={t("control.select")} />;
   }
   const said = control.said.value.get(id) ?? null;
   return (

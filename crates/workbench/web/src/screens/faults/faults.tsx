@@ -7,6 +7,7 @@ import { Command } from "../../parts/Command";
 import { downloadText } from "../../parts/download";
 import { cell, digits, foreign, label, sentence } from "../../parts/format";
 import { Icon } from "../../parts/Icon";
+import { Loading } from "../../parts/Loading";
 import { Nothing } from "../../parts/Nothing";
 import { want } from "../../store/live";
 import { firstSeen } from "../../store/seen";
@@ -35,7 +36,7 @@ function moment(status: Station["status"]): string {
 function Named({ id, parameters }: { id: string; parameters: readonly string[] }) {
   if (parameters.length === 0) return null;
   return (
-    <p class="small">
+    <p class="small roomy">
       <span class="muted">{t("faults.parameters")}</span>{" "}
       {parameters.map((name) => (
         <>
@@ -81,7 +82,7 @@ function Present({ id, report, station }: { id: string; report: FaultsTopic["rep
             {fault.reaction && <p class="muted">{t("faults.reaction", { text: sentence(fault.reaction) })}</p>}
             {fault.remedy && <p>{t("overview.remedy", { text: sentence(fault.remedy) })}</p>}
             <Named id={id} parameters={fault.parameters} />
-            <p class="small">
+            <p class="small roomy">
               <a href={scopeAt(id, firstSeen(id, fault.number).time)}>{t("faults.scope")}</a>
             </p>
             {fault.cleared && <p class="muted">{t("faults.cleared", { text: sentence(fault.cleared) })}</p>}
@@ -182,7 +183,7 @@ export function Faults() {
   const topic = `drive/${id}/faults`;
   useEffect(() => (id === null ? undefined : want(topic, 2)), [id, topic]);
   if (id === null || !station) {
-    return <Nothing title={t("faults.title")} text={t(id === null ? "faults.select" : "overview.unknown")} />;
+    return <Nothing title={t("faults.title")} select={t("faults.select")} />;
   }
   const held = topics.value.get(topic);
   const { report, error } = (held?.data as FaultsTopic | undefined) ?? { report: null, error: null };
@@ -199,7 +200,7 @@ export function Faults() {
           <bdi>{sentence(error.message)}</bdi>
         </p>
       )}
-      {!report && !error && <p class="muted">{t("overview.loading")}</p>}
+      {!report && !error && <Loading key={id} what={t("loading.faults", { name: label(station) })} count={6} />}
       {report && <Present id={id} report={report} station={station} />}
       {report && <Before report={report} />}
       {report && (
@@ -207,9 +208,15 @@ export function Faults() {
           <button type="button" onClick={() => exportFaults(station, report)}>
             {t("network.export")}
           </button>
-          <a href={address(id, "machine") + location.search}>{t("nav.machine")}</a>
-          <a href={address(id, "scope") + location.search}>{t("nav.scope")}</a>
-          <a href={address(id, "parameters") + location.search}>{t("nav.parameters")}</a>
+          <a class="roomy" href={address(id, "machine") + location.search}>
+            {t("nav.machine")}
+          </a>
+          <a class="roomy" href={address(id, "scope") + location.search}>
+            {t("nav.scope")}
+          </a>
+          <a class="roomy" href={address(id, "parameters") + location.search}>
+            {t("nav.parameters")}
+          </a>
         </p>
       )}
       <Command verb="faults" station={station} more={["--history"]} />

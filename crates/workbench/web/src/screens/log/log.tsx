@@ -2,6 +2,7 @@ import { effect, signal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import { type LogPage, type LogTopic, request, type Troubles } from "../../api";
 import { foreign, label, sentence } from "../../parts/format";
+import { Bars, Loading } from "../../parts/Loading";
 import { want } from "../../store/live";
 import { now, server, silent, stations, topics } from "../../store/store";
 import { t } from "../../text";
@@ -43,6 +44,8 @@ const records = signal<Record[]>([]);
 const before = signal<string | null>(null);
 const troubles = signal<Troubles["troubles"]>([]);
 const failure = signal("");
+/** Whether the log was read. */
+const isRead = signal(false);
 /** Whether the list begins with the newest. */
 const tail = signal(true);
 
@@ -60,6 +63,7 @@ async function load(older: boolean): Promise<void> {
     tail.value = !older;
     if (!older) troubles.value = (await request<Troubles>("troubles")).troubles;
     failure.value = "";
+    isRead.value = true;
   } catch (error) {
     failure.value = error instanceof Error ? error.message : String(error);
   }
@@ -146,7 +150,7 @@ function Records() {
           {records.value.length === 0 && (
             <tr>
               <td colSpan={6} class="empty">
-                {t("log.empty")}
+                {isRead.value || failure.value !== "" ? t("log.empty") : <Loading what={t("loading.log")} count={8} />}
               </td>
             </tr>
           )}
@@ -185,7 +189,9 @@ function NetworkTroubles() {
   return (
     <section>
       <h2>{t("log.network")}</h2>
-      {newest.length === 0 ? (
+      {!isRead.value && failure.value === "" ? (
+        <Bars count={3} />
+      ) : newest.length === 0 ? (
         <p class="muted">{t("log.network.none")}</p>
       ) : (
         // biome-ignore lint/a11y/noNoninteractiveTabindex: a region that scrolls is reached by keys

@@ -2,9 +2,10 @@ import { signal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import { useLocation } from "preact-iso";
 import { type MachineTopic, request, type StateMachine, type Station } from "../../api";
-import { selected, selectedId } from "../../app/selected";
+import { selected } from "../../app/selected";
 import { foreign, label, sentence } from "../../parts/format";
 import { Icon } from "../../parts/Icon";
+import { Bars, Waits } from "../../parts/Loading";
 import { Nothing } from "../../parts/Nothing";
 import { want } from "../../store/live";
 import { now, silent, topics } from "../../store/store";
@@ -306,7 +307,6 @@ function Of({ station }: { station: Station }) {
         {t("machine.title")} <bdi>{label(station)}</bdi>
       </h1>
       {failure.value !== "" && <p class="fault">{failure.value}</p>}
-      {!topic && <p class="muted">{t("machine.waiting")}</p>}
       <div class="machine-columns">
         <section>
           <p class="machine-state">
@@ -325,14 +325,17 @@ function Of({ station }: { station: Station }) {
               </span>
             )}
           </p>
+          {!topic && <Waits key={id} what={t("loading.words", { name: label(station) })} />}
+          {!machine && <Bars count={1} height={308} />}
           {machine && <Diagram machine={machine} active={active} next={topic?.machine.awaited?.to ?? null} />}
           {machine && <Twin machine={machine} active={active} />}
         </section>
         <div>
           <section>
             <h2>{t("machine.next")}</h2>
-            {topic && <Next station={station} topic={topic} />}
+            {topic ? <Next station={station} topic={topic} /> : <Bars count={2} />}
           </section>
+          {!topic && <Bars count={4} />}
           {topic && <Timeline topic={topic} />}
         </div>
       </div>
@@ -347,8 +350,7 @@ export function Machine() {
   const { path } = useLocation();
   const station = selected(path);
   if (!station) {
-    const text = selectedId(path) === null ? "machine.select" : "overview.unknown";
-    return <Nothing title={t("machine.title")} text={t(text)} />;
+    return <Nothing title={t("machine.title")} select={t("machine.select")} />;
   }
   return <Of station={station} />;
 }

@@ -4,6 +4,7 @@ import { address } from "../../app/selected";
 import { Command } from "../../parts/Command";
 import { downloadText } from "../../parts/download";
 import { cell, foreign, label, product, sentence, sorted } from "../../parts/format";
+import { Loading } from "../../parts/Loading";
 import { findings, owner, ownerName, Reason, reason, State } from "../../parts/Reason";
 import { Shaft } from "../../parts/Shaft";
 import { leases } from "../../store/control";
@@ -54,8 +55,10 @@ function Row({ station, simulation, changes }: { station: Station; simulation: b
         </a>
         {station.status && found.length > 0 && <span class="warn small"> {found.join(", ")}</span>}
       </th>
-      <td class="number">{station.ip ?? dash}</td>
-      <td class="number">{known ? station.mac : dash}</td>
+      <td class="number">
+        <div>{station.ip ?? dash}</div>
+        <div class="muted">{known ? station.mac : dash}</div>
+      </td>
       <td>
         <bdi>{product(station) || dash}</bdi>
       </td>
@@ -112,6 +115,7 @@ function Chosen({ all }: { all: Station[] }) {
       </button>
       <button
         type="button"
+        class="roomy"
         disabled={selected.length !== 2}
         onClick={() => {
           if (!one || !other) return;
@@ -157,7 +161,7 @@ function FirstMotion({ all }: { all: readonly Station[] }) {
   if (!free) return null;
   const name = label(free);
   return (
-    <section class="card" aria-labelledby="first-motion">
+    <section class="card roomy" aria-labelledby="first-motion">
       <h2 id="first-motion">{t("motor.title")}</h2>
       <ol>
         <li>
@@ -233,8 +237,7 @@ export function Network() {
               <th scope="col">{t("network.why")}</th>
               {simulation && <th scope="col">{t("network.shaft")}</th>}
               <th scope="col">{t("network.name")}</th>
-              <th scope="col">{t("network.ip")}</th>
-              <th scope="col">{t("network.mac")}</th>
+              <th scope="col">{t("network.addresses.both")}</th>
               <th scope="col">{t("network.product")}</th>
               <th scope="col">{t("network.firmware")}</th>
               <th scope="col">{t("network.serial")}</th>
@@ -250,11 +253,13 @@ export function Network() {
             {all.length === 0 && (
               <tr>
                 <td class="empty" colSpan={12}>
-                  {waiting
-                    ? t("network.searching")
-                    : searches
-                      ? t("network.empty.search", { place: place() })
-                      : t("network.empty.addresses")}
+                  {waiting ? (
+                    <Loading what={t(stations.value === null ? "loading.workbench" : "loading.search")} count={6} />
+                  ) : searches ? (
+                    t("network.empty.search", { place: place() })
+                  ) : (
+                    t("network.empty.addresses")
+                  )}
                 </td>
               </tr>
             )}

@@ -18,6 +18,7 @@ export function Steps({ station }: { station: Station }) {
       {stepsOf(station.status?.actions ?? []).map(({ screen, hash, text, name = "" }) => (
         <a
           key={text + name}
+          class={screen === "faults" ? "" : "roomy"}
           href={`${address(station.id, screen)}${location.search}${hash ? `#${new URLSearchParams(hash)}` : ""}`}
         >
           {t(text, { name: foreign(name) })}

@@ -10,16 +10,17 @@ import {
   type Status,
   type Values as ValuesReport,
 } from "../../api";
-import { address, selected, selectedId } from "../../app/selected";
+import { address, selected } from "../../app/selected";
 import { Acknowledge } from "../../parts/Acknowledge";
 import { Command } from "../../parts/Command";
 import { digits, foreign, label, sentence, unit } from "../../parts/format";
 import { Icon } from "../../parts/Icon";
+import { Bars, Loading } from "../../parts/Loading";
 import { Nothing } from "../../parts/Nothing";
 import { findings, otherOwner, ownerName, sign } from "../../parts/Reason";
 import { Shaft } from "../../parts/Shaft";
 import { Spark } from "../../parts/Spark";
-import { aged, events, server, silent, stations, whenRestarted } from "../../store/store";
+import { aged, events, server, silent, whenRestarted } from "../../store/store";
 import { age, ageLong, t, utc } from "../../text";
 import { right } from "../compare/state";
 import { conditions } from "./conditions";
@@ -28,6 +29,11 @@ import { Steps } from "./Steps";
 /** Values older than this are grey; older than the second are dashes. In s. */
 const STALE = 3;
 const GONE = 15;
+
+/** Whether its status is read for the first time. */
+function isAwaited({ status, error, lost, unread, remarks }: Station): boolean {
+  return status === null && error === null && lost === null && unread === null && remarks.length === 0;
+}
 
 function whyNot(station: Station): string {
   const { status, error } = station;
@@ -226,14 +232,12 @@ const SETTINGS = 25_000;
 
 async function readExtras({ id, name }: Station): Promise<void> {
   const values = async () => {
-    const read = await request<ValuesReport>(`drives/${encodeURIComponent(id)}/values/927,928`);
-    return read.parameters.flatMap((one) =>
-      one.error === null
-        ? [{ name: one.name || `PNU ${one.pnu}`, value: one.meaning ?? one.text ?? String(one.value ?? "") }]
-        : [],
-    );
+    const read = await request<ValuesReport>(`drives/${encodeURIComponent(id)}/values/927,928?present=true`);
+    return read.parameters.map((one) => ({
+      name: one.name || `PNU ${one.pnu}`,
+      value: one.meaning ?? one.text ?? String(one.value ?? ""),
+    }));
   };
-  // a drive that has no such parameters says so, and that is no trouble
   const rights = await values().catch(() => []);
   const files = await request<Backups>("backups").then(
     (report) => report.files,
@@ -258,7 +262,15 @@ function Care({ station }: { station: Station }) {
     if (readable) void readExtras(station);
   }, [station.id, readable]);
   const known = extras.value.get(station.id);
-  if (known === undefined) return null;
+  if (known === undefined && !readable) return null;
+  if (known === undefined) {
+    return (
+      <section>
+        <h2>{t("overview.care")}</h2>
+        <Loading key={station.id} what={t("loading.care", { name: label(station) })} count={2} />
+      </section>
+    );
+  }
   const { backup } = known;
   return (
     <section>
@@ -276,6 +288,7 @@ function Care({ station }: { station: Station }) {
               })}`}{" "}
             {backup !== null && (
               <a
+                class="roomy"
                 href={address(station.id, "compare") + location.search}
                 onClick={() => {
                   right.value = `file ${backup.file}`;
@@ -294,7 +307,7 @@ function Care({ station }: { station: Station }) {
                 count: known.changed,
               })}{" "}
               {known.changed > 0 && (
-                <a href={`${address(station.id, "parameters")}${location.search}#only=changed`}>
+                <a class="roomy" href={`${address(station.id, "parameters")}${location.search}#only=changed`}>
                   {t("overview.changed.show")}
                 </a>
               )}
@@ -340,10 +353,9 @@ export function Overview() {
   const { path } = useLocation();
   const station = selected(path);
   if (!station) {
-    const waiting = selectedId(path) !== null && stations.value === null;
-    const text = selectedId(path) === null ? "overview.none" : waiting ? "overview.loading" : "overview.unknown";
-    return <Nothing title={t("overview.title")} text={t(text)} />;
+    return <Nothing title={t("overview.title")} select={t("overview.none")} />;
   }
+  const awaited = isAwaited(station);
   return (
     <article class="overview">
       <div>
@@ -352,10 +364,12 @@ export function Overview() {
         </h1>
         <Why station={station} />
         {station.status && <Conditions station={station} status={station.status} />}
+        {awaited && <Loading what={t("loading.status", { name: label(station) })} count={9} />}
         {station.status && <Faults status={station.status} />}
         <Command verb="status" station={station} />
       </div>
       <div>
+        {awaited && <Bars count={4} height={64} />}
         <Values station={station} />
         <Identity station={station} />
         <Care station={station} />

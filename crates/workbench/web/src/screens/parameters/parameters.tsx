@@ -5,6 +5,7 @@ import { selected, selectedId } from "../../app/selected";
 import { foreign, label, sentence } from "../../parts/format";
 import { groupOf, groups } from "../../parts/group";
 import { Icon } from "../../parts/Icon";
+import { Loading, Waits } from "../../parts/Loading";
 import { Nothing } from "../../parts/Nothing";
 import { otherOwner } from "../../parts/Reason";
 import { now, restarts, server, silent } from "../../store/store";
@@ -301,7 +302,7 @@ export function Parameters() {
     return () => removeEventListener("beforeunload", warn);
   }, []);
   if (id === null || !station) {
-    return <Nothing title={t("parameters.title")} text={t(id === null ? "parameters.select" : "overview.unknown")} />;
+    return <Nothing title={t("parameters.title")} select={t("parameters.select")} />;
   }
   const all = edit.lines.value;
   const rows = found(all ?? []);
@@ -364,9 +365,14 @@ export function Parameters() {
         </p>
       )}
       {wantsChanged && edit.changed.value === null && edit.failure.value === "" && (
-        <p class="muted">{t("compare.saving")}</p>
+        <Waits what={t("loading.changed", { name: label(station) })} />
       )}
-      {all === null && edit.failure.value === "" && <p class="muted">{t("overview.loading")}</p>}
+      {all === null && edit.failure.value === "" && (
+        <div class="beside">
+          <Loading key={id} what={t("loading.parameters")} count={14} />
+          <aside aria-hidden="true" />
+        </div>
+      )}
       {all !== null && (
         <div class="beside">
           <Table rows={rows} />

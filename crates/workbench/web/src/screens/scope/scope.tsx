@@ -193,7 +193,7 @@ export function Scope() {
   }, [id, there]);
   useScopeKeys();
   if (id === null || station === undefined) {
-    return <Nothing title={t("scope.title")} text={t(id === null ? "scope.select" : "overview.unknown")} />;
+    return <Nothing title={t("scope.title")} select={t("scope.select")} />;
   }
   const status = scope.status.value;
   const header = status?.header ?? null;

@@ -2,9 +2,10 @@ import { signal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import { useLocation } from "preact-iso";
 import type { Station, TelegramTopic } from "../../api";
-import { selected, selectedId } from "../../app/selected";
+import { selected } from "../../app/selected";
 import { Line } from "../../parts/Command";
 import { foreign, label } from "../../parts/format";
+import { Loading } from "../../parts/Loading";
 import { Nothing } from "../../parts/Nothing";
 import { want } from "../../store/live";
 import { now, silent, topics } from "../../store/store";
@@ -240,7 +241,7 @@ function Of({ station }: { station: Station }) {
         {t("telegram.title")} <bdi>{label(station)}</bdi>
         {topic?.telegram && <span class="muted"> {t("frame.telegram", { number: topic.telegram })}</span>}
       </h1>
-      {!topic && <p class="muted">{t("telegram.waiting")}</p>}
+      {!topic && <Loading key={id} what={t("loading.frames", { name: label(station) })} count={14} />}
       {topic?.halves.length === 0 && <p>{t("telegram.none")}</p>}
       {ended && <p class="muted">{t("telegram.ended", { time: utc(new Date(newest)) })}</p>}
       {seconds >= STALE && <p class="muted">{t("overview.stale", { age: age(seconds) })}</p>}
@@ -257,8 +258,7 @@ export function Telegram() {
   const { path } = useLocation();
   const station = selected(path);
   if (!station) {
-    const text = selectedId(path) === null ? "telegram.select" : "overview.unknown";
-    return <Nothing title={t("telegram.title")} text={t(text)} />;
+    return <Nothing title={t("telegram.title")} select={t("telegram.select")} />;
   }
   return <Of station={station} />;
 }

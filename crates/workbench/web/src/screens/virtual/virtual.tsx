@@ -14,6 +14,7 @@ import {
 } from "../../api";
 import { downloadText } from "../../parts/download";
 import { digits, foreign, product, sentence } from "../../parts/format";
+import { Loading } from "../../parts/Loading";
 import { ownerName, State } from "../../parts/Reason";
 import { Shaft } from "../../parts/Shaft";
 import { reason } from "../../store/jobs";
@@ -507,6 +508,13 @@ export function Virtual() {
             </tr>
           </thead>
           <tbody>
+            {all.length === 0 && (
+              <tr>
+                <td class="empty" colSpan={13}>
+                  <Loading what={t("loading.plant")} count={6} />
+                </td>
+              </tr>
+            )}
             {all.map((shaft) => (
               <Row
                 key={shaft.id}
