@@ -8,23 +8,33 @@ test("a newcomer takes control, enables, jogs, and releases", async ({ page }) =
   await alone(async (server) => {
     const wrong = watch(page);
     const id = await open(page, server.url, "axis-1");
+    const pad = page.getByRole("group", { name: /^Jog buttons/ });
+    const place = await pad.boundingBox();
     await enable(page);
+    expect(await pad.boundingBox()).toEqual(place);
+    // a telegram of speed has no position: the one that was read stays
+    const position = page.locator(".control-values .value").filter({ hasText: "Position" });
+    await expect(position).toContainText(/\d\.\d{3}/);
     await expect(page.getByText("IN CONTROL")).toBeVisible();
     await expect(page.getByRole("button", { name: "STOP axis-1" })).toBeVisible();
     await turning(page, server.origin, id);
-    await expect(page.getByText("Torque on, moving")).toBeVisible();
+    await expect(page.locator("main").getByText("Torque on, moving")).toBeVisible();
     await page.screenshot({ path: join(pictures, "control-jog.png") });
     await page.mouse.up();
     await rest(page, server.origin, id, performance.now());
-    await expect(page.getByText("Torque on, at rest")).toBeVisible();
+    await expect(page.locator("main").getByText("Torque on, at rest")).toBeVisible();
     // by a key, with the focus on the pad
     await page.getByRole("button", { name: "+20 rpm" }).focus();
+    for (const other of ["Alt", "Control", "Meta"]) {
+      await page.keyboard.press(`${other}+ArrowLeft`, { delay: 50 });
+      expect(await page.evaluate(() => document.querySelectorAll(".jog[aria-pressed=true]").length)).toBe(0);
+    }
     await page.keyboard.down("ArrowLeft");
     await expect.poll(async () => speed(page, server.origin, id), { intervals: [5] }).toBeLessThan(-15);
     await page.keyboard.up("ArrowLeft");
     await rest(page, server.origin, id, performance.now());
     await page.getByRole("button", { name: "Disable" }).click();
-    await expect(page.getByText("Power stage off")).toBeVisible();
+    await expect(page.locator("main").getByText("Power stage off")).toBeVisible();
     await page.getByRole("button", { name: "Release" }).click();
     await expect(page.getByText("Not under control")).toBeVisible();
     await expect(page.getByText("IN CONTROL")).toHaveCount(0);
@@ -49,13 +59,17 @@ test("STOP of any page stops the axis, and nothing moves before it is reset", as
     await page.waitForTimeout(300);
     expect(Math.abs(await speed(page, server.origin, id))).toBeLessThan(0.5);
     await page.mouse.up();
+    // the frame has what Control has, and not what was read before
+    const frame = page.locator(".frame");
+    await expect(frame.getByText("Power stage off", { exact: true })).toBeVisible();
+    await expect(frame).toContainText(/ZSW1 0x[0-9A-F]{4}.*\D\u2212?0(\.0)? ?rpm/);
     await expect(page.getByRole("button", { name: "Enable" })).toBeDisabled();
     await expect(page.getByRole("button", { name: "+20 rpm" })).toBeDisabled();
     await expect(other.getByRole("button", { name: "Reset STOP" })).toBeDisabled();
     await page.getByRole("button", { name: "Reset STOP" }).click();
     await expect(page.getByText(/STOP 1 was pressed/)).toHaveCount(0);
     await page.getByRole("button", { name: "Enable" }).click();
-    await expect(page.getByText("Torque on, at rest")).toBeVisible();
+    await expect(page.locator("main").getByText("Torque on, at rest")).toBeVisible();
     await turning(page, server.origin, id);
     // the space bar, while a button is held
     await page.keyboard.press("Space");
@@ -101,8 +115,27 @@ test("a drive of another controller and a second page are refused in words", asy
     const other = await (await (browser as Browser).newContext()).newPage();
     await open(other, server.url, "axis-1", false);
     await expect(other.getByText("Session 1 has control of this drive.").first()).toBeVisible();
-    await expect(other.getByText("Torque on, at rest")).toBeVisible();
+    await expect(other.locator("main").getByText("Torque on, at rest")).toBeVisible();
     await expect(other.getByRole("button", { name: "Take control" })).toBeDisabled();
+    // the frame names the session, and of its line nothing but a long product is cut
+    const line = other.locator(".frame .line").first();
+    await expect(line).toContainText("Controller: session 1");
+    await expect(line.locator("[data-link]")).toBeVisible();
+    const cut = () =>
+      line
+        .locator("> :not(:first-child)")
+        .evaluateAll((all) =>
+          all
+            .filter((one) => one.scrollWidth > one.clientWidth)
+            .map((one) => `${one.scrollWidth} ${one.clientWidth} ${one.textContent}`),
+        );
+    expect(await cut()).toEqual([]);
+    expect(await line.evaluate((one) => one.scrollWidth > one.clientWidth)).toBe(false);
+    // Overview, too, and where to go on
+    const nav = other.getByRole("navigation");
+    await nav.getByRole("link", { name: "Overview" }).click();
+    await expect(other.locator(".why-not")).toContainText("Session 1 of this server controls this drive.");
+    await other.locator(".why-not").getByRole("link", { name: "Open Control" }).click();
     await other.getByRole("button", { name: "Request the drive" }).click();
     await expect(page.getByText("Session 2 requests control of this drive.")).toBeVisible();
     await page.getByRole("button", { name: "Hand over" }).click();
@@ -126,12 +159,26 @@ test("a drive that may run on needs consent, and one with a fault says why it is
     await expect(said).toContainText('the box "The drive may run on" in "Options" accepts');
     await options(page);
     await page.getByRole("checkbox", { name: /The drive may run on/ }).check();
+    await page.getByRole("textbox", { name: "Highest speed" }).fill("200");
+    // for this drive alone
+    const summary = page.locator(".options summary");
+    await expect(summary).toHaveText(/up to 200 rpm.*, may run on$/);
+    const drives = page.getByRole("combobox", { name: "Drive", exact: true });
+    await drives.selectOption({ label: "fan-1" });
+    await expect(page.getByRole("heading", { level: 1, name: "Control fan-1" })).toBeVisible();
+    await expect(summary).toHaveText(/up to 300 rpm.*OFF3$/);
+    await expect(page.getByRole("checkbox", { name: /The drive may run on/ })).not.toBeChecked();
+    await drives.selectOption(id);
+    await expect(summary).toHaveText(/up to 200 rpm.*, may run on$/);
     await enable(page);
+    await expect(page.locator(".control .warn")).toContainText("When the connection is lost");
     await turning(page, server.origin, id);
     await page.mouse.up();
     await rest(page, server.origin, id, performance.now());
     await page.getByRole("button", { name: "Release" }).click();
     await expect(page.getByText("Not under control")).toBeVisible();
+    // consent ends with the control it was given for, a limit does not
+    await expect(summary).toHaveText(/up to 200 rpm.*OFF3$/);
     const other = await idOf(page, "fan-1");
     await page.goto(`${server.origin}/drives/${encodeURIComponent(other)}/control`);
     await options(page);
@@ -193,11 +240,11 @@ test("a fault ends the motion, and after it is acknowledged nothing starts by it
     await inject("fault=439");
     await rest(page, server.origin, id, performance.now());
     await page.getByRole("button", { name: "Acknowledge" }).click();
-    await expect(page.getByText("Power stage off")).toBeVisible();
+    await expect(page.locator("main").getByText("Power stage off")).toBeVisible();
     await page.waitForTimeout(500);
     expect(Math.abs(await speed(page, server.origin, id))).toBeLessThan(0.5);
     await page.getByRole("button", { name: "Enable" }).click();
-    await expect(page.getByText("Torque on, at rest")).toBeVisible();
+    await expect(page.locator("main").getByText("Torque on, at rest")).toBeVisible();
   });
 });
 
@@ -299,11 +346,21 @@ for (const signal of ["SIGKILL", "SIGSTOP"] as const) {
       }
       await take.click();
       await expect(page.getByText(/This page has control/)).toBeVisible();
+      // what was seen was seen before this control, and not before the next
+      await page.getByRole("button", { name: "Release" }).click();
+      await expect(page.getByText("Not under control")).toBeVisible();
+      await expect(page.getByRole("checkbox", { name: "I see the axis" })).not.toBeChecked();
+      await expect(take).toBeDisabled();
+      for (const line of ["I see the axis", "The travel range", "I can reach"]) {
+        await page.getByRole("checkbox", { name: line }).check();
+      }
+      await take.click();
+      await expect(page.getByText(/This page has control/)).toBeVisible();
       await page.getByRole("button", { name: "Enable" }).click();
-      await expect(page.getByText("Torque on, at rest")).toBeVisible();
+      await expect(page.locator("main").getByText("Torque on, at rest")).toBeVisible();
       await page.getByRole("tab", { name: "Velocity" }).click();
       await page.getByRole("button", { name: "Turn at this speed" }).click();
-      await expect(page.getByText("Torque on, moving")).toBeVisible();
+      await expect(page.locator("main").getByText("Torque on, moving")).toBeVisible();
       const since = performance.now();
       server.process.kill(signal);
       const fault = await cable.happens("fault F702", since);
@@ -363,7 +420,7 @@ test("STOP lets an axis coast where that is chosen, a travel ends a motion, and 
     await go.click();
     await expect(page.getByText("Halted at the end of the travel of this session. It can go back.")).toBeVisible();
     await expect.poll(() => speed(page, server.origin, id)).toBeLessThan(0.5);
-    await expect(page.getByText("Torque on, at rest")).toBeVisible();
+    await expect(page.locator("main").getByText("Torque on, at rest")).toBeVisible();
     // not on
     await go.click();
     await expect(page.getByText(/would leave the travel of this session, 0.5 rev/)).toBeVisible();
@@ -371,8 +428,8 @@ test("STOP lets an axis coast where that is chosen, a travel ends a motion, and 
     await go.click();
     await expect.poll(() => speed(page, server.origin, id)).toBeLessThan(-15);
     await page.getByRole("button", { name: /^STOP axis-1/ }).click();
-    await expect(page.getByText("Coasts, nothing brakes it")).toBeVisible();
-    await expect(page.getByText("Power stage off", { exact: true })).toBeVisible();
+    await expect(page.locator("main").getByText("Coasts, nothing brakes it")).toBeVisible();
+    await expect(page.locator("main").getByText("Power stage off", { exact: true })).toBeVisible();
     // who pressed STOP has no trouble with it
     await expect(page.locator(".control .warn, .control .fault")).toHaveCount(0);
     expect(wrong).toEqual([]);

@@ -40,7 +40,7 @@ export async function enable(page: Page, mode = false): Promise<void> {
   await page.getByRole("button", { name: "Take control" }).click();
   await expect(page.getByText(/This page has control/)).toBeVisible();
   await page.getByRole("button", { name: "Enable" }).click();
-  await expect(page.getByText("Torque on, at rest")).toBeVisible();
+  await expect(page.locator("main").getByText("Torque on, at rest")).toBeVisible();
 }
 
 /** Where a shaft really is and how fast it turns, as the plant says beside the server. */

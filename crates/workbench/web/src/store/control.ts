@@ -29,6 +29,9 @@ export interface Axis {
   stop_by: StopBy;
   phase: "taking" | "off" | "enabled" | "moving" | "stopping" | "releasing";
   busy: boolean;
+  /** The words as they are sent and as they came; nothing before the first. */
+  stw1: number | null;
+  zsw1: number | null;
   speed: number | null;
   speed_set: number | null;
   unit: string;
@@ -119,6 +122,16 @@ export function own(drive: string): Axis | undefined {
 /** Returns the axis that any page of this server has of a drive. */
 export function heldAxis(drive: string): Axis | undefined {
   return axes.value.find((axis) => axis.drive === drive && axis.phase !== "taking");
+}
+
+/** Returns how an axis is, as texts call it. */
+export function phaseOf(axis: Axis): Axis["phase"] | "coasting" {
+  return axis.phase === "stopping" && axis.stop_by === "off2" && stopped.value ? "coasting" : axis.phase;
+}
+
+/** Returns whether the power stage of an axis is on, and it does as commanded. */
+export function operates(axis: Axis | undefined): boolean {
+  return axis?.phase === "enabled" || axis?.phase === "moving";
 }
 
 /** When this server released a drive last, by the clock of this page in ms. */

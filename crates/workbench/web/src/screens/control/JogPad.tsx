@@ -57,7 +57,8 @@ export function JogPad({
       onContextMenu={(event) => event.preventDefault()}
       onKeyDown={(event) => {
         const share = KEYS[event.key];
-        if (share === undefined) return;
+        // with these keys an arrow is a command of the browser
+        if (share === undefined || event.altKey || event.ctrlKey || event.metaKey) return;
         event.preventDefault();
         if (!event.repeat) begin(share);
       }}

@@ -1,4 +1,4 @@
-import { signal } from "@preact/signals";
+import { effect, type Signal, signal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import { useLocation } from "preact-iso";
 import type { Station } from "../../api";
@@ -9,32 +9,40 @@ import { Nothing } from "../../parts/Nothing";
 import { otherOwner, owner } from "../../parts/Reason";
 import { Shaft } from "../../parts/Shaft";
 import * as control from "../../store/control";
+import { perDrive } from "../../store/perDrive";
 import * as scope from "../../store/scope";
 import { aged, now, server, silent } from "../../store/store";
 import { t } from "../../text";
 import { JogPad } from "./JogPad";
 
 const purpose = signal<"speed" | "position">("speed");
-const mode = signal(false);
-const runs = signal(false);
-const limit = signal("300");
-/** By drive: empty for any way. */
-const travels = new Map<string, typeof limit>();
-const seen = signal<readonly boolean[]>([false, false, false]);
+const modes = perDrive(false);
+/** Whether a person accepts that the drive runs on without its connection. */
+const consents = perDrive(false);
+const limits = perDrive("300");
+/** Empty for any way. */
+const travels = perDrive("");
+/** What a person has seen of a real machine. */
+const checks = perDrive<readonly boolean[]>([false, false, false]);
 const tab = signal<"jog" | "velocity" | "move" | "home" | "task">("jog");
-const jogSpeed = signal("20");
-const speed = signal("20");
-const turns = signal("1");
+const jogSpeeds = perDrive("20");
+const speeds = perDrive("20");
+const distances = perDrive("1");
 const relative = signal(true);
 const number = signal("1");
 
 const dash = "\u2013";
 
-function travelOf(id: string): typeof limit {
-  const known = travels.get(id) ?? signal("");
-  travels.set(id, known);
-  return known;
-}
+/** Consent and what was seen count until the drive is released. */
+let taken: readonly string[] = [];
+effect(() => {
+  const held = control.leases.value;
+  for (const id of taken.filter((one) => !held.has(one))) {
+    consents.forget(id);
+    checks.forget(id);
+  }
+  taken = [...held.keys()];
+});
 
 /** What is kept of a drive in this browser: how STOP stops it. */
 const STOP_BY = "profidrive.stop.";
@@ -69,7 +77,7 @@ function Field({
   optional,
 }: {
   title: string;
-  value: typeof limit;
+  value: Signal<string>;
   unit: string;
   disabled?: boolean;
   /** Whether it may be empty. */
@@ -110,13 +118,28 @@ function obstacle(station: Station): string | null {
   return name === null ? null : t("control.owned", { name });
 }
 
+/** What the drive does when it loses its connection. */
+function OnLoss({ station }: { station: Station }) {
+  const loss = station.status?.on_loss;
+  if (!loss) return null;
+  return (
+    <p class={loss.action === "keeps-turning" ? "warn" : "muted"}>
+      <bdi>{sentence(t("control.loss", { text: loss.text }))}</bdi>
+    </p>
+  );
+}
+
 function Take({ station }: { station: Station }) {
   const axis = control.own(station.id);
   const why = obstacle(station);
   const real = server.value?.simulation === false;
+  const seen = checks.of(station.id);
   const ready = !real || seen.value.every(Boolean);
+  const limit = limits.of(station.id);
   const highest = numberOf(limit.value);
-  const travel = travelOf(station.id);
+  const mode = modes.of(station.id);
+  const runs = consents.of(station.id);
+  const travel = travels.of(station.id);
   const way = travel.value.trim();
   // a travel that is no number is not the same as none
   const far = way !== "" && !((numberOf(travel.value) ?? 0) > 0);
@@ -128,6 +151,7 @@ function Take({ station }: { station: Station }) {
       <>
         <p>{t(axis.purpose === "speed" ? "control.held.speed" : "control.held.position")}</p>
         <p class="muted">{t(`control.stop.is.${axis.stop_by}`)}</p>
+        {station.status?.on_loss?.action === "keeps-turning" && <OnLoss station={station} />}
         {by !== null && (
           <p class="warn" role="status">
             {t("control.wanted", { who: by })}
@@ -144,11 +168,7 @@ function Take({ station }: { station: Station }) {
       <p class="muted">
         <bdi>{owner(station)}</bdi>
       </p>
-      {station.status?.on_loss && (
-        <p class={station.status.on_loss.action === "keeps-turning" ? "warn" : "muted"}>
-          <bdi>{sentence(t("control.loss", { text: station.status.on_loss.text }))}</bdi>
-        </p>
-      )}
+      <OnLoss station={station} />
       <details class="options">
         <summary>
           {t("control.options", {
@@ -157,6 +177,7 @@ function Take({ station }: { station: Station }) {
             travel: way === "" ? t("control.options.anywhere") : t("control.options.travel", { travel: way }),
             stop: t(`stop.by.${stopBy(station.id)}`),
           })}
+          {runs.value && `, ${t("control.options.runs")}`}
         </summary>
         <label class="field">
           <span>{t("control.purpose")}</span>
@@ -232,12 +253,11 @@ const STOPPED = "stopped";
 
 function Enable({ station }: { station: Station }) {
   const axis = control.own(station.id);
-  const on = axis?.phase === "enabled" || axis?.phase === "moving";
+  const on = control.operates(axis);
   const free = axis !== undefined && !axis.busy && axis.phase !== "releasing";
   const other = axis === undefined ? control.heldAxis(station.id) : undefined;
   const present = axis ?? other;
-  const coasts = present?.phase === "stopping" && present.stop_by === "off2" && control.stopped.value;
-  const phase = coasts ? "coasting" : (present?.phase ?? "none");
+  const phase = present ? control.phaseOf(present) : "none";
   // who pressed STOP on this page has no trouble with it
   const expected = axis?.trouble?.kind === STOPPED && control.lastStop.value?.by === control.session.value;
   const faults = station.status?.faults ?? [];
@@ -275,7 +295,7 @@ function Enable({ station }: { station: Station }) {
 }
 
 function Confirm({ id }: { id: string }) {
-  const highest = numberOf(limit.value);
+  const highest = numberOf(limits.of(id).value);
   if (control.confirmed.value.has(id) || highest === null) return null;
   return (
     <p class="buttons">
@@ -292,8 +312,8 @@ function jogRefusal(station: Station, slow: boolean): string | null {
   const axis = control.own(station.id);
   if (axis === undefined) return t("control.jog.take");
   if (control.stopped.value) return t("control.jog.reset");
-  if (axis.phase !== "enabled" && axis.phase !== "moving") return t("control.jog.enable");
-  const speed = numberOf(jogSpeed.value);
+  if (!control.operates(axis)) return t("control.jog.enable");
+  const speed = numberOf(jogSpeeds.of(station.id).value);
   if (speed === null || speed <= 0) return t("control.jog.speed");
   return slow ? t("control.slow", { ms: Math.round(control.trip.value ?? 0) }) : null;
 }
@@ -301,7 +321,10 @@ function jogRefusal(station: Station, slow: boolean): string | null {
 function Motion({ station }: { station: Station }) {
   const { id } = station;
   const axis = control.own(id);
-  const on = (axis?.phase === "enabled" || axis?.phase === "moving") && !control.stopped.value;
+  const jogSpeed = jogSpeeds.of(id);
+  const speed = speeds.of(id);
+  const turns = distances.of(id);
+  const on = control.operates(axis) && !control.stopped.value;
   const slow = (control.trip.value ?? 0) > control.SLOW;
   const refused = jogRefusal(station, slow);
   const tabs =
@@ -333,6 +356,10 @@ function Motion({ station }: { station: Station }) {
             <Field title={t("control.speed")} value={jogSpeed} unit="rpm" />
             <p class={`small ${slow && on ? "fault" : "muted"}`} id="jog-why" role="status">
               {refused ?? t("control.keys")}
+            </p>
+            {/* the longest of these texts has its place, so that no other moves the pad */}
+            <p class="small reserve" aria-hidden="true">
+              {t("control.keys")}
             </p>
           </div>
           <JogPad drive={id} speed={numberOf(jogSpeed.value)} refused={refused !== null} slow={slow && on} />
@@ -471,7 +498,8 @@ function Values({ station }: { station: Station }) {
   const read = silent.value === null && (aged(station.age) ?? OLD) < OLD ? status : null;
   const speed = axis ? axis.speed : (read?.speed_actual?.value ?? null);
   const set = axis ? axis.speed_set : (read?.speed_set?.value ?? null);
-  const position = axis ? axis.position : (read?.position?.value ?? null);
+  // telegrams of speed have no position: then it is the one that was read
+  const position = axis?.position ?? read?.position?.value ?? null;
   const unit = axis?.unit ?? read?.speed_actual?.unit ?? "rpm";
   return (
     <section class="control-values" aria-label={t("overview.values")}>
