@@ -13,7 +13,10 @@ impl Wording for PageWords {
     }
 
     fn advice(&self, advice: &Advice) -> String {
-        advice.worded(words)
+        // here an axis is taken by a button of its own, on a screen of its own
+        advice
+            .worded(words)
+            .replace("take the axis with", "take control on Control, then")
     }
 }
 
@@ -70,7 +73,7 @@ mod tests {
             ("{write 930=1} changes it", "the value 1 in 930 changes it"),
             (
                 "take the axis with {run} or {jog}",
-                "take the axis with \"Turn at this speed\" or \"Jog\"",
+                "take control on Control, then \"Turn at this speed\" or \"Jog\"",
             ),
             ("{home} sets the home position", "\"Home\" sets the home position"),
             (

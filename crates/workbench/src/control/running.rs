@@ -186,6 +186,10 @@ pub(super) struct Picture {
     phase: &'static str,
     /// Whether a command is carried out.
     busy: bool,
+    /// The control word as it is sent; nothing before the first valid input.
+    stw1: Option<u16>,
+    /// The status word as it came.
+    zsw1: Option<u16>,
     speed: Option<f64>,
     speed_set: Option<f64>,
     unit: &'static str,
@@ -416,6 +420,8 @@ impl Running {
             stop_by: self.stop_by,
             phase,
             busy: false,
+            stw1: view.seen.map(|_| view.sent),
+            zsw1: view.seen.map(|seen| seen.word),
             speed: status.speed_actual,
             speed_set: status.speed_set,
             unit: status.unit.symbol(),

@@ -117,3 +117,15 @@ export async function idOfStation(page: Page, name: string): Promise<string> {
   const { stations } = (await answer.json()) as { stations: { id: string; name: string | null }[] };
   return stations.find((station) => station.name === name)?.id ?? "";
 }
+
+/** Lets something happen to a drive as a click does. */
+export async function inject(page: Page, drive: string, event: string): Promise<void> {
+  const done = await page.evaluate(
+    async (body) => {
+      const headers = { "Content-Type": "application/json" };
+      return (await fetch("/api/v1/plant/inject", { method: "POST", headers, body })).status;
+    },
+    JSON.stringify({ drive: await idOf(page, drive), event, seconds: null }),
+  );
+  expect(done).toBe(200);
+}

@@ -1,18 +1,5 @@
 import { readFileSync } from "node:fs";
-import type { Page } from "@playwright/test";
-import { end, expect, idOf, rows, serve, test, watch } from "./bench";
-
-/** Lets something happen to a drive as a click does. */
-async function inject(page: Page, drive: string, event: string): Promise<void> {
-  const done = await page.evaluate(
-    async (body) => {
-      const headers = { "Content-Type": "application/json" };
-      return (await fetch("/api/v1/plant/inject", { method: "POST", headers, body })).status;
-    },
-    JSON.stringify({ drive: await idOf(page, drive), event, seconds: null }),
-  );
-  expect(done).toBe(200);
-}
+import { end, expect, idOf, inject, rows, serve, test, watch } from "./bench";
 
 // each test has a server of its own: what happens to its drives is no matter of another test
 test("a fault is announced once, with its remedy, and goes to the history when it is acknowledged", async ({

@@ -349,6 +349,16 @@ test("on a touch screen STOP is at the lower right, and what is pressed is large
           .map((one) => one.outerHTML.slice(0, 120)),
       );
     expect(small, name).toEqual([]);
+    if ((await page.locator(".pad").count()) > 0) {
+      // the speed stays in sight, and the pad is above the screens
+      const pad = page.locator(".pad");
+      await pad.evaluate((one) => one.scrollIntoView({ block: "nearest" }));
+      const speed = await page.locator(".control-values .main").first().boundingBox();
+      const buttons = await pad.boundingBox();
+      const nav = await page.locator("nav").boundingBox();
+      expect(speed?.y).toBeGreaterThan((await page.locator(".top").boundingBox())?.height ?? 0);
+      expect((buttons?.y ?? 0) + (buttons?.height ?? 0)).toBeLessThan(nav?.y ?? 0);
+    }
   }
   await page.getByRole("button", { name: /^STOP/ }).tap();
   await expect(page.getByRole("alert")).toContainText("was received");
@@ -391,6 +401,19 @@ test("a tablet and a phone have their screens at the lower end, a phone those th
   }
   // nothing else leads to another screen
   await page.goto("/network");
+  // what matters most is first, and in sight
+  await expect(page.locator("thead th").filter({ hasText: /\w/ }).first()).toHaveText("Name");
+  for (const [width, seen] of [
+    [390, ["Name", "State"]],
+    [768, ["Name", "State", "Actions"]],
+  ] as const) {
+    await page.setViewportSize({ width, height: 844 });
+    for (const name of seen) {
+      const box = await page.getByRole("columnheader", { name, exact: true }).boundingBox();
+      expect((box?.x ?? width) + (box?.width ?? 0), `${name} at ${width}`).toBeLessThanOrEqual(width);
+    }
+  }
+  await page.setViewportSize({ width: 600, height: 900 });
   await expect(page.getByRole("row", { name: "axis-2" })).toBeVisible();
   await page.getByRole("link", { name: "axis-2", exact: true }).click();
   await expect(page.locator(".why-not")).toBeVisible();

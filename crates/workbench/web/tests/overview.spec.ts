@@ -1,4 +1,5 @@
-import { expect, idOf, test } from "./bench";
+import { expect, idOf, inject, rows, test } from "./bench";
+import { alone } from "./moving";
 
 interface Known {
   id: string;
@@ -43,6 +44,24 @@ test("a fault has its meaning and its remedy, and the next step", async ({ enter
   await expect(page.locator(".next")).toContainText("Next:");
   await expect(page.getByText("Remedy:").first()).toBeVisible();
   await expect(page.getByRole("listitem").filter({ hasText: "No fault" })).toContainText("not met");
+});
+
+test("what was acknowledged keeps the focus in its place, and says so for a while", async ({ page }) => {
+  await alone(async (server) => {
+    await page.goto(server.url);
+    await rows(page);
+    const id = await idOf(page, "axis-1");
+    await page.goto(`${server.origin}/drives/${encodeURIComponent(id)}/overview`);
+    await inject(page, "axis-1", "fault=439");
+    await page.getByRole("button", { name: "Acknowledge" }).focus();
+    await page.keyboard.press("Enter");
+    await expect(page.getByRole("button", { name: "Acknowledge" })).toHaveCount(0);
+    const notice = page.locator(".notices .happened");
+    await expect(notice).toContainText("Faults were acknowledged.");
+    await expect(page.locator(".why-not")).toBeFocused();
+    await expect(notice).toHaveCount(0);
+    await expect(page.locator(".why-not")).toBeFocused();
+  });
 });
 
 test("what comes next is one step away", async ({ entered: page }) => {
@@ -94,7 +113,7 @@ test("the frame has how regular the cyclic frames are, and values are those the 
 }) => {
   await page.getByRole("link", { name: "press-1" }).click();
   const link = page.locator(".frame [data-link]");
-  await expect(link).toHaveText(/^\d+ ms, jitter \d+\.\d\d\/\d+\.\d\d ms, missed 0$/);
+  await expect(link).toHaveText(/^\d+ ms, jitter p50\/p99 \d+\.\d\d\/\d+\.\d\d ms, missed 0$/);
   const frames = async () => Number(await link.getAttribute("data-link"));
   const before = await frames();
   await expect.poll(frames).toBeGreaterThan(before);

@@ -26,7 +26,7 @@ test("the time line has each state of a drive that is enabled and disabled", asy
     await page.getByRole("button", { name: "Take control" }).click();
     await expect(page.getByText(/This page has control/)).toBeVisible();
     await page.getByRole("button", { name: "Enable" }).click();
-    await expect(page.getByText("Torque on, at rest")).toBeVisible();
+    await expect(page.locator("main").getByText("Torque on, at rest")).toBeVisible();
     await page.getByRole("link", { name: "State machine" }).click();
     await expect(page.locator(".machine-state")).toContainText("S4");
     await expect(page.locator(".diagram .active")).toHaveAttribute("data-state", "S4");
@@ -34,7 +34,7 @@ test("the time line has each state of a drive that is enabled and disabled", asy
     await expect(page.locator("table[data-word=ZSW1] td.set").first()).toBeVisible();
     await page.getByRole("link", { name: "Control" }).click();
     await page.getByRole("button", { name: "Disable" }).click();
-    await expect(page.getByText("Power stage off")).toBeVisible();
+    await expect(page.locator("main").getByText("Power stage off")).toBeVisible();
     await page.getByRole("link", { name: "State machine" }).click();
     const seen = page.locator(".changes-of-state li");
     const order = async () =>

@@ -34,10 +34,10 @@ async function turn(page: Page): Promise<void> {
   await page.getByRole("button", { name: "Take control" }).click();
   await expect(page.getByText(/This page has control/)).toBeVisible();
   await page.getByRole("button", { name: "Enable" }).click();
-  await expect(page.getByText("Torque on, at rest")).toBeVisible();
+  await expect(page.locator("main").getByText("Torque on, at rest")).toBeVisible();
   await page.getByRole("tab", { name: "Velocity" }).click();
   await page.getByRole("button", { name: "Turn at this speed" }).click();
-  await expect(page.getByText("Torque on, moving")).toBeVisible();
+  await expect(page.locator("main").getByText("Torque on, moving")).toBeVisible();
 }
 
 /** The numbers of the table of a signal, by their titles. */

@@ -125,7 +125,7 @@ for (const [how, hand, name] of [
       await by.press("button", "Take control");
       await expect(page.getByText(/This page has control/)).toBeVisible();
       await by.press("button", "Enable");
-      await expect(page.getByText("Torque on, at rest")).toBeVisible();
+      await expect(page.locator("main").getByText("Torque on, at rest")).toBeVisible();
       await by.press("button", "Record the next step");
       await expect(page.getByText("Waiting for a step of the set speed ..")).toBeVisible();
       await expect(async () => {
@@ -151,7 +151,7 @@ for (const [how, hand, name] of [
 
       await by.screen("Control", "c");
       await by.press("button", "Disable");
-      await expect(page.getByText("Power stage off")).toBeVisible();
+      await expect(page.locator("main").getByText("Power stage off")).toBeVisible();
       await by.press("button", "Release");
       await expect(page.getByText("Not under control")).toBeVisible();
       expect(wrong).toEqual([]);

@@ -9,7 +9,10 @@ test("what happens to a virtual drive shows on its other screens at once", async
   try {
     await page.goto(server.url);
     await rows(page);
+    // it begins with the drive of the frame
+    await page.getByRole("link", { name: "fan-1" }).click();
     await page.getByRole("link", { name: "Virtual drives" }).click();
+    await expect(page.getByRole("button", { name: "Select fan-1" })).toHaveAttribute("aria-pressed", "true");
     await expect(page.getByRole("row", { name: "press-1" })).toContainText(/\d+\.\d/);
     await expect(page.getByRole("row", { name: "press-1" })).toContainText("25");
     await page.getByRole("button", { name: "Select axis-1" }).click();

@@ -3,7 +3,7 @@ import { useEffect, useRef } from "preact/hooks";
 import { useLocation } from "preact-iso";
 import type { LinkTopic, Station } from "../api";
 import { digits, foreign, label, product, sorted } from "../parts/format";
-import { owner, ownerName, person, State } from "../parts/Reason";
+import { ownerName, ownerShort, person, State } from "../parts/Reason";
 import * as control from "../store/control";
 import { axes, stopped as isStopped, lastStop, leases, refusal, reset, stopState } from "../store/control";
 import { stop, stopText, want } from "../store/live";
@@ -17,6 +17,8 @@ let pressedAt = Number.NEGATIVE_INFINITY;
 
 /** The event that was read. */
 const shown = signal(-1);
+/** What this page did itself, and was done, is said for this time, in ms. */
+const DONE = 5000;
 
 /** Returns what happened last, in words. */
 function event({ kind, drive, who, text, failed }: Happening): string {
@@ -122,30 +124,48 @@ function Link({ id }: { id: string }) {
   );
 }
 
+/** Returns a word as the reports have it. */
+function hex(word: number | null): string | null {
+  return word === null ? null : `0x${word.toString(16).toUpperCase().padStart(4, "0")}`;
+}
+
 function Facts({ station }: { station: Station }) {
   const { status } = station;
-  const old = (aged(station.age) ?? 0) > STALE || silent.value !== null;
+  // of an axis that this server controls each cycle is known, the status is read now and then
+  const axis = control.heldAxis(station.id);
+  const old = (axis ? axis.lost : (aged(station.age) ?? 0) > STALE) || silent.value !== null;
   const dash = "\u2013";
   const live = silent.value === null;
-  const speed = status?.speed_actual;
+  const words = axis
+    ? { stw1: hex(axis.stw1), zsw1: hex(axis.zsw1) }
+    : { stw1: status?.stw1?.hex, zsw1: status?.zsw1?.hex };
+  const exact = axis?.speed == null ? null : { value: axis.speed, unit: axis.unit, beyond: null };
+  const speed = axis ? exact : status?.speed_actual;
   return (
     <>
       <p class="line">
-        <bdi>{product(station)}</bdi>
+        <bdi title={product(station)}>{product(station)}</bdi>
         <span class="number spare">{station.ip ?? dash}</span>
         <span class="spare">
           {live && status?.telegram ? t("frame.telegram", { number: status.telegram }) : t("frame.telegram.none")}
         </span>
         <Link id={station.id} />
-        <bdi>{live ? owner(station) : dash}</bdi>
+        <bdi class="owner" title={live ? ownerShort(station) : undefined}>
+          {live ? ownerShort(station) : dash}
+        </bdi>
       </p>
       <p class={old ? "line stale" : "line"}>
-        {live ? <State station={station} /> : dash}
+        {live && axis && (
+          <span class={control.operates(axis) ? "state live" : "state"}>
+            <span class="cut">{t(`control.phase.${control.phaseOf(axis)}`)}</span>
+          </span>
+        )}
+        {live ? !axis && <State station={station} /> : dash}
         <span class="number spare">
-          <span class="muted">STW1</span> {(live && status?.stw1?.hex) || dash}
+          <span class="muted">STW1</span> {(live && words.stw1) || dash}
         </span>
         <span class="number spare">
-          <span class="muted">ZSW1</span> {(live && status?.zsw1?.hex) || dash}
+          <span class="muted">ZSW1</span> {(live && words.zsw1) || dash}
         </span>
         <span class="number wide">
           {live && speed ? digits(speed) : dash} <span class="unit">{speed?.unit ?? "rpm"}</span>
@@ -243,6 +263,15 @@ export function Frame() {
     if (top.current) seen.observe(top.current);
     return () => seen.disconnect();
   }, []);
+  const last = happened.value;
+  const passes = last !== null && last.who === control.session.value && !last.failed && last.kind !== "stop";
+  useEffect(() => {
+    if (last === null || !passes) return;
+    const timer = setTimeout(() => {
+      shown.value = last.n;
+    }, DONE);
+    return () => clearTimeout(timer);
+  }, [last?.n, passes]);
   // a STOP has its own line until it is reset
   const news = happened.value?.n !== shown.value && !(happened.value?.kind === "stop" && isStopped.value);
   const simulation = server.value?.simulation ?? false;

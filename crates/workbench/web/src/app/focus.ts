@@ -20,7 +20,11 @@ export function keepFocus(): void {
   });
   addEventListener("focusout", ({ target, relatedTarget }) => {
     // a click beside all controls takes the focus away for good; what was removed or disabled has lost it
-    if (relatedTarget === null && isThere(target as Element) && document.hasFocus()) path = [];
+    if (relatedTarget !== null) return;
+    // while it is being removed it is still there
+    queueMicrotask(() => {
+      if (path[0] === target && isThere(target as Element) && document.hasFocus()) path = [];
+    });
   });
   new MutationObserver(() => {
     const focus = document.activeElement;

@@ -79,6 +79,14 @@ export function owner(station: Station): string {
   return name === null ? t("frame.owner.none") : t("frame.owner", { name });
 }
 
+/** The same, where there is little room. */
+export function ownerShort(station: Station): string {
+  const axis = heldAxis(station.id);
+  if (!axis) return owner(station);
+  const name = own(axis.drive) ? t("owner.self.short") : t("frame.event.session", { who: axis.holder });
+  return t("frame.owner", { name });
+}
+
 /** Returns who did something, in words. */
 export function person(who: string): string {
   if (who === "token") return t("frame.event.program");

@@ -46,8 +46,8 @@ test("from STOP and from a button that goes up to the frame", async ({ browser }
     await page.getByRole("button", { name: "Take control" }).click();
     await expect(page.getByText(/This page has control/)).toBeVisible();
     const enable = page.getByRole("button", { name: "Enable" });
-    const on = page.getByText("Torque on, at rest");
-    const moves = page.getByText("Torque on, moving");
+    const on = page.locator("main").getByText("Torque on, at rest");
+    const moves = page.locator("main").getByText("Torque on, moving");
     await enable.click();
     await expect(on).toBeVisible();
     const button = page.getByRole("button", { name: "+20 rpm" });
@@ -81,7 +81,7 @@ test("from STOP and from a button that goes up to the frame", async ({ browser }
       await page.mouse.down();
       await page.mouse.up();
       stops.push({ asked, had: await noted(page, "pointerdown") });
-      await expect(page.getByText("Power stage off")).toBeVisible();
+      await expect(page.locator("main").getByText("Power stage off")).toBeVisible();
       await page.getByRole("button", { name: "Reset STOP" }).click();
       await enable.click();
       await expect(on).toBeVisible();

@@ -28,7 +28,7 @@ test("each way to end a hold, again and again", async ({ page }) => {
         if (name === "keyup") {
           await button.focus();
           await page.keyboard.down("ArrowRight");
-          await expect(page.getByText("Torque on, moving")).toBeVisible();
+          await expect(page.locator("main").getByText("Torque on, moving")).toBeVisible();
         } else {
           await turning(page, server.origin, id);
         }

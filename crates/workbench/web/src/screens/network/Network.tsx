@@ -1,3 +1,5 @@
+import { signal } from "@preact/signals";
+import { type ComponentChildren, Fragment } from "preact";
 import { useLocation } from "preact-iso";
 import type { Station } from "../../api";
 import { address } from "../../app/selected";
@@ -24,6 +26,32 @@ function name(station: Station): string {
   return nameless ? t("network.noname") : label(station);
 }
 
+/** Whether there is room for all columns: where there is none, what matters most stands first. */
+const room = matchMedia("(min-width: 900px) and (not (pointer: coarse))");
+const roomy = signal(room.matches);
+room.addEventListener("change", () => {
+  roomy.value = room.matches;
+});
+
+/** The parts of a row, by their column. */
+interface Cells {
+  why: ComponentChildren;
+  shaft: ComponentChildren;
+  name: ComponentChildren;
+  state: ComponentChildren;
+  actions: ComponentChildren;
+  rest: ComponentChildren;
+  owner: ComponentChildren;
+}
+
+const WIDE = ["why", "shaft", "name", "rest", "state", "owner", "actions"] as const;
+const SMALL = ["name", "state", "why", "shaft", "actions", "rest", "owner"] as const;
+
+function inOrder(cells: Cells) {
+  // with keys, so that a page that is turned keeps its buttons
+  return (roomy.value ? WIDE : SMALL).map((column) => <Fragment key={column}>{cells[column]}</Fragment>);
+}
+
 function Row({ station, simulation, changes }: { station: Station; simulation: boolean; changes: boolean }) {
   const identity = station.info?.identity;
   const known = station.mac !== "00:00:00:00:00:00";
@@ -41,53 +69,65 @@ function Row({ station, simulation, changes }: { station: Station; simulation: b
           />
         </td>
       )}
-      <td class="why">
-        <Reason station={station} />
-      </td>
-      {simulation && (
-        <td>
-          <Shaft id={station.id} />
-        </td>
-      )}
-      <th scope="row">
-        <a href={`/drives/${encodeURIComponent(station.id)}/overview${location.search}`}>
-          <bdi>{name(station)}</bdi>
-        </a>
-        {station.status && found.length > 0 && <span class="warn small"> {found.join(", ")}</span>}
-      </th>
-      <td class="number">
-        <div>{station.ip ?? dash}</div>
-        <div class="muted">{known ? station.mac : dash}</div>
-      </td>
-      <td>
-        <bdi>{product(station) || dash}</bdi>
-      </td>
-      <td>
-        <bdi>{identity ? foreign(identity.software_revision) : dash}</bdi>
-      </td>
-      <td>
-        <bdi>{identity ? foreign(identity.serial_number) : dash}</bdi>
-      </td>
-      <td>{silent.value === null ? <State station={station} short /> : dash}</td>
-      <td>
-        <bdi>{ownerName(station) ?? dash}</bdi>
-      </td>
-      {changes && (
-        <td>
-          <div class="actions">
-            <Blink station={station} />
-            <button
-              type="button"
-              aria-haspopup="dialog"
-              onClick={() => {
-                shown.value = station.id;
-              }}
-            >
-              {t("address.open")} <span class="unseen">{label(station)}</span>
-            </button>
-          </div>
-        </td>
-      )}
+      {inOrder({
+        why: (
+          <td class="why">
+            <Reason station={station} />
+          </td>
+        ),
+        shaft: simulation && (
+          <td>
+            <Shaft id={station.id} />
+          </td>
+        ),
+        name: (
+          <th scope="row">
+            <a href={`/drives/${encodeURIComponent(station.id)}/overview${location.search}`}>
+              <bdi>{name(station)}</bdi>
+            </a>
+            {station.status && found.length > 0 && <span class="warn small"> {found.join(", ")}</span>}
+          </th>
+        ),
+        rest: (
+          <>
+            <td class="number">
+              <div>{station.ip ?? dash}</div>
+              <div class="muted">{known ? station.mac : dash}</div>
+            </td>
+            <td>
+              <bdi>{product(station) || dash}</bdi>
+            </td>
+            <td>
+              <bdi>{identity ? foreign(identity.software_revision) : dash}</bdi>
+            </td>
+            <td>
+              <bdi>{identity ? foreign(identity.serial_number) : dash}</bdi>
+            </td>
+          </>
+        ),
+        state: <td>{silent.value === null ? <State station={station} short /> : dash}</td>,
+        owner: (
+          <td>
+            <bdi>{ownerName(station) ?? dash}</bdi>
+          </td>
+        ),
+        actions: changes && (
+          <td>
+            <div class="actions">
+              <Blink station={station} />
+              <button
+                type="button"
+                aria-haspopup="dialog"
+                onClick={() => {
+                  shown.value = station.id;
+                }}
+              >
+                {t("address.open")} <span class="unseen">{label(station)}</span>
+              </button>
+            </div>
+          </td>
+        ),
+      })}
     </tr>
   );
 }
@@ -234,16 +274,22 @@ export function Network() {
                   />
                 </th>
               )}
-              <th scope="col">{t("network.why")}</th>
-              {simulation && <th scope="col">{t("network.shaft")}</th>}
-              <th scope="col">{t("network.name")}</th>
-              <th scope="col">{t("network.addresses.both")}</th>
-              <th scope="col">{t("network.product")}</th>
-              <th scope="col">{t("network.firmware")}</th>
-              <th scope="col">{t("network.serial")}</th>
-              <th scope="col">{t("network.state")}</th>
-              <th scope="col">{t("network.owner")}</th>
-              {changes && <th scope="col">{t("network.actions")}</th>}
+              {inOrder({
+                why: <th scope="col">{t("network.why")}</th>,
+                shaft: simulation && <th scope="col">{t("network.shaft")}</th>,
+                name: <th scope="col">{t("network.name")}</th>,
+                rest: (
+                  <>
+                    <th scope="col">{t("network.addresses.both")}</th>
+                    <th scope="col">{t("network.product")}</th>
+                    <th scope="col">{t("network.firmware")}</th>
+                    <th scope="col">{t("network.serial")}</th>
+                  </>
+                ),
+                state: <th scope="col">{t("network.state")}</th>,
+                owner: <th scope="col">{t("network.owner")}</th>,
+                actions: changes && <th scope="col">{t("network.actions")}</th>,
+              })}
             </tr>
           </thead>
           <tbody>

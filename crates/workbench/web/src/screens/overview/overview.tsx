@@ -20,6 +20,7 @@ import { Nothing } from "../../parts/Nothing";
 import { findings, otherOwner, ownerName, sign } from "../../parts/Reason";
 import { Shaft } from "../../parts/Shaft";
 import { Spark } from "../../parts/Spark";
+import { heldAxis } from "../../store/control";
 import { aged, events, server, silent, whenRestarted } from "../../store/store";
 import { age, ageLong, t, utc } from "../../text";
 import { right } from "../compare/state";
@@ -67,6 +68,13 @@ function Why({ station }: { station: Station }) {
         <Steps station={station} />
       </p>
       {name !== null && <p>{t("overview.watch", { name })}</p>}
+      {name !== null && heldAxis(station.id) && (
+        <p class="buttons next-steps">
+          <a class="roomy" href={address(station.id, "control") + location.search}>
+            {t("step.control")}
+          </a>
+        </p>
+      )}
       {status && <Acknowledge station={station} present={status.faults} />}
       {station.remarks.includes("no_name") && <p>{t("overview.noname")}</p>}
       {status?.notes.map((note) => (

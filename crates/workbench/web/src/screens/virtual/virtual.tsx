@@ -1,5 +1,6 @@
 import { signal } from "@preact/signals";
 import { useEffect, useRef, useState } from "preact/hooks";
+import { useLocation } from "preact-iso";
 import {
   ask,
   type PlantCheck,
@@ -12,6 +13,7 @@ import {
   type Shaft as ShaftState,
   type Station,
 } from "../../api";
+import { recent } from "../../app/selected";
 import { downloadText } from "../../parts/download";
 import { digits, foreign, product, sentence } from "../../parts/format";
 import { Loading } from "../../parts/Loading";
@@ -481,6 +483,11 @@ function Happen({ shaft }: { shaft: ShaftState }) {
 export function Virtual() {
   const all = [...shafts.value.values()];
   const known = new Map((stations.value ?? []).map((station) => [station.id, station]));
+  const { path } = useLocation();
+  useEffect(() => {
+    // it begins with the drive of the frame
+    selection.value = recent(path) ?? selection.value;
+  }, []);
   const one = shafts.value.get(selection.value) ?? all[0];
   const withEnds = all.some(hasEnds);
   return (
