@@ -13,10 +13,7 @@ impl Wording for PageWords {
     }
 
     fn advice(&self, advice: &Advice) -> String {
-        // here an axis is taken by a button of its own, on a screen of its own
-        advice
-            .worded(words)
-            .replace("take the axis with", "take control on Control, then")
+        advice.worded(words)
     }
 }
 
@@ -35,10 +32,10 @@ fn words(action: &Action) -> String {
         Action::Monitor => "its values".to_owned(),
         Action::Stop => "a stop".to_owned(),
         Action::Disable => "a stop that switches it off".to_owned(),
-        Action::Home => "\"Home\"".to_owned(),
-        Action::Run => "\"Turn at this speed\"".to_owned(),
-        Action::Jog => "\"Jog\"".to_owned(),
-        Action::Move => "\"Move\"".to_owned(),
+        Action::Home => "\"Home\" on Control".to_owned(),
+        Action::Run => "\"Turn at this speed\" on Control".to_owned(),
+        Action::Jog => "\"Jog\" on Control".to_owned(),
+        Action::Move => "\"Move\" on Control".to_owned(),
         Action::SetName { .. } => "a name".to_owned(),
         Action::SetAddress { .. } => "an IP address".to_owned(),
         Action::Choose(choice) => match choice {
@@ -73,9 +70,12 @@ mod tests {
             ("{write 930=1} changes it", "the value 1 in 930 changes it"),
             (
                 "take the axis with {run} or {jog}",
-                "take control on Control, then \"Turn at this speed\" or \"Jog\"",
+                "take the axis with \"Turn at this speed\" on Control or \"Jog\" on Control",
             ),
-            ("{home} sets the home position", "\"Home\" sets the home position"),
+            (
+                "{home} sets the home position",
+                "\"Home\" on Control sets the home position",
+            ),
             (
                 "{choose run-on} accepts that it may run on",
                 "the box \"The drive may run on\" in \"Options\" accepts that it may run on",
