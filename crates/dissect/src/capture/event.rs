@@ -4,12 +4,12 @@ use std::fmt::Display;
 use std::net::Ipv4Addr;
 use std::time::Duration;
 
-use profile::parameter::ErrorNumber;
 use profinet::MacAddress;
 use serde::{Serialize, Serializer};
 use serde_json::{Map, Value};
 
 use crate::Weight;
+use crate::job::RefusedParameter;
 
 /// One end of a frame, by its addresses.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
@@ -165,18 +165,9 @@ pub struct Job {
     /// Frame of the request, in a response.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub request_frame: Option<u64>,
-    /// What is refused in this event; `job` of the first event has all of them.
+    /// What is refused in this event.
     #[serde(skip)]
     pub refused: Option<RefusedParameter>,
-}
-
-/// A parameter that a drive refuses.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct RefusedParameter {
-    /// Number of the parameter.
-    pub pnu: u16,
-    /// Error number of the answer.
-    pub error: ErrorNumber,
 }
 
 /// A DCP service.

@@ -3,13 +3,11 @@
 use std::net::Ipv4Addr;
 use std::time::Duration;
 
-use profile::parameter::ErrorNumber;
 use profinet::wire::PnioStatus;
 use profinet::wire::Uuid;
 use profinet::wire::block::{ReadRequest, WriteRequest};
-use serde_json::{Map, Value};
 
-use super::event::{Detail, Job, Origin, Record, RefusedParameter, Sink, Trouble};
+use super::event::{Detail, Job, Origin, Record, Sink, Trouble};
 use super::names::seconds;
 use super::pending::{CUT_OFF, Pending};
 use super::records::number;
@@ -147,33 +145,17 @@ impl Jobs {
 
 /// Reports a job, one event for each of its lines; its numbers are in the first.
 fn report(decoded: Decoded, request_frame: Option<u64>, sink: &mut Sink<'_>) {
-    let refused = refused(&decoded.fields);
     let mut fields = Some(decoded.fields);
-    // the first line is about all parameters, the next ones about one each
-    let each = std::iter::once(None).chain(refused);
-    let each = each.chain(std::iter::repeat(None));
-    for ((weight, line), refused) in decoded.lines.into_iter().zip(each) {
+    let mut refused = decoded.refused.into_iter().peekable();
+    for (place, (weight, line)) in decoded.lines.into_iter().enumerate() {
         let detail = Job {
             channel: "record",
             job: fields.take().unwrap_or_default(),
             request_frame,
-            refused,
+            refused: refused.next_if(|(line, _)| *line == place).map(|(_, one)| one),
         };
         sink.report(weight, "parameter", line, Detail::Job(detail));
     }
-}
-
-/// Returns for each parameter of a job what is refused of it.
-fn refused(job: &Map<String, Value>) -> Vec<Option<RefusedParameter>> {
-    let parameters = job.get("parameters").and_then(Value::as_array);
-    let number = |value: &Value| u16::try_from(value.as_u64()?).ok();
-    let refused = |parameter: &Value| {
-        Some(RefusedParameter {
-            pnu: number(parameter.get("pnu")?)?,
-            error: ErrorNumber(number(parameter.get("error")?.get("number")?)?),
-        })
-    };
-    parameters.into_iter().flatten().map(refused).collect()
 }
 
 #[cfg(test)]

@@ -13,8 +13,8 @@ use std::fmt;
 
 use profile::catalogue::WordKind;
 use profile::parameter::{
-    Attribute, CodeSpace, Description, Forbidden, Format, Objection, ParameterAddress, Request, RequestId,
-    ValueBlock,
+    Attribute, CodeSpace, Description, ErrorNumber, Forbidden, Format, Objection, ParameterAddress, Request,
+    RequestId, ValueBlock,
 };
 use profile::value::Reading;
 use serde_json::{Map, Value};
@@ -69,6 +69,17 @@ pub struct Decoded {
     pub lines: Vec<(Weight, String)>,
     /// For programs.
     pub fields: Map<String, Value>,
+    /// What an answer refuses, by its place in the lines.
+    pub refused: Vec<(usize, RefusedParameter)>,
+}
+
+/// A parameter that a drive refuses.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct RefusedParameter {
+    /// Number of the parameter.
+    pub pnu: u16,
+    /// Error number of the answer.
+    pub error: ErrorNumber,
 }
 
 /// Decodes one job; guesses its direction when `side` is not given.
@@ -364,7 +375,11 @@ fn decode_request(drive: &JobDrive, data: &[u8]) -> Result<Decoded, String> {
             fields.insert(name.into(), these.map(objection_json).collect());
         }
     }
-    Ok(Decoded { lines, fields })
+    Ok(Decoded {
+        lines,
+        fields,
+        refused: Vec::new(),
+    })
 }
 
 fn objection_json(objection: &Objection) -> Value {
@@ -407,9 +422,11 @@ fn joined(decoded: Result<Decoded, String>, data: &[u8]) -> Decoded {
             format!("malformed job ({reason}): {}", hex_bytes(data)),
         )],
         fields: fields! { "malformed": reason, "hex": hex_bytes(data) },
+        refused: Vec::new(),
     });
     if let [(_, head), (weight, only)] = decoded.lines.as_slice() {
         decoded.lines = vec![(*weight, format!("{head}: {}", only.trim_start()))];
+        decoded.refused.iter_mut().for_each(|(line, _)| *line = 0);
     }
     decoded
 }

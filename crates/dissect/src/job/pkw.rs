@@ -76,7 +76,11 @@ pub fn decode(
         "ak": pkw.ak(), "pnu": pkw.address(dialect).map(|address| address.pnu),
         "subindex": pkw.address(dialect).map(|address| address.subindex), "sides": sides,
     };
-    Ok(Decoded { lines, fields })
+    Ok(Decoded {
+        lines,
+        fields,
+        refused: Vec::new(),
+    })
 }
 
 /// Returns a description of a request. `text` is what stands in the place of PWE in a text block.

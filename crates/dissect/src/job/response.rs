@@ -8,8 +8,8 @@ use profile::value::Interpretation;
 use serde_json::{Map, Value, json};
 
 use super::{
-    ADDRESS, Decoded, HEADER, JobDrive, address_json, block_json, block_text, format_name, label, plural,
-    prefix, raw_text,
+    ADDRESS, Decoded, HEADER, JobDrive, RefusedParameter, address_json, block_json, block_text, format_name,
+    label, plural, prefix, raw_text,
 };
 use crate::Weight;
 use crate::fields;
@@ -44,6 +44,7 @@ pub fn decode_response(drive: &mut JobDrive, data: &[u8], request: Option<&[u8]>
     );
     let mut lines = vec![(Weight::Normal, head)];
     let mut parameters = Vec::new();
+    let mut refused = Vec::new();
     let asked = request.and_then(|request| request.get(COUNT)).copied();
     let is_change = RequestId::from_octet(id & 0x7F).is_change();
     if id == 0x02 && matches!(rest, [] | [0, 0]) {
@@ -95,6 +96,10 @@ pub fn decode_response(drive: &mut JobDrive, data: &[u8], request: Option<&[u8]>
             let mut fields = address
                 .map(|address| address_json(drive, address))
                 .unwrap_or_default();
+            if let (Some(address), Some(error)) = (address, error_number(block)) {
+                let pnu = address.pnu;
+                refused.push((lines.len(), RefusedParameter { pnu, error }));
+            }
             lines.push(answer(drive, *address, block, is_change, &mut fields));
             parameters.push(Value::Object(fields));
         }
@@ -109,7 +114,17 @@ pub fn decode_response(drive: &mut JobDrive, data: &[u8], request: Option<&[u8]>
         "side": "response", "reference": reference, "id": id, "axis": axis, "parameters": parameters,
         "warnings": warnings,
     };
-    Ok(Decoded { lines, fields })
+    Ok(Decoded {
+        lines,
+        fields,
+        refused,
+    })
+}
+
+/// Returns the error number of a refusal; the highest one for a refusal without one.
+fn error_number(block: &ValueBlock<'_>) -> Option<ErrorNumber> {
+    let number = || block.raw(0).and_then(|raw| u16::try_from(raw).ok());
+    (block.format == Format::ERROR).then(|| ErrorNumber(number().unwrap_or(u16::MAX)))
 }
 
 /// A written value takes effect when the drive confirms it.
@@ -293,14 +308,8 @@ pub(super) fn answer(
     fields: &mut Map<String, Value>,
 ) -> (Weight, String) {
     let said = prefix(drive, address, ": ");
-    match block.format {
-        Format::ERROR => {
-            let number = ErrorNumber(
-                block
-                    .raw(0)
-                    .and_then(|raw| u16::try_from(raw).ok())
-                    .unwrap_or(u16::MAX),
-            );
+    match error_number(block) {
+        Some(number) => {
             let information = block.raw(1);
             let mut text = format!("  {said}refused: {}", number.words(drive.error_names()));
             if let Some(information) = information {

@@ -86,7 +86,11 @@ pub fn decode(
         "protocol": carrier.name.to_ascii_lowercase(), "model": drive.name(), "address": telegram.address.0,
         "addressee": whom, "data": hex_bytes(telegram.data), "check": check, "sides": sides,
     };
-    Ok(Decoded { lines, fields })
+    Ok(Decoded {
+        lines,
+        fields,
+        refused: Vec::new(),
+    })
 }
 
 fn row(name: &str, text: &str) -> String {

@@ -345,7 +345,11 @@ pub fn decode(drive: &JobDrive, telegram: u16, data: &[u8], output: Option<bool>
     }
     let fields: Map<String, Value> =
         fields! { "model": drive.name(), "telegram": telegram, "hex": hex_bytes(data), "halves": halves };
-    Ok(Decoded { lines, fields })
+    Ok(Decoded {
+        lines,
+        fields,
+        refused: Vec::new(),
+    })
 }
 
 /// Returns the directions that data of this length can have, or only that which is given.

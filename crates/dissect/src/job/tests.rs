@@ -123,6 +123,30 @@ fn answered(drive: &mut JobDrive, request: &str, response: &str) -> String {
     lines.into_iter().map(|(_, line)| line).collect()
 }
 
+/// With one parameter in the only line, with several in that of each.
+#[test]
+fn what_is_refused_has_its_line() {
+    let refused = |request: &str, response: &str| -> Vec<(usize, u16, u16)> {
+        let mut drive = JobDrive::default();
+        let decoded = response_job(&mut drive, &octets(response), Some(&octets(request)));
+        assert!(
+            decoded
+                .refused
+                .iter()
+                .all(|(line, _)| decoded.lines[*line].1.contains("refused"))
+        );
+        let places = decoded.refused.iter();
+        places.map(|(line, one)| (*line, one.pnu, one.error.0)).collect()
+    };
+    let one = refused("01 01 00 01 10 01 03 9F 00 00", "01 81 00 01 44 01 00 00");
+    assert_eq!(one, [(0, 927, 0)]);
+    let two = refused(
+        "01 01 00 02 10 01 03 A2 00 00 10 01 03 A0 00 00",
+        "01 81 00 02 42 01 00 01 44 01 00 00",
+    );
+    assert_eq!(two, [(2, 928, 0)]);
+}
+
 #[test]
 fn scales_are_learnt_from_reads_and_writes() {
     let mut drive = JobDrive::default();
