@@ -298,6 +298,50 @@ fn a_turn_receives_and_sends_a_bounded_number_of_frames() {
 }
 
 #[test]
+fn stations_with_more_to_send_than_there_is_time_for_receive_as_much() {
+    if !inside("stations_with_more_to_send_than_there_is_time_for_receive_as_much") {
+        return;
+    }
+    veth();
+    let mut runner = Runner::open("va").unwrap();
+    let mut medium = PacketMedium::open("vb", ServerPort::None).unwrap();
+    // each is due again at once, for ever
+    let sender = |last| Echo {
+        cycle: Some((Duration::ZERO, Instant::ZERO, mac(9))),
+        ..echo(last)
+    };
+    let ids: Vec<_> = (1..=200)
+        .map(|last| runner.attach(Box::new(Host::new(sender(last)))).unwrap())
+        .collect();
+    let mut client = Echo {
+        mac: medium.interface().mac.unwrap(),
+        ip: IpSuite::NONE,
+        ..echo(250)
+    };
+    let count = 256;
+    client.frames_out = vec![cyclic(mac(1), client.mac, false); count];
+    medium.step(&mut client, now()).unwrap();
+    let end = now() + Duration::from_secs(5);
+    let of =
+        |runner: &Runner, id: StationId| runner.station::<Host<Echo>>(id).unwrap().endpoint().frames.len();
+    while of(&runner, ids[0]) < count {
+        assert!(now() < end, "{} of {count} frames received", of(&runner, ids[0]));
+        runner.step(end).unwrap();
+    }
+    let sent = ids.iter().map(|id| {
+        runner
+            .station::<Host<Echo>>(*id)
+            .unwrap()
+            .endpoint()
+            .lateness
+            .len()
+    });
+    let sent: usize = sent.sum();
+    // a turn more at the begin and at the end; each frame is a turn of its station too
+    assert!(sent <= 2 * count + 2 * 64, "{sent} sent for {count} received");
+}
+
+#[test]
 fn cycles_are_kept_by_many_stations() {
     if !inside("cycles_are_kept_by_many_stations") {
         return;

@@ -15,7 +15,8 @@ use crate::segment::{Tap, finish_all};
 use crate::system::linux::sharpen_timers;
 use crate::system::{Bell, Error, InterfaceInfo, Stop, now};
 
-/// Most frames handled before deadlines get their turn.
+/// Most frames handled before deadlines get their turn, and most deadlines before frames get theirs: with more to do than there
+/// is time for, neither keeps the other waiting. Stations that only send would lose the connections that they send for.
 const MAX_FRAMES: usize = 64;
 /// Most frames taken from one station in one turn; what is left follows a moment later.
 const MAX_BURST: usize = 256;
@@ -325,28 +326,38 @@ impl Runner {
         self.next_batch = at + left + PAUSE;
     }
 
-    /// Everything that is there to do at `now`, without waiting.
+    /// What is there to do at `now`, frames and deadlines in equal parts, without waiting.
     fn work(&mut self, now: Instant) -> Result<(), Error> {
         while let Some(index) = self.dirty.pop() {
             self.drain(index, now);
             self.schedule(index, Instant::ZERO);
         }
-        for _ in 0..MAX_FRAMES {
-            if !self.online || !self.receive(now) {
-                break;
-            }
-        }
-        while let Some(due) = self.deadlines.earliest().filter(|due| *due <= now)
-            && let Some(index) = self.deadlines.earliest_index()
-        {
-            self.note_delay(now - due);
-            self.turn(index, now, now + SHORTEST_WAIT);
+        let received = (0..MAX_FRAMES)
+            .take_while(|_| self.online && self.receive(now))
+            .count();
+        let met = (0..MAX_FRAMES).take_while(|_| self.meet(now)).count();
+        if received.max(met) == MAX_FRAMES {
+            // there is more
+            self.next_batch = Instant::ZERO;
         }
         if self.online {
             let flushed = self.socket.flush();
             self.note(flushed);
         }
         self.take_failure()
+    }
+
+    /// Lets the station with the earliest deadline do what is due; false if nothing is.
+    fn meet(&mut self, now: Instant) -> bool {
+        let Some(due) = self.deadlines.earliest().filter(|due| *due <= now) else {
+            return false;
+        };
+        let Some(index) = self.deadlines.earliest_index() else {
+            return false;
+        };
+        self.note_delay(now - due);
+        self.turn(index, now, now + SHORTEST_WAIT);
+        true
     }
 
     /// Stores a failure of the interface. It does not interrupt a station; it is reported after all had their turn.
