@@ -81,9 +81,21 @@ fn fleet(count: u32, cycle_ms: u64, hold: u32) -> Vec<Row> {
 
     let finished = controller.finish(Duration::from_secs(120));
     let steps = finished.json_lines();
-    let exchanges: Vec<&Value> = steps.iter().filter(|step| step["step"] == "exchange").collect();
-    let lost = count as usize - exchanges.iter().filter(|step| step["good"] == true).count();
     let number = |step: &Value, field: &str| step[field].as_u64().unwrap_or(0);
+    let exchanges: Vec<&Value> = steps.iter().filter(|step| step["step"] == "exchange").collect();
+    let good = exchanges.iter().filter(|step| step["good"] == true).count();
+    // the controller ends with the first loss, and leaves the drives that it has not lost
+    let loss = steps.iter().find(|step| step["step"] == "lost");
+    let lost = loss.map_or(count as usize - good, |loss| number(loss, "count") as usize);
+    let loss = loss.map(|loss| {
+        let (name, cause) = (loss["name"].as_str(), loss["cause"].as_str());
+        format!(
+            "{} after {} s: {}",
+            name.unwrap_or_default(),
+            number(loss, "after_ms") / 1000,
+            cause.unwrap_or_default()
+        )
+    });
     let missed = exchanges
         .iter()
         .map(|step| number(step, "missed").max(number(step, "skipped")));
@@ -94,7 +106,19 @@ fn fleet(count: u32, cycle_ms: u64, hold: u32) -> Vec<Row> {
     let of = |what: &str| format!("{count} drives at {cycle_ms} ms: {what}");
     let explained = explained(&stalls, Duration::from_millis(cycle_ms));
     let mut rows = vec![
-        Row::new(&of("connections lost in 60 s"), lost.to_string()).limit("0".into(), lost == 0),
+        Row::new(&of("all discoverable after"), millis(started))
+            .limit("1 s".into(), started < Duration::from_secs(1)),
+        Row::new(&of("all connected after"), millis(connected))
+            .limit("5 s".into(), connected < Duration::from_secs(5)),
+        Row::new(&of("connections lost in 60 s"), lost.to_string())
+            .beside(loss.unwrap_or_default())
+            .limit("0".into(), good == count as usize),
+    ];
+    // of the time after the controller ended nothing is to be said
+    if good < count as usize {
+        return rows;
+    }
+    rows.extend([
         Row::new(&of("most cycles a drive missed in 60 s"), missed.to_string())
             .beside(format!(
                 "idle programs stalled {} times, {} in all, longest {}",
@@ -109,11 +133,7 @@ fn fleet(count: u32, cycle_ms: u64, hold: u32) -> Vec<Row> {
         )
         .beside(format!("kernel {kernel:.2} us"))
         .limit(format!("{CPU} us"), user <= CPU),
-        Row::new(&of("all discoverable after"), millis(started))
-            .limit("1 s".into(), started < Duration::from_secs(1)),
-        Row::new(&of("all connected after"), millis(connected))
-            .limit("5 s".into(), connected < Duration::from_secs(5)),
-    ];
+    ]);
     // of a small fleet the program itself is the most
     if count >= 1_000 {
         rows.push(

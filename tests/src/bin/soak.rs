@@ -194,14 +194,14 @@ fn control(interface: &str, rounds: usize, names: &[&str]) -> Done<()> {
         step("held");
         let half = HOLD.saturating_sub(begin.elapsed()) / 2;
         let kept = join_all(axes.iter_mut().map(|axis| axis.hold(half))).wait();
-        failed += kept.iter().filter(|kept| kept.is_err()).count();
+        failed += unexpected(round, "kept", &kept, true);
         if pulled(round) {
             step("pull");
         }
         let kept = join_all(axes.iter_mut().map(|axis| axis.hold(half))).wait();
-        failed += kept.iter().filter(|kept| kept.is_ok() == pulled(round)).count();
+        failed += unexpected(round, "kept until its end", &kept, !pulled(round));
         let left = join_all(axes.into_iter().map(client::Axis::release)).wait();
-        failed += left.iter().filter(|left| left.is_ok() == pulled(round)).count();
+        failed += unexpected(round, "left", &left, !pulled(round));
         println!(
             "{}",
             json!({"round": round, "connected": connected, "read": read, "failed": failed})
@@ -210,6 +210,22 @@ fn control(interface: &str, rounds: usize, names: &[&str]) -> Done<()> {
         std::thread::sleep(ROUND.saturating_sub(begin.elapsed()));
     }
     Ok(())
+}
+
+/// Returns how many did not end as expected, and says of the first of them what happened and when.
+fn unexpected<T>(round: usize, what: &str, ends: &[Result<T, Error>], good: bool) -> usize {
+    let mut others = ends.iter().filter(|end| end.is_ok() != good);
+    let Some(first) = others.next() else {
+        return 0;
+    };
+    let count = 1 + others.count();
+    let error = first.as_ref().err().map(ToString::to_string);
+    let error = error.as_deref().unwrap_or("no error");
+    eprintln!(
+        "{:?} round {round}: {count} axes not {what} as expected, the first: {error}",
+        network::system::now()
+    );
+    count
 }
 
 async fn take(mut session: Caller, name: &str) -> Result<client::Axis, Error> {

@@ -307,7 +307,10 @@ impl<'a> App<'a> {
         }
         self.pass(until)?;
         if let Some((ar, cause)) = self.lost.first().cloned() {
-            say(json!({"step": "lost", "name": self.names[&ar], "cause": cause}));
+            let after = self.carrier.now().saturating_since(start).as_millis() as u64;
+            say(
+                json!({"step": "lost", "name": self.names[&ar], "cause": cause, "count": self.lost.len(), "after_ms": after}),
+            );
             return if may_lose {
                 Ok(false)
             } else {
