@@ -475,7 +475,7 @@ export const en = {
   "control.beat.fresh": "Beats arrive in time.",
   "control.beat.late": "A beat came too late and did not count.",
   "control.beat.missing": "Beats are not answered: the axis stops.",
-  "control.plot": "Speed of the last 5 s, up to {highest} {unit}",
+  "control.plot": "Speed of the last 5 s, scale \u00b1{highest} {unit}",
   "control.first": "Up to {limit} rpm until you confirm that the axis turns in the expected direction.",
   "control.confirm": "Direction is right",
   "control.rules":
