@@ -286,7 +286,7 @@ export const en = {
   "parameters.select": "Select a drive to see its parameters.",
   "parameters.search": "Search (/)",
   "parameters.only": "Show",
-  "parameters.only.all": "All",
+  "parameters.only.all": "All parameters",
   "parameters.only.favourites": "Favourites",
   "parameters.only.edited": "Edited",
   "parameters.only.unsaved": "Written and not saved",
