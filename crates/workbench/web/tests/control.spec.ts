@@ -160,16 +160,22 @@ test("a drive that may run on needs consent, and one with a fault says why it is
     await options(page);
     await page.getByRole("checkbox", { name: /The drive may run on/ }).check();
     await page.getByRole("textbox", { name: "Highest speed" }).fill("200");
+    await page.getByRole("combobox", { name: "Control mode" }).selectOption("position");
+    const velocity = page.getByRole("tab", { name: "Velocity" });
+    await velocity.click();
     // for this drive alone
     const summary = page.locator(".options summary");
-    await expect(summary).toHaveText(/up to 200 rpm.*, may run on$/);
+    await expect(summary).toHaveText(/^Options: position, up to 200 rpm.*, may run on$/);
     const drives = page.getByRole("combobox", { name: "Drive", exact: true });
     await drives.selectOption({ label: "fan-1" });
     await expect(page.getByRole("heading", { level: 1, name: "Control fan-1" })).toBeVisible();
-    await expect(summary).toHaveText(/up to 300 rpm.*OFF3$/);
+    await expect(summary).toHaveText(/^Options: speed, up to 300 rpm.*OFF3$/);
+    await expect(velocity).toHaveAttribute("aria-selected", "false");
     await expect(page.getByRole("checkbox", { name: /The drive may run on/ })).not.toBeChecked();
     await drives.selectOption(id);
-    await expect(summary).toHaveText(/up to 200 rpm.*, may run on$/);
+    await expect(summary).toHaveText(/^Options: position, up to 200 rpm.*, may run on$/);
+    await expect(velocity).toHaveAttribute("aria-selected", "true");
+    await page.getByRole("combobox", { name: "Control mode" }).selectOption("speed");
     await enable(page);
     await expect(page.locator(".control .warn")).toContainText("When the connection is lost");
     await turning(page, server.origin, id);

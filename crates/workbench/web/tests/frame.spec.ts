@@ -2,7 +2,7 @@ import { chmodSync, copyFileSync, existsSync, mkdtempSync, readFileSync, rmSync,
 import { createRequire } from "node:module";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
-import type { Page } from "@playwright/test";
+import type { Locator, Page } from "@playwright/test";
 import { end, expect, idOf, pictures, rows, serve, serveIn, test } from "./bench";
 
 const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
@@ -76,6 +76,15 @@ test("frame and navigation are not cut, and high contrast shows what cannot be p
   await theme.selectOption("contrast");
   await expect(page.getByRole("button", { name: "Back up 0" })).toHaveCSS("border-style", "dashed");
   await expect(page.getByRole("button", { name: "Search now" })).toHaveCSS("border-style", "solid");
+});
+
+test("what is chosen is seen with the colours of the system", async ({ entered: page }) => {
+  await page.emulateMedia({ forcedColors: "active" });
+  const outlined = (of: Locator) => of.evaluate((one) => getComputedStyle(one).outlineStyle);
+  expect(await outlined(page.locator("nav a[aria-current]"))).toBe("solid");
+  await page.keyboard.press("Control+k");
+  await page.keyboard.type("axis");
+  expect(await outlined(page.locator(".palette [role=option][aria-selected=true]"))).toBe("solid");
 });
 
 test("STOP says honestly that there is nothing to stop, by mouse and keys", async ({ entered: page }) => {
@@ -200,6 +209,8 @@ test("the keyboard reaches everything, with a visible focus", async ({ entered: 
   await page.keyboard.press("?");
   const keys = page.getByRole("dialog", { name: "Keys" });
   await expect(keys.getByRole("row", { name: "g n Network" })).toBeVisible();
+  // the keys of STOP are in sight, wherever the focus is
+  await expect(keys.getByRole("row", { name: "Ctrl+Space STOP, everywhere" })).toBeInViewport({ ratio: 1 });
   await keys.getByRole("checkbox").uncheck();
   await page.keyboard.press("Escape");
   await expect(keys).toHaveCount(0);
@@ -362,8 +373,13 @@ test("on a touch screen STOP is at the lower right, and what is pressed is large
   }
   await page.getByRole("button", { name: /^STOP/ }).tap();
   await expect(page.getByRole("alert")).toContainText("was received");
-  // the notice is not above STOP
+  // the notice is not above STOP, and STOP not above what it offers, with longer words either
   await page.getByRole("button", { name: /^STOP/ }).tap();
+  await page.goto("/network?lang=xx");
+  const reset = page.getByRole("button", { name: /Reset STOP/ });
+  await expect(reset).toBeVisible();
+  const [left, right] = [await reset.boundingBox(), await page.locator(".stop").boundingBox()];
+  expect((left?.x ?? 0) + (left?.width ?? 0)).toBeLessThanOrEqual(right?.x ?? 0);
   await context.close();
 });
 
@@ -477,6 +493,10 @@ test("a long state is read whole, and so is why a jog is refused", async ({ page
     expect(cut).toEqual([]);
     const table = page.getByRole("region", { name: /^Stations of the network/ });
     expect(await table.evaluate((one) => one.scrollWidth - one.clientWidth)).toBeLessThanOrEqual(0);
+    const heights = await page
+      .locator("tbody tr")
+      .evaluateAll((all) => all.map((one) => Math.round(one.getBoundingClientRect().height)));
+    expect(Math.max(...heights)).toBeLessThanOrEqual(35);
     const id = await idOf(page, "axis-1");
     // beats that are answered late
     await page.routeWebSocket("**/api/v1/control", (socket) => {

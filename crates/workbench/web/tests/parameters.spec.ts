@@ -232,3 +232,21 @@ test("settings are backed up, compared, restored as a plan, and downloaded", asy
     expect(wrong.filter((text) => !text.includes("400"))).toEqual([]);
   });
 });
+
+test("a narrow list of parameters ends with its last row", async ({ entered: page }) => {
+  await page.goto(`/drives/${encodeURIComponent(await idOf(page, "axis-1"))}/parameters`);
+  const table = page.getByRole("region", { name: "Parameters" });
+  await expect(page.locator("[data-key]").first()).toBeVisible();
+  for (const width of [1366, 768]) {
+    await page.setViewportSize({ width, height: 900 });
+    // rows that are out of sight have the height of those that are made
+    await table.evaluate((one) => one.scrollTo(0, one.scrollHeight));
+    await expect(page.getByRole("row").last()).toBeInViewport({ ratio: 0.9 });
+    const gap = await table.evaluate((one) => {
+      const rows = [...one.querySelectorAll("tr.parameter")];
+      const height = (rows[5]?.getBoundingClientRect().height ?? 0) * Number(one.querySelector("table")?.ariaRowCount);
+      return Math.abs(height - one.scrollHeight) / height;
+    });
+    expect(gap, `${width}`).toBeLessThan(0.01);
+  }
+});

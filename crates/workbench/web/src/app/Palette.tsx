@@ -125,6 +125,8 @@ function Keys() {
       }}
     >
       <h2 id="keys-title">{t("keys.title")}</h2>
+      {/* first, as the focus is there: the keys of STOP are in sight */}
+      <Check of={shortcuts}>{t("keys.on")}</Check>
       <table>
         <tbody>
           {rows.map(([key, what]) => (
@@ -137,7 +139,6 @@ function Keys() {
           ))}
         </tbody>
       </table>
-      <Check of={shortcuts}>{t("keys.on")}</Check>
       <p class="muted small">{t("keys.motion")}</p>
       <div class="buttons">
         <button type="button" onClick={close}>

@@ -51,6 +51,13 @@ export interface Clock {
   unix_ms: number;
 }
 
+/** Returns the time of day of a time of the engine in us: `2026-11-26 20:58:24.169 UTC`. Nothing where they were not compared. */
+export function recordedAt(clock: Clock | null, time: number | null): string | null {
+  if (clock === null || clock.unix_ms === 0 || time === null) return null;
+  const at = new Date(clock.unix_ms + (time - clock.t_us) / 1000);
+  return at.toISOString().replace("T", " ").replace("Z", " UTC");
+}
+
 /**
  * Writes the rows from `from` to before `to`. Numbers have a point, times of day are UTC. The lines of a gap are spread evenly over it,
  * so that a file that was read is written as it was.

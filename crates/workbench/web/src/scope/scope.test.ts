@@ -2,7 +2,7 @@ import { readFileSync } from "node:fs";
 import { describe, expect, test } from "vitest";
 import { Acquisition } from "./acquisition";
 import { type Block, type Column, columnOf, decode, type Header, type Kind, NO_INTEGER } from "./block";
-import { read, shortest, write } from "./csv";
+import { read, recordedAt, shortest, write } from "./csv";
 import { derived } from "./maths";
 import { picture, Ring } from "./ring";
 import { nearest, statistics } from "./statistics";
@@ -438,4 +438,12 @@ describe("differences", () => {
     opened.calculate(maths);
     expect(rows(opened).ring?.value(4, 0)).toBe(-1);
   });
+});
+
+test("a recording has the time of day of its values, as far as it is known", () => {
+  const clock = { t_us: 5_000_000, unix_ms: Date.UTC(2026, 10, 26, 20, 58, 24, 500) };
+  expect(recordedAt(clock, 4_669_000)).toBe("2026-11-26 20:58:24.169 UTC");
+  // a file has no clock
+  expect(recordedAt({ t_us: 0, unix_ms: 0 }, 4_669_000)).toBeNull();
+  expect(recordedAt(clock, null)).toBeNull();
 });

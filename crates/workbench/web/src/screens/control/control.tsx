@@ -15,7 +15,7 @@ import { aged, now, server, silent } from "../../store/store";
 import { t } from "../../text";
 import { JogPad } from "./JogPad";
 
-const purpose = signal<"speed" | "position">("speed");
+const purposes = perDrive<"speed" | "position">("speed");
 const modes = perDrive(false);
 /** Whether a person accepts that the drive runs on without its connection. */
 const consents = perDrive(false);
@@ -24,12 +24,13 @@ const limits = perDrive("300");
 const travels = perDrive("");
 /** What a person has seen of a real machine. */
 const checks = perDrive<readonly boolean[]>([false, false, false]);
-const tab = signal<"jog" | "velocity" | "move" | "home" | "task">("jog");
+const tabs = perDrive<"jog" | "velocity" | "move" | "home" | "task">("jog");
 const jogSpeeds = perDrive("20");
 const speeds = perDrive("20");
 const distances = perDrive("1");
-const relative = signal(true);
-const number = signal("1");
+const relatives = perDrive(true);
+/** Of motion tasks. */
+const numbers = perDrive("1");
 
 const dash = "\u2013";
 
@@ -137,6 +138,7 @@ function Take({ station }: { station: Station }) {
   const ready = !real || seen.value.every(Boolean);
   const limit = limits.of(station.id);
   const highest = numberOf(limit.value);
+  const purpose = purposes.of(station.id);
   const mode = modes.of(station.id);
   const runs = consents.of(station.id);
   const travel = travels.of(station.id);
@@ -185,7 +187,7 @@ function Take({ station }: { station: Station }) {
             value={purpose.value}
             onChange={(event) => {
               purpose.value = event.currentTarget.value as "speed" | "position";
-              tab.value = "jog";
+              tabs.of(station.id).value = "jog";
             }}
           >
             <option value="speed">{t("control.purpose.speed")}</option>
@@ -324,19 +326,27 @@ function Motion({ station }: { station: Station }) {
   const jogSpeed = jogSpeeds.of(id);
   const speed = speeds.of(id);
   const turns = distances.of(id);
+  const relative = relatives.of(id);
+  const number = numbers.of(id);
+  const tab = tabs.of(id);
   const on = control.operates(axis) && !control.stopped.value;
   const slow = (control.trip.value ?? 0) > control.SLOW;
   const refused = jogRefusal(station, slow);
-  const tabs =
+  const offered =
     axis?.purpose === "position" ? (["jog", "move", "home", "task"] as const) : (["jog", "velocity"] as const);
-  const here = (tabs as readonly string[]).includes(tab.value) ? tab.value : "jog";
+  const here = (offered as readonly string[]).includes(tab.value) ? tab.value : "jog";
   const rpm = numberOf(speed.value);
   const distance = numberOf(turns.value);
   const task = numberOf(number.value);
+  const halt = (
+    <button type="button" class="motion" disabled={axis?.phase !== "moving"} onClick={() => control.halt(id)}>
+      {t("control.halt")}
+    </button>
+  );
   return (
     <>
       <div class="buttons" role="tablist" aria-label={t("control.motion")}>
-        {tabs.map((name) => (
+        {offered.map((name) => (
           <button
             key={name}
             type="button"
@@ -377,6 +387,7 @@ function Motion({ station }: { station: Station }) {
             >
               {t("control.velocity.go")}
             </button>
+            {halt}
           </p>
         </>
       )}
@@ -394,6 +405,7 @@ function Motion({ station }: { station: Station }) {
             >
               {t("control.move.go")}
             </button>
+            {halt}
           </p>
         </>
       )}
@@ -402,6 +414,7 @@ function Motion({ station }: { station: Station }) {
           <button type="button" class="motion" disabled={!on} onClick={() => control.home(id)}>
             {t("control.home.go")}
           </button>
+          {halt}
           {axis?.homed !== null && <span>{t(axis?.homed ? "control.homed" : "control.unhomed")}</span>}
         </p>
       )}
@@ -417,13 +430,9 @@ function Motion({ station }: { station: Station }) {
             >
               {t("control.task.go")}
             </button>
+            {halt}
           </p>
         </>
-      )}
-      {here !== "jog" && (
-        <button type="button" class="motion" disabled={axis?.phase !== "moving"} onClick={() => control.halt(id)}>
-          {t("control.halt")}
-        </button>
       )}
       {axis !== undefined && <Confirm id={id} />}
     </>
@@ -431,7 +440,7 @@ function Motion({ station }: { station: Station }) {
 }
 
 const WIDTH = 320;
-const HEIGHT = 64;
+const HEIGHT = 48;
 
 /** The speed of the last seconds. */
 function Plot({ unit }: { unit: string }) {
@@ -443,17 +452,13 @@ function Plot({ unit }: { unit: string }) {
     return `${x.toFixed(1)},${(HEIGHT / 2 - (value / highest) * (HEIGHT / 2 - 3)).toFixed(1)}`;
   });
   return (
-    <svg
-      class="plot"
-      viewBox={`0 0 ${WIDTH} ${HEIGHT}`}
-      width={WIDTH}
-      height={HEIGHT}
-      role="img"
-      aria-label={t("control.plot", { highest: highest.toFixed(1), unit })}
-    >
-      <path d={`M0 ${HEIGHT / 2}H${WIDTH}`} class="zero" />
-      <polyline points={points.join(" ")} />
-    </svg>
+    <figure class="plotted">
+      <svg class="plot" viewBox={`0 0 ${WIDTH} ${HEIGHT}`} width={WIDTH} height={HEIGHT} aria-hidden="true">
+        <path d={`M0 ${HEIGHT / 2}H${WIDTH}`} class="zero" />
+        <polyline points={points.join(" ")} />
+      </svg>
+      <figcaption>{t("control.plot", { highest: highest.toFixed(1), unit })}</figcaption>
+    </figure>
   );
 }
 

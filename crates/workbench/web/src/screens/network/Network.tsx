@@ -94,7 +94,7 @@ function Row({ station, simulation, changes }: { station: Station; simulation: b
               <div>{station.ip ?? dash}</div>
               <div class="muted">{known ? station.mac : dash}</div>
             </td>
-            <td>
+            <td class="product" title={product(station)}>
               <bdi>{product(station) || dash}</bdi>
             </td>
             <td>

@@ -16,7 +16,12 @@ import { isFavourite, openFavourites, toggleFavourite } from "./favourites";
 import { Review } from "./Review";
 
 /** Height of a row, in px, as in the style; rows that are out of sight are not made. */
-const ROW = matchMedia("(pointer: coarse)").matches ? 44 : 28;
+const large = matchMedia("(pointer: coarse), (max-width: 899px)");
+const height = () => (large.matches ? 48 : 28);
+const row = signal(height());
+large.addEventListener("change", () => {
+  row.value = height();
+});
 /** Rows above and below those in sight. */
 const BESIDE = 6;
 /** Time between two readings of the rows in sight, in ms. */
@@ -169,7 +174,7 @@ function Space({ rows }: { rows: number }) {
       <td
         class="space"
         ref={(cell) => {
-          if (cell !== null) cell.style.height = `${rows * ROW}px`;
+          if (cell !== null) cell.style.height = `${rows * row.value}px`;
         }}
       />
     </tr>
@@ -181,8 +186,8 @@ const COLUMNS = ["name", "number", "present", "unit", "default", "limits", "acce
 function Table({ rows }: { rows: readonly edit.Line[] }) {
   const [view, setView] = useState({ top: 0, height: 448 });
   const element = useRef<HTMLElement>(null);
-  const first = Math.max(0, Math.min(rows.length, Math.floor(view.top / ROW)) - BESIDE);
-  const last = Math.min(rows.length, Math.ceil((view.top + view.height) / ROW) + BESIDE);
+  const first = Math.max(0, Math.min(rows.length, Math.floor(view.top / row.value)) - BESIDE);
+  const last = Math.min(rows.length, Math.ceil((view.top + view.height) / row.value) + BESIDE);
   const seen = rows.slice(first, last);
   const keys = seen.filter((line) => line.of.access !== "command").map((line) => line.key);
   const wanted = keys.join(",");

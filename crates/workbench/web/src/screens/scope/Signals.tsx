@@ -19,8 +19,8 @@ function SignalCheck({ id, column, bit, name }: { id: string; column: Column; bi
   const place = scope.chosen().findIndex((one) => one.column.name === column.name && one.bit === bit);
   return (
     <Check checked={on} disabled={!on && signals.length >= scope.MOST_SIGNALS} onChange={(now) => toggle(id, now)}>
-      <bdi>{foreign(name)}</bdi> {column.unit !== "" && <span class="unit">{column.unit}</span>}{" "}
-      {on && place >= 0 && <Pen place={place} />}
+      {on && place >= 0 && <Pen place={place} />} <bdi>{foreign(name)}</bdi>{" "}
+      {column.unit !== "" && <span class="unit">{column.unit}</span>}
     </Check>
   );
 }

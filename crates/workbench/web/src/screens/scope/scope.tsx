@@ -8,6 +8,7 @@ import { foreign, label, sentence } from "../../parts/format";
 import { Nothing } from "../../parts/Nothing";
 import { owner } from "../../parts/Reason";
 import type { Header } from "../../scope/block";
+import { recordedAt } from "../../scope/csv";
 import * as scope from "../../store/scope";
 import { silent } from "../../store/store";
 import { t } from "../../text";
@@ -67,9 +68,7 @@ function Tools({ name }: { name: string }) {
   const status = scope.status.value;
   const running = status?.running ?? true;
   const none = (status?.rows ?? 0) === 0;
-  const { span, wanted, background } = scope.layout.value;
-  const source = status?.header?.source;
-  const shown = source === "test" || source === "file" ? source : wanted;
+  const { span } = scope.layout.value;
   return (
     <div class="tools" role="toolbar" aria-label={t("scope.tools")}>
       <button type="button" class="primary" aria-keyshortcuts="r" onClick={runOrStop}>
@@ -116,10 +115,13 @@ function Tools({ name }: { name: string }) {
         type="button"
         disabled={none}
         onClick={() => {
-          const title = `${name}, ${sourceText(status?.header ?? null, status?.rate ?? null)}, ${new Date().toISOString()}`;
-          void png(title).then((picture) => {
-            if (picture !== null) download(scope.fileName(name, "png"), picture);
-          });
+          const header = status?.header ?? null;
+          const recorded = recordedAt(header, scope.shown.value?.zero ?? null);
+          void png([name, sourceText(header, status?.rate ?? null), recorded].filter(Boolean).join(", ")).then(
+            (picture) => {
+              if (picture !== null) download(scope.fileName(name, "png"), picture);
+            },
+          );
         }}
       >
         {t("scope.png")}
@@ -137,6 +139,17 @@ function Tools({ name }: { name: string }) {
           }}
         />
       </label>
+    </div>
+  );
+}
+
+/** Where values come from, and whether they are kept while this screen is not shown. */
+function Source() {
+  const { wanted, background } = scope.layout.value;
+  const source = scope.status.value?.header?.source;
+  const shown = source === "test" || source === "file" ? source : wanted;
+  return (
+    <div class="inline">
       <Select
         title={t("scope.source")}
         value={shown}
@@ -201,10 +214,10 @@ export function Scope() {
   const name = header?.source === "file" ? (status?.drive ?? "") : label(station);
   return (
     <article class="scope">
-      <h1>
-        {t("scope.title")} <bdi>{foreign(name)}</bdi>
-      </h1>
-      <p class="source">
+      <div class="source">
+        <h1>
+          {t("scope.title")} <bdi>{foreign(name)}</bdi>
+        </h1>
         <span class="number">{sourceText(header, status?.rate ?? null)}</span>
         {header?.source === "acyclic" && <bdi class="muted">{owner(station)}</bdi>}
         <span class="muted">{state()}</span>
@@ -212,7 +225,8 @@ export function Scope() {
         {status !== null && status.dropped > 0 && (
           <span class="warn">{t("scope.dropped", { count: status.dropped })}</span>
         )}
-      </p>
+        <Source />
+      </div>
       <Tools name={name} />
       {said !== null && (
         <p role="status" class={said.failed ? "fault" : "muted"}>

@@ -289,15 +289,24 @@ function Row({ shaft, station, chosen, withEnds }: Shown) {
   return (
     <tr data-id={shaft.id} class={live ? "" : "stale"}>
       <th scope="row">
-        <bdi>{foreign(shaft.name)}</bdi>
+        <button
+          type="button"
+          aria-pressed={chosen}
+          aria-label={t("virtual.choose", { name: foreign(shaft.name) })}
+          onClick={() => {
+            selection.value = shaft.id;
+          }}
+        >
+          <bdi>{foreign(shaft.name)}</bdi>
+        </button>
       </th>
       <td>
         <Shaft id={shaft.id} />
       </td>
-      <td class="number">{live ? shaft.position.toFixed(3) : dash}</td>
-      <td class="number">{live ? shaft.speed.toFixed(1) : dash}</td>
-      <td class="number">{live ? shaft.load.toFixed(2) : dash}</td>
-      <td class="number">{live ? temperature(station) : dash}</td>
+      <td class="number right">{live ? shaft.position.toFixed(3) : dash}</td>
+      <td class="number right">{live ? shaft.speed.toFixed(1) : dash}</td>
+      <td class="number right">{live ? shaft.load.toFixed(2) : dash}</td>
+      <td class="number right">{live ? temperature(station) : dash}</td>
       {withEnds && <td class="number">{live ? ends(shaft) : dash}</td>}
       <td>
         <bdi>{station ? product(station) : dash}</bdi>
@@ -309,17 +318,6 @@ function Row({ shaft, station, chosen, withEnds }: Shown) {
       <td>{present.length > 0 ? present.map(({ number }) => `F${number}`).join(", ") : dash}</td>
       <td class={shaft.lasting.length > 0 ? "warn" : ""}>
         {shaft.lasting.length > 0 ? shaft.lasting.map(({ event }) => event).join(", ") : dash}
-      </td>
-      <td>
-        <button
-          type="button"
-          aria-pressed={chosen}
-          onClick={() => {
-            selection.value = shaft.id;
-          }}
-        >
-          {t("virtual.choose", { name: foreign(shaft.name) })}
-        </button>
       </td>
     </tr>
   );
@@ -501,23 +499,30 @@ export function Virtual() {
             <tr>
               <th scope="col">{t("network.name")}</th>
               <th scope="col">{t("network.shaft")}</th>
-              <th scope="col">{t("virtual.position")}</th>
-              <th scope="col">{t("virtual.speed")}</th>
-              <th scope="col">{t("virtual.torque")}</th>
-              <th scope="col">{t("virtual.temperature")}</th>
+              <th scope="col" class="right">
+                {t("virtual.position")}
+              </th>
+              <th scope="col" class="right">
+                {t("virtual.speed")}
+              </th>
+              <th scope="col" class="right">
+                {t("virtual.torque")}
+              </th>
+              <th scope="col" class="right">
+                {t("virtual.temperature")}
+              </th>
               {withEnds && <th scope="col">{t("virtual.ends")}</th>}
               <th scope="col">{t("network.product")}</th>
               <th scope="col">{t("network.state")}</th>
               <th scope="col">{t("network.owner")}</th>
               <th scope="col">{t("faults.title")}</th>
               <th scope="col">{t("virtual.lasting")}</th>
-              <th scope="col">{t("virtual.choose.title")}</th>
             </tr>
           </thead>
           <tbody>
             {all.length === 0 && (
               <tr>
-                <td class="empty" colSpan={13}>
+                <td class="empty" colSpan={12}>
                   <Loading what={t("loading.plant")} count={6} />
                 </td>
               </tr>
