@@ -6,11 +6,14 @@ use profinet::Instant;
 
 use super::{Rank, os};
 
-/// How long a thread is watched before its rank is decided anew.
-const WINDOW: Duration = Duration::from_millis(100);
+/// How long a thread is watched before it gives its rank up, and before it takes it again. The connections of hundreds of drives
+/// begin with some tenths of a second of work: a thread that shared the processor then waits for others longer than a drive
+/// waits for its controller.
+const BEFORE_UP: Duration = Duration::from_millis(500);
+const BEFORE_AGAIN: Duration = Duration::from_millis(100);
 /// The share of a processor above which a thread gives its rank up, and that below which it takes it again: one in so many.
-const ABOVE: u32 = 4;
-const BELOW: u32 = 8;
+const ABOVE: u32 = 2;
+const BELOW: u32 = 4;
 
 /// The rank of the calling thread, where the system permits one (root, `CAP_SYS_NICE`, or a limit for real-time priorities).
 ///
@@ -50,7 +53,7 @@ impl First {
             return;
         };
         let passed = now.saturating_since(watch.since);
-        if passed < WINDOW {
+        if passed < if watch.first { BEFORE_UP } else { BEFORE_AGAIN } {
             return;
         }
         let Some(ran) = os::thread_ran() else {
@@ -80,11 +83,11 @@ mod tests {
 
     #[test]
     fn a_thread_that_needs_much_shares_until_it_needs_little() {
-        let of = |is, percent| stays_first(is, WINDOW * percent / 100, WINDOW);
-        assert!(of(true, 25));
-        assert!(!of(true, 26));
-        assert!(!of(false, 13));
-        assert!(of(false, 12));
+        let of = |is, percent| stays_first(is, BEFORE_AGAIN * percent / 100, BEFORE_AGAIN);
+        assert!(of(true, 50));
+        assert!(!of(true, 51));
+        assert!(!of(false, 26));
+        assert!(of(false, 25));
     }
 
     #[cfg(target_os = "linux")]
