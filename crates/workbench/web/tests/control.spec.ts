@@ -181,6 +181,14 @@ test("a drive that may run on needs consent, and one with a fault says why it is
     await turning(page, server.origin, id);
     await page.mouse.up();
     await rest(page, server.origin, id, performance.now());
+    // what was plotted of one axis is not shown as another's
+    const curve = page.locator(".plot polyline");
+    await expect(curve).not.toHaveAttribute("points", "");
+    await drives.selectOption({ label: "fan-1" });
+    await expect(page.getByRole("heading", { level: 1, name: "Control fan-1" })).toBeVisible();
+    await expect(curve).toHaveAttribute("points", "");
+    await expect(page.getByText("Round trip \u2013 ms")).toBeVisible();
+    await drives.selectOption(id);
     await page.getByRole("button", { name: "Release" }).click();
     await expect(page.getByText("Not under control")).toBeVisible();
     // consent ends with the control it was given for, a limit does not

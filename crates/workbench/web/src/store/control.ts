@@ -78,7 +78,7 @@ export const held = signal<{ drive: string; n: number } | null>(null);
 /** The drives whose direction was confirmed. */
 export const confirmed = signal<ReadonlySet<string>>(new Set());
 /** Speed of the axis of this page over the last seconds. */
-export const track = signal<readonly { time: number; speed: number }[]>([]);
+export const track = signal<readonly { drive: string; time: number; speed: number }[]>([]);
 /** What became of the last STOP of this page. */
 export const stopState = signal<"" | "sent" | "confirmed" | "unconfirmed" | "answered">("");
 /** The answer to a STOP that was sent by a request, in words. */
@@ -334,7 +334,7 @@ function receive(message: Incoming): void {
     case "lease":
       pending.delete(message.n);
       leases.value = new Map(leases.value).set(message.drive, message.lease);
-      track.value = [];
+      track.value = track.value.filter((one) => one.drive !== message.drive);
       begin();
       return;
     case "axes":
@@ -370,11 +370,11 @@ function show(all: Axis[]): void {
       confirmed.value = new Set([...confirmed.value].filter((drive) => leases.value.has(drive)));
       if (wanted.value !== null && !leases.value.has(wanted.value.drive)) wanted.value = null;
     }
-    const mine = all.find((axis) => leases.value.get(axis.drive) === axis.lease);
-    if (mine !== undefined && mine.speed !== null) {
-      const time = performance.now();
-      track.value = [...track.value.filter((one) => one.time > time - TRACK), { time, speed: mine.speed }];
-    }
+    const time = performance.now();
+    const now = all.flatMap(({ drive, lease, speed }) =>
+      leases.value.get(drive) === lease && speed !== null ? [{ drive, time, speed }] : [],
+    );
+    if (now.length > 0) track.value = [...track.value.filter((one) => one.time > time - TRACK), ...now];
   });
 }
 

@@ -442,9 +442,9 @@ function Motion({ station }: { station: Station }) {
 const WIDTH = 320;
 const HEIGHT = 48;
 
-/** The speed of the last seconds. */
-function Plot({ unit }: { unit: string }) {
-  const all = control.track.value;
+/** The speed of the last seconds, of an axis of this page. */
+function Plot({ id, unit }: { id: string; unit: string }) {
+  const all = control.own(id) === undefined ? [] : control.track.value.filter(({ drive }) => drive === id);
   const highest = Math.max(1, ...all.map((one) => Math.abs(one.speed)));
   const end = all.at(-1)?.time ?? 0;
   const points = all.map(({ time, speed: value }) => {
@@ -500,6 +500,7 @@ function Beat({ held }: { held: boolean }) {
 function Values({ station }: { station: Station }) {
   const { id, status } = station;
   const axis = control.heldAxis(id);
+  const held = control.own(id) !== undefined;
   const read = silent.value === null && (aged(station.age) ?? OLD) < OLD ? status : null;
   const speed = axis ? axis.speed : (read?.speed_actual?.value ?? null);
   const set = axis ? axis.speed_set : (read?.speed_set?.value ?? null);
@@ -529,10 +530,10 @@ function Values({ station }: { station: Station }) {
         </div>
       </dl>
       {server.value?.simulation && <Shaft id={id} />}
-      <Plot unit={unit} />
+      <Plot id={id} unit={unit} />
       <p class="muted small number">
-        <Beat held={control.own(id) !== undefined} />{" "}
-        {t("control.trip", { ms: control.trip.value === null ? dash : Math.round(control.trip.value) })}
+        <Beat held={held} />{" "}
+        {t("control.trip", { ms: !held || control.trip.value === null ? dash : Math.round(control.trip.value) })}
       </p>
     </section>
   );

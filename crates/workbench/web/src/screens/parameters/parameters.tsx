@@ -53,7 +53,9 @@ function found(all: readonly edit.Line[]): edit.Line[] {
 
 function limits({ of }: edit.Line): string {
   if (of.minimum === null && of.maximum === null) return "";
-  return `${of.minimum ?? ".."} \u2026 ${of.maximum ?? ".."}`;
+  if (of.maximum === null) return `\u2265 ${of.minimum}`;
+  if (of.minimum === null) return `\u2264 ${of.maximum}`;
+  return `${of.minimum} \u2026 ${of.maximum}`;
 }
 
 function Editor({ line, may }: { line: edit.Line; may: boolean }) {
@@ -152,7 +154,9 @@ function Row({ line }: { line: edit.Line }) {
           </bdi>
         )}
       </td>
-      <td class="unit">{line.of.unit || read?.value.unit}</td>
+      <td class="unit" title={line.of.unit}>
+        {line.of.unit || read?.value.unit}
+      </td>
       <td class="number spare">{line.of.default ?? ""}</td>
       <td class="number spare">{limits(line)}</td>
       <td class="muted small">
