@@ -1,3 +1,4 @@
+import { writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { type Browser, chromium, type Page } from "@playwright/test";
 import { end, expect, idOf, idOfStation, pictures, rows, serve, test, watch } from "./bench";
@@ -388,6 +389,44 @@ for (const signal of ["SIGKILL", "SIGSTOP"] as const) {
     }
   });
 }
+
+test("a server that ends serves until its axes rest, and ends their ramps by a quick stop at a second signal", async ({
+  page,
+}) => {
+  const file = join(pictures, "slow.toml");
+  writeFileSync(
+    file,
+    '[[drive]]\nname = "slow"\nip = "192.168.77.30/24"\nparameters = { "DRV.DEC" = "2rpm/s" }\n',
+  );
+  const server = await serve("--plant", file, "--listen", "127.0.0.1:0");
+  const ended = new Promise<number | null>((resolve) => server.process.once("exit", resolve));
+  try {
+    await page.goto(server.url);
+    await expect(page.getByRole("row", { name: "slow" })).toContainText("no controller is connected");
+    const id = await idOf(page, "slow");
+    await page.goto(`${server.origin}/drives/${encodeURIComponent(id)}/control`);
+    await enable(page);
+    await page.getByRole("tab", { name: "Velocity" }).click();
+    await page.getByRole("button", { name: "Turn at this speed" }).click();
+    await expect.poll(() => speed(page, server.origin, id)).toBeGreaterThan(19);
+    server.process.kill("SIGINT");
+    // along its ramp, of ten seconds, and pages are served meanwhile
+    await expect.poll(() => speed(page, server.origin, id)).toBeLessThan(18);
+    expect(server.process.exitCode).toBeNull();
+    // signals within a second are one
+    await page.waitForTimeout(1_100);
+    const before = await speed(page, server.origin, id);
+    expect(before).toBeGreaterThan(8);
+    const since = performance.now();
+    server.process.kill("SIGINT");
+    expect(await ended).toBe(0);
+    const took = performance.now() - since;
+    console.log(`second signal at ${before.toFixed(1)} rpm: ended after ${took.toFixed(0)} ms`);
+    expect(took).toBeLessThan((before / 2) * 1_000);
+  } finally {
+    await end(server);
+  }
+});
 
 test("STOP lets an axis coast where that is chosen, a travel ends a motion, and beats are shown", async ({ page }) => {
   await alone(async (server) => {
