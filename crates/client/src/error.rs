@@ -410,6 +410,14 @@ pub enum Error {
         /// How long.
         limit: Duration,
     },
+    /// Something halted the axis while it homed; it stays enabled.
+    #[error("{drive}: homing was ended {}: the home position is not set", if *.by_travel { "at the end of the travel of this session" } else { "by a halt" })]
+    HomingEnded {
+        /// The drive.
+        drive: String,
+        /// Whether the end of its travel halted it, not its caller.
+        by_travel: bool,
+    },
     /// The axis did not come up to its speed; it is being stopped.
     #[error("{drive}: {} {unit} not reached within {:.1} s, the highest speed was {}", figures(*.wanted), .limit.as_secs_f64(), speed_text(*.highest, .unit))]
     SpeedNotReached {

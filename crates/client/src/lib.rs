@@ -62,8 +62,8 @@ pub use modules::{VendorModule, modules_of};
 pub use network::Network;
 pub use route::{ClosedRoute, Route, RouteNotice};
 pub use session::{
-    Axis, AxisPlan, AxisSettings, AxisStatus, BeatHandle, Described, Enabled, FaultEntry, FaultReport, Info,
-    JogSpeed, Keep, LoggedFault, ModeChange, Peer, PutBack, Released, ReportedLimits, Rest, Samples, Session,
-    Snapshot, StopHandle, StopMeans, StopOutcome, StopWay, TemporaryChange, WarningEntry, WarningWatcher,
-    Watcher, WriteMode, synchronous_speed,
+    Axis, AxisPlan, AxisSettings, AxisStatus, BeatHandle, Described, Enabled, FaultEntry, FaultReport,
+    HomingSpeed, Info, JogSpeed, Keep, LoggedFault, ModeChange, Peer, PutBack, Released, ReportedLimits,
+    Rest, Samples, Session, Snapshot, StopHandle, StopMeans, StopOutcome, StopWay, TemporaryChange,
+    WarningEntry, WarningWatcher, Watcher, WriteMode, synchronous_speed,
 };

@@ -522,3 +522,57 @@ fn a_plant_is_started_again_under_its_network() {
         .unwrap_err();
     assert_eq!(refused.kind(), ErrorKind::Usage);
 }
+
+/// What turns at a speed that only the drive has is within the limit of the caller as well.
+#[test]
+fn speeds_that_are_stored_in_the_drive_are_within_the_limit_of_the_caller() {
+    let (mut network, mut drive) = plant();
+    let wanted = Hold {
+        limit: 10.0,
+        ..for_position()
+    };
+    let mut axis = held(&mut network, &mut drive, &wanted);
+    // where it stands: nothing turns
+    home(&mut axis);
+    let task = axis.start_task(1).wait().unwrap_err();
+    assert!(
+        matches!(task, MotionError::StoredSpeed { speed: None, .. }),
+        "{task}"
+    );
+    axis.release().wait().unwrap();
+    write(&mut network, &mut drive, "HOME.MODE=4");
+    write(&mut network, &mut drive, "HOME.V=600rpm");
+    let mut axis = held(&mut network, &mut drive, &wanted);
+    let fast = axis.home(10_000 * MS).wait().unwrap_err();
+    assert!(
+        matches!(fast, MotionError::StoredSpeed { speed: Some(_), .. }),
+        "{fast}"
+    );
+    assert_eq!(
+        (fast.kind(), fast.rule()),
+        (ErrorKind::Safety, Some(Rule::SpeedLimit))
+    );
+    assert!(fast.to_string().contains("600 rpm") && fast.to_string().contains("10 rpm"));
+    assert!(truth(&network).0.abs() < 0.1);
+}
+
+#[test]
+fn homing_that_the_end_of_the_travel_halts_is_not_done() {
+    let (mut network, mut drive) = plant();
+    write(&mut network, &mut drive, "HOME.MODE=4");
+    write(&mut network, &mut drive, "HOME.V=60rpm");
+    let wanted = Hold {
+        travel: Some(1.0),
+        ..for_position()
+    };
+    let mut axis = held(&mut network, &mut drive, &wanted);
+    let ended = axis.home(10_000 * MS).wait().unwrap_err();
+    assert!(
+        matches!(
+            ended,
+            MotionError::Client(Error::HomingEnded { by_travel: true, .. })
+        ),
+        "{ended}"
+    );
+    assert!(truth(&network).1, "it stays enabled");
+}

@@ -273,6 +273,7 @@ impl Error {
             Self::SpeedRange { .. } => "use a lower speed",
             Self::SpeedNotReached { .. } => "the ramp, a limit of the drive or the load holds it",
             Self::NotEnabled { .. } => "enable it again",
+            Self::HomingEnded { .. } => "{home} homes it again",
             Self::NotInTime { .. } => "{choose time} gives it more time; {status} shows what holds it",
             Self::SpeedLimit { .. } => "raise the limit with {choose speed-limit} if the machine allows it",
             _ => return None,

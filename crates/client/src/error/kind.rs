@@ -141,6 +141,7 @@ impl Error {
             | Self::ScaleChanged { .. } => ErrorKind::Safety,
             Self::NotEnabled { .. }
             | Self::NotInTime { .. }
+            | Self::HomingEnded { .. }
             | Self::SpeedNotReached { .. }
             | Self::NotMoved { .. }
             | Self::SpeedLost { .. }

@@ -3,13 +3,12 @@
 use std::ops::{Deref, DerefMut};
 use std::time::Duration;
 
-use profile::catalogue::Part;
 use profile::state::Mode;
 use profinet::Instant;
 
 use super::axis::{AxisStatus, speed_setpoint};
 use super::scaling::SCALE_AGE;
-use super::{Axis, GLANCE};
+use super::{Axis, GLANCE, HomingSpeed};
 use crate::axis::{Evidence, Goal, Jog, Move, MovePlan, Progress, SpeedUnit, Traverse};
 use crate::{Connection, Error};
 
@@ -23,8 +22,6 @@ const SPEED_NEAR: f64 = 0.03;
 const AWAY: Duration = Duration::from_secs(1);
 /// Part of a revolution that an axis has moved for certain.
 const MOVED: f64 = 0.001;
-/// HOME.MODE: set the position where the axis stands, take that of the feedback.
-const ON_THE_SPOT: [i64; 2] = [0, 13];
 
 /// An enabled axis (S4). Dropping it, for whatever reason, ends in a ramp stop.
 ///
@@ -79,7 +76,7 @@ impl<'a> Enabled<'a> {
         let setpoint = speed_setpoint(&self.axis.drive, &self.axis.scale, rpm)?;
         self.axis.ending.note_speed(rpm.abs());
         self.axis.evidence = None;
-        self.reach(Goal::Run { setpoint }, None, "").await
+        self.reach(Goal::Run { setpoint }, None, "").await.map(|_| ())
     }
 
     /// Follows this speed from now on, in rpm, and returns once the axis has it: by NIST_A, or by ZSW1 bit 10 where the
@@ -207,7 +204,7 @@ impl<'a> Enabled<'a> {
     /// # Errors
     /// When the axis does not come to a standstill first, or is not enabled any more.
     pub async fn jog(&mut self, jog: Jog) -> Result<(), Error> {
-        self.reach(Goal::Jog(jog), None, "").await
+        self.reach(Goal::Jog(jog), None, "").await.map(|_| ())
     }
 
     /// Jogs at a speed given from here, in rpm, with the ramps of the drive (real-time jogging, STW1 bits 12 and 13). Called
@@ -233,7 +230,7 @@ impl<'a> Enabled<'a> {
             values: plan.traverse,
             backwards: rpm < 0.0,
         };
-        self.reach(goal, None, "").await
+        self.reach(goal, None, "").await.map(|_| ())
     }
 
     /// Keeps a jog at this speed, in rpm, for `time`.
@@ -329,10 +326,21 @@ impl<'a> Enabled<'a> {
     /// Homes the axis as the drive is set up (HOME.MODE) and waits for the end.
     ///
     /// # Errors
-    /// When homing does not begin, fails or takes longer than `limit`, and as [`start`](Self::start).
+    /// When homing does not begin, fails, is halted before its end or takes longer than `limit`, and as [`start`](Self::start).
     pub async fn home(&mut self, limit: Option<Duration>) -> Result<(), Error> {
-        let on_the_spot = self.homes_on_the_spot().await?;
-        self.reach(Goal::Home { on_the_spot }, limit, "homing").await
+        let mut drive = self.axis.drive.clone();
+        let speed = self.axis.session.homing_speed(&mut drive).await?;
+        let on_the_spot = speed == HomingSpeed::None;
+        let end = self.reach(Goal::Home { on_the_spot }, limit, "homing").await?;
+        // a halt has a goal of its own, which is reached too
+        let homed = end.view.seen.is_some_and(crate::axis::Seen::homed);
+        match end.view.goal {
+            Goal::Home { .. } if homed => Ok(()),
+            _ => Err(Error::HomingEnded {
+                drive: self.axis.drive.label(),
+                by_travel: end.view.travel_ended,
+            }),
+        }
     }
 
     /// Intermediate stop: the task stays, [`resume`](Self::resume) goes on with it. Returns at standstill.
@@ -340,7 +348,7 @@ impl<'a> Enabled<'a> {
     /// # Errors
     /// When the axis does not come to a standstill, or is not enabled any more.
     pub async fn pause(&mut self) -> Result<(), Error> {
-        self.reach(Goal::Pause, None, "").await
+        self.reach(Goal::Pause, None, "").await.map(|_| ())
     }
 
     /// Goes on with the task that a pause holds.
@@ -395,12 +403,16 @@ impl<'a> Enabled<'a> {
             .map(|_| ())
     }
 
-    async fn reach(&mut self, goal: Goal, limit: Option<Duration>, what: &'static str) -> Result<(), Error> {
+    async fn reach(
+        &mut self,
+        goal: Goal,
+        limit: Option<Duration>,
+        what: &'static str,
+    ) -> Result<AxisStatus, Error> {
         self.pursue_enabled(goal).await?;
         self.axis
             .arrive(limit, what, |status| status.view.progress == Progress::Reached)
             .await
-            .map(|_| ())
     }
 
     /// Nothing is pursued any more once the axis has been commanded to stop, or stopped by itself.
@@ -420,13 +432,6 @@ impl<'a> Enabled<'a> {
         }
         self.axis.pursue(goal);
         Ok(())
-    }
-
-    async fn homes_on_the_spot(&mut self) -> Result<bool, Error> {
-        let mut drive = self.axis.drive.clone();
-        let readings = self.axis.session.ask(&mut drive, &[Part::HomeMode]).await?;
-        let mode = readings.raw(Part::HomeMode);
-        Ok(mode.is_some_and(|mode| ON_THE_SPOT.contains(&mode)))
     }
 }
 

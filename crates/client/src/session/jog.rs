@@ -1,4 +1,4 @@
-//! Which parameter of a model is the speed of a jog setpoint.
+//! Speeds that only the drive has: of its jog setpoints and of homing.
 
 use profile::catalogue::Part;
 use profile::notation::{Number, Position, Quantity};
@@ -47,6 +47,20 @@ impl JogSpeed {
     }
 }
 
+/// The speed with which a drive homes, which only the drive has.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum HomingSpeed {
+    /// It sets the position where the axis stands, or takes that of the feedback: nothing turns.
+    None,
+    /// In rpm.
+    Rpm(f64),
+    /// The drive does not report it.
+    Unknown,
+}
+
+/// HOME.MODE: set the position where the axis stands, take that of the feedback.
+const ON_THE_SPOT: [i64; 2] = [0, 13];
+
 impl Session {
     /// Returns the setting that is the speed of a jog setpoint of this drive, by its model and by whose control words
     /// it has now.
@@ -80,6 +94,22 @@ impl Session {
             number: parameter.base.unwrap_or(parameter.pnu),
             pole_pairs,
         })
+    }
+
+    /// Returns the speed with which this drive homes as it is set up.
+    ///
+    /// # Errors
+    /// When the drive cannot be reached.
+    pub async fn homing_speed(&mut self, drive: &mut Drive) -> Result<HomingSpeed, Error> {
+        let readings = self.ask(drive, &[Part::HomeMode, Part::HomeSpeed]).await?;
+        if readings
+            .raw(Part::HomeMode)
+            .is_some_and(|mode| ON_THE_SPOT.contains(&mode))
+        {
+            return Ok(HomingSpeed::None);
+        }
+        let speed = readings.rpm(Part::HomeSpeed);
+        Ok(speed.map_or(HomingSpeed::Unknown, HomingSpeed::Rpm))
     }
 
     /// Checks the speed of real-time jogging and returns it as it will travel. Reads only.

@@ -65,7 +65,7 @@ pub use enabled::Enabled;
 pub use faults::{FaultEntry, FaultReport, LoggedFault, WarningEntry};
 pub use frequency::synchronous_speed;
 pub use info::{Info, Peer};
-pub use jog::JogSpeed;
+pub use jog::{HomingSpeed, JogSpeed};
 pub use mode::ModeChange;
 pub use monitor::Snapshot;
 pub use stop::{StopMeans, StopOutcome, StopWay};

@@ -119,6 +119,18 @@ pub enum MotionError {
         /// The limit.
         bound: SpeedBound,
     },
+    /// The speed of the motion is stored in the drive, and above the limit of the caller or not known.
+    #[error("{drive}: {}", stored(.what, *.speed, *.limit))]
+    StoredSpeed {
+        /// The drive.
+        drive: String,
+        /// The motion.
+        what: &'static str,
+        /// The speed that is stored, rpm; `None` where it cannot be read.
+        speed: Option<f64>,
+        /// The limit of the caller, rpm.
+        limit: f64,
+    },
     /// The motion would leave the travel of the session.
     #[error(
         "{drive}: {what} would leave the travel of this session, {} rev both ways from where it began; the axis is at {} rev",
@@ -234,6 +246,7 @@ impl MotionError {
             Self::AboveLimit { .. }
             | Self::AboveBound { .. }
             | Self::NotBounded { .. }
+            | Self::StoredSpeed { .. }
             | Self::BeyondTravel { .. }
             | Self::TravelNotWatched { .. }
             | Self::MovedFromOutside { .. } => ErrorKind::Safety,
@@ -251,9 +264,10 @@ impl MotionError {
     #[must_use]
     pub fn rule(&self) -> Option<Rule> {
         match self {
-            Self::AboveLimit { .. } | Self::AboveBound { .. } | Self::NotBounded { .. } => {
-                Some(Rule::SpeedLimit)
-            }
+            Self::AboveLimit { .. }
+            | Self::AboveBound { .. }
+            | Self::NotBounded { .. }
+            | Self::StoredSpeed { .. } => Some(Rule::SpeedLimit),
             Self::BeyondTravel { .. } | Self::TravelNotWatched { .. } => Some(Rule::Move),
             Self::MovedFromOutside { .. } => Some(Rule::Standstill),
             other => other.client().and_then(Error::rule),
@@ -316,6 +330,12 @@ impl MotionError {
                 "set a limit of the drive itself; a motion that has a speed of its own takes one in rpm"
                     .into(),
             ),
+            Self::StoredSpeed { speed: Some(_), .. } => {
+                Some("store a lower speed in the drive, or take control with a higher limit".into())
+            }
+            Self::StoredSpeed { speed: None, .. } => Some(
+                "set a limit of the drive itself that is as low, or take control with the limit that the drive has".into(),
+            ),
             Self::NoPpo { .. } => Some("use the number of a telegram".into()),
             Self::NeedsRestart { .. } => Some("remove the cause, then switch the drive off and on".into()),
             Self::NoClearParameter { .. } => {
@@ -377,6 +397,7 @@ pub(super) async fn explained(
         error,
         Error::Axis { .. }
             | Error::NotInTime { .. }
+            | Error::HomingEnded { .. }
             | Error::Held { .. }
             | Error::SpeedNotReached { .. }
             | Error::NotMoved { .. }
@@ -439,6 +460,19 @@ fn joined(findings: &[String]) -> String {
 }
 
 /// Where the limit of a direction is 0 the drive turns in the other one only.
+fn stored(what: &str, speed: Option<f64>, limit: f64) -> String {
+    let limit = short(limit);
+    match speed {
+        Some(speed) => format!(
+            "{what} is at {} rpm, the speed that is stored in the drive, which is above the limit of {limit} rpm",
+            short(speed)
+        ),
+        None => format!(
+            "{what} is at a speed that is stored in the drive and cannot be read now: it may be above the limit of {limit} rpm"
+        ),
+    }
+}
+
 fn beyond(speed: f64, limit: f64, by: Option<&str>) -> String {
     let by = by.map_or_else(String::new, |by| format!(" ({by})"));
     let asked = short(speed);

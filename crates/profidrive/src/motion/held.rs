@@ -9,8 +9,8 @@ use std::time::Duration;
 
 use client::axis::{Jog as Setpoint, Move as Order, MovePlan, Purpose, SpeedUnit};
 use client::{
-    Axis, AxisSettings, AxisStatus, BeatHandle, Drive, Enabled, Error, ModeChange, Samples, Session,
-    StopHandle,
+    Axis, AxisSettings, AxisStatus, BeatHandle, Drive, Enabled, Error, HomingSpeed, ModeChange, Samples,
+    Session, StopHandle,
 };
 use profile::state::Mode;
 use profinet::cyclic::CyclicStatistics;
@@ -361,7 +361,8 @@ impl HeldAxis {
     /// Starts a motion task of the drive; [`arrive`](Self::arrive) waits for its end.
     ///
     /// # Errors
-    /// A task that the drive does not have or that cannot run, and when the axis is not enabled.
+    /// A task that the drive does not have or that cannot run, a limit of the caller or of the machine below that of the drive, for the
+    /// speed is in the task; and when the axis is not enabled.
     pub async fn start_task(&mut self, number: u16) -> Result<(), MotionError> {
         self.permit_task(number).await?;
         Ok(self
@@ -373,7 +374,7 @@ impl HeldAxis {
         let (session, drive) = self.taken.axis.session();
         let checked = session.check_task(drive, number).await;
         self.unless_lost(checked)?;
-        self.bounded("a motion task").await
+        self.bounded("a motion task", None).await
     }
 
     /// Waits until the move or task under way is at its target; returns how the axis was then. The axis goes on where the time is
@@ -389,18 +390,36 @@ impl HeldAxis {
     /// Homes the axis as the drive is set up, and waits for the end.
     ///
     /// # Errors
-    /// When homing fails or takes longer than `limit`, and when the axis is not enabled.
+    /// When the drive homes faster than the limit of the caller or of the machine, or does not report how fast; when homing fails,
+    /// is halted or takes longer than `limit`, and when the axis is not enabled.
     pub async fn home(&mut self, limit: Duration) -> Result<(), MotionError> {
-        self.bounded("homing").await?;
+        self.permit_home().await?;
         Ok(self
             .in_operation(async |enabled| enabled.home(Some(limit)).await)
             .await?)
     }
 
-    /// Refuses a motion whose speed only the drive has, where the machine bounds it.
-    async fn bounded(&mut self, what: &'static str) -> Result<(), MotionError> {
+    async fn permit_home(&mut self) -> Result<(), MotionError> {
         let (session, drive) = self.taken.axis.session();
-        let bounded = limit::of_drive(session, drive, &self.control, what).await;
+        let speed = session.homing_speed(drive).await;
+        let speed = match self.unless_lost(speed)? {
+            HomingSpeed::None => Some(0.0),
+            HomingSpeed::Rpm(speed) => Some(speed),
+            HomingSpeed::Unknown => None,
+        };
+        self.bounded("homing", speed).await
+    }
+
+    /// Refuses a motion whose speed only the drive has, where it is above the limit of the caller, or may be, and where the machine
+    /// bounds it.
+    async fn bounded(&mut self, what: &'static str, speed: Option<f64>) -> Result<(), MotionError> {
+        let (limit, control) = (self.limit, self.control);
+        let check = async |session: &mut Session, drive: &mut Drive| {
+            limit::stored(session, drive, limit, what, speed).await?;
+            limit::of_drive(session, drive, &control, what).await
+        };
+        let (session, drive) = self.taken.axis.session();
+        let bounded = check(session, drive).await;
         self.unless_lost(bounded)
     }
 
@@ -542,7 +561,7 @@ impl HeldAxis {
     /// # Errors
     /// As [`home`](Self::home) and [`enable`](Self::enable).
     pub async fn find_home(&mut self, timeout: Duration) -> Result<Report, MotionError> {
-        self.bounded("homing").await?;
+        self.permit_home().await?;
         let result = self
             .whole(async |enabled: &mut Enabled<'_>| enabled.home(Some(timeout)).await)
             .await;

@@ -68,19 +68,48 @@ pub(super) async fn of_drive(
     let Some(bound) = control.bound else {
         return Ok(());
     };
-    let facts = session.motion_facts(drive).await?;
-    let low = |direction| {
-        facts
-            .speed_limit(direction)
-            .is_some_and(|(limit, _)| limit <= bound.rpm * ROUNDING)
-    };
-    if low(1.0) && low(-1.0) {
+    if turns_within(session, drive, bound.rpm).await? {
         return Ok(());
     }
     Err(MotionError::NotBounded {
         drive: drive.label(),
         what,
         bound,
+    })
+}
+
+/// Returns whether the drive itself turns no faster than this.
+async fn turns_within(session: &mut Session, drive: &mut Drive, rpm: f64) -> Result<bool, Error> {
+    let facts = session.motion_facts(drive).await?;
+    let low = |direction| {
+        facts
+            .speed_limit(direction)
+            .is_some_and(|(limit, _)| limit <= rpm * ROUNDING)
+    };
+    Ok(low(1.0) && low(-1.0))
+}
+
+/// Refuses a motion at a speed that is stored in the drive, where it is above the limit of the caller. A speed that is not known may
+/// be above it, unless the drive itself turns no faster.
+pub(super) async fn stored(
+    session: &mut Session,
+    drive: &mut Drive,
+    limit: f64,
+    what: &'static str,
+    speed: Option<f64>,
+) -> Result<(), MotionError> {
+    let is_within = match speed {
+        Some(speed) => speed.abs() <= limit,
+        None => limit == f64::INFINITY,
+    };
+    if is_within || turns_within(session, drive, limit).await? {
+        return Ok(());
+    }
+    Err(MotionError::StoredSpeed {
+        drive: drive.label(),
+        what,
+        speed,
+        limit,
     })
 }
 

@@ -47,6 +47,10 @@ pub(crate) enum Denied {
         "{speed} rpm is above {limit} rpm: the first motion is limited to a tenth until its direction is confirmed"
     )]
     Unconfirmed { speed: f64, limit: f64 },
+    #[error(
+        "the speed of this motion is stored in the drive: it waits until the direction of a first motion, at {limit} rpm at most, is confirmed"
+    )]
+    UnconfirmedStored { limit: f64 },
     #[error("{speed} rpm is above the limit of this page, {limit} rpm")]
     Limit { speed: f64, limit: f64 },
 }
@@ -135,13 +139,17 @@ impl Ledger {
         }
     }
 
-    /// Permits a motion at this speed in rpm; without one the drive has the speed.
+    /// Permits a motion at this speed in rpm; without one the drive has the speed, which may be above a first one.
     pub fn permit_motion(&mut self, drive: &str, stamp: Stamp, speed: Option<f64>) -> Result<(), Denied> {
         self.permit_enable(drive, stamp)?;
         let held = self.held.get(drive).ok_or(Denied::NotHeld)?;
         let (limit, confirmed) = (held.limit, held.confirmed);
         let Some(speed) = speed.map(f64::abs) else {
-            return Ok(());
+            // whether it is within the whole limit is known once the drive was read
+            return match confirmed {
+                true => Ok(()),
+                false => Err(Denied::UnconfirmedStored { limit: limit * FIRST }),
+            };
         };
         // not a number is above each limit
         let within = |limit: f64| speed <= limit;
@@ -275,6 +283,10 @@ mod tests {
             Err(Denied::Unconfirmed { .. })
         ));
         at(&mut ledger, Some(-10.0)).unwrap();
+        assert!(matches!(
+            at(&mut ledger, None),
+            Err(Denied::UnconfirmedStored { .. })
+        ));
         assert!(matches!(
             at(&mut ledger, Some(f64::NAN)),
             Err(Denied::Limit { .. })

@@ -364,6 +364,10 @@ impl Running {
     pub fn order(&self, command: Command) {
         let (number, reply) = (command.stamp.number, command.reply.clone());
         let kept = command.order.kept();
+        if command.order == Order::Disable {
+            // it does not wait for the motion that is under way, and nothing that waits moves after it
+            self.ramp();
+        }
         if let Some(kept) = kept {
             self.keep(number, kept);
         }
@@ -375,13 +379,18 @@ impl Running {
         }
     }
 
-    /// Ends it: the axis is ramped down and given back.
-    pub fn end(&self) {
+    /// Ramps it down, out of operation.
+    fn ramp(&self) {
         *self.motion() = None;
         if let Some((stop, beat)) = self.handles.get() {
             beat.end();
             stop.stop();
         }
+    }
+
+    /// Ends it: the axis is ramped down and given back.
+    pub fn end(&self) {
+        self.ramp();
         self.ended.send_replace(true);
     }
 

@@ -498,3 +498,89 @@ fn a_server_that_ends_stops_its_axes() {
     drop(server);
     assert!(begin.elapsed() < Duration::from_secs(10));
 }
+
+/// An axis that homes by its switch, which is not there, at this speed.
+const HOMING: &str = "[[drive]]\nname = \"axis-1\"\nip = \"10.0.0.1/24\"\n\
+    parameters = { \"HOME.MODE\" = 4, \"HOME.V\" = \"600rpm\", \"HOME.ACC\" = \"6000rpm/s\" }";
+
+/// An axis in position mode with this highest speed, enabled, its direction confirmed.
+fn homing(limit: f64) -> (Running, String, Hands, u64) {
+    let server = Running::start(Settings::new(Source::Plant(Box::new(HOMING.parse().unwrap()))));
+    let id = known(&server, "axis-1");
+    let mut hands = Hands::of(&server, &server.control);
+    let take = json!({ "purpose": "position", "limit": limit, "set_mode": true });
+    let number = hands.send("take", &id, &take);
+    let lease = lease(&hands.answer(number));
+    let enabled = hands.order("enable", &id, lease, 0, &json!({}));
+    assert_eq!(enabled["type"], "accepted", "{enabled}");
+    let first = hands.order("home", &id, lease, 0, &json!({}));
+    assert!(
+        sentence(&first).contains("direction of a first motion"),
+        "{first}"
+    );
+    let first = hands.order("task", &id, lease, 0, &json!({ "number": 1 }));
+    assert!(
+        sentence(&first).contains("direction of a first motion"),
+        "{first}"
+    );
+    hands.order("confirm", &id, lease, 0, &json!({}));
+    (server, id, hands, lease)
+}
+
+#[test]
+fn homing_is_within_the_highest_speed_of_the_session_too() {
+    let (server, id, mut hands, lease) = homing(10.0);
+    let fast = hands.order("home", &id, lease, 0, &json!({}));
+    let said = sentence(&fast);
+    assert!(
+        said.contains("600 rpm") && said.contains("limit of 10 rpm"),
+        "{fast}"
+    );
+    assert_eq!(fast["kind"], "safety", "{fast}");
+    assert!(speed(&server, &id).abs() < 0.1);
+}
+
+/// Homes until the shaft turns fast; returns the number of the command.
+fn homes(server: &Running, id: &str, hands: &mut Hands, lease: u64) -> u64 {
+    let home = hands.send("home", id, &json!({ "lease": lease, "epoch": 0 }));
+    let begin = Instant::now();
+    while speed(server, id).abs() < 500.0 {
+        assert!(begin.elapsed() < Duration::from_secs(10), "it rests");
+        hands.beat(&Value::Null);
+        std::thread::sleep(Duration::from_millis(30));
+    }
+    home
+}
+
+#[test]
+fn disable_does_not_wait_for_the_end_of_homing() {
+    let (server, id, mut hands, lease) = homing(1000.0);
+    homes(&server, &id, &mut hands, lease);
+    let begin = Instant::now();
+    let off = hands.order("disable", &id, lease, 0, &json!({}));
+    assert_eq!(off["type"], "accepted", "{off}");
+    assert!(speed(&server, &id).abs() < 1.0);
+    assert!(begin.elapsed() < Duration::from_secs(5), "{:?}", begin.elapsed());
+    let axes = hands.page.next("axes");
+    assert_eq!(axes["axes"][0]["phase"], "off", "{axes}");
+    // control goes on
+    let on = hands.order("enable", &id, lease, 0, &json!({}));
+    assert_eq!(on["type"], "accepted", "{on}");
+}
+
+#[test]
+fn homing_that_is_halted_is_not_done() {
+    let (server, id, mut hands, lease) = homing(1000.0);
+    let home = homes(&server, &id, &mut hands, lease);
+    hands.send("halt", &id, &json!({ "lease": lease }));
+    let ended = hands.answer(home);
+    assert!(sentence(&ended).contains("homing was ended by a halt"), "{ended}");
+    rests(&server, &id);
+    server.logged(|log| {
+        let is = |record: &Value| {
+            let result = record["result"].as_str().unwrap_or_default();
+            record["action"] == "home" && result.contains("home position is not set")
+        };
+        log.iter().any(is)
+    });
+}

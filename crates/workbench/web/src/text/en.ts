@@ -469,6 +469,7 @@ export const en = {
   "control.motion.take": "Take control first.",
   "control.motion.reset": "Reset STOP first.",
   "control.motion.enable": "Enable the axis first.",
+  "control.motion.direction": 'Confirm the direction first: jog, then "Direction is right".',
   "control.motion.number": "{name}: not a number.",
   "control.motion.task": "The task is not a whole number.",
   "control.home.speed": "It uses the homing speed that is stored in the drive.",

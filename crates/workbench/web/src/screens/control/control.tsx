@@ -350,6 +350,8 @@ function Motion({ station }: { station: Station }) {
   const distance = numberOf(turns.value);
   const task = numberOf(number.value);
   const numbered = task !== null && Number.isInteger(task);
+  // the drive has the speeds of homing and of tasks, which no tenth bounds
+  const unconfirmed = control.confirmed.value.has(id) ? null : t("control.motion.direction");
   const none = (name: string) => t("control.motion.number", { name });
   const noSpeed = rpm === null ? none(t("control.speed")) : null;
   const far = t(relative.value ? "control.distance" : "control.target");
@@ -446,14 +448,14 @@ function Motion({ station }: { station: Station }) {
             <p class="small muted" id="home-speed">
               {t("control.home.speed")}
             </p>
-            {why(null)}
+            {why(unconfirmed)}
           </div>
           <p class="buttons">
             <button
               type="button"
               class="motion"
               aria-describedby="home-speed motion-why"
-              disabled={!on}
+              disabled={!on || unconfirmed !== null}
               onClick={() => control.home(id)}
             >
               {t("control.home.go")}
@@ -467,14 +469,14 @@ function Motion({ station }: { station: Station }) {
         <>
           <div class="beside-field">
             <Field title={t("control.number")} value={number} unit="" />
-            {why(noTask ?? t("control.task.speed"))}
+            {why(unconfirmed ?? noTask ?? t("control.task.speed"))}
           </div>
           <p class="buttons">
             <button
               type="button"
               class="motion"
               aria-describedby="motion-why"
-              disabled={!on || !numbered}
+              disabled={!on || unconfirmed !== null || !numbered}
               onClick={() => control.task(id, task ?? 0)}
             >
               {t("control.task.go")}
