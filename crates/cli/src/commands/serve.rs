@@ -48,7 +48,7 @@ pub fn run(args: &Serve, interface: &Interface, output: &Output) -> Result<(), F
     } else {
         output.line(&format!("open {}", server.url()));
         if !args.read_only {
-            output.say(&format!("to look and stop only: {}", server.view_url()));
+            output.say(&format!("view-only address: {}", server.view_url()));
         }
         if let (Some(fingerprint), None) = (server.fingerprint(), &args.cert) {
             output.say(&format!(

@@ -400,7 +400,7 @@ impl Page {
                     "drives that are given by their addresses have parameters only: control needs an interface",
                 );
             }
-            Some(_) => return refused("this session only looks and stops"),
+            Some(_) => return refused("this session is view-only"),
             None => {}
         }
         if !(hold.limit > 0.0 && hold.limit.is_finite()) {
@@ -481,8 +481,7 @@ impl Page {
 
     fn reset(&self, n: u64, epoch: u64) {
         if self.refusal().is_some() {
-            self.reply
-                .refused(n, &conflict("this session only looks and stops"));
+            self.reply.refused(n, &conflict("this session is view-only"));
             return;
         }
         let reset = self.shared.control.ledger().reset(epoch);

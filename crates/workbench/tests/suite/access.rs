@@ -107,10 +107,7 @@ fn a_server_that_is_read_only_lets_nobody_change_anything() {
         let scan = server.ask("POST", "/api/v1/stations/scan", &session, "");
         assert_eq!(scan.status, 403);
         assert!(
-            scan.json()["detail"]
-                .as_str()
-                .unwrap()
-                .contains("look and stop only"),
+            scan.json()["detail"].as_str().unwrap().contains("view-only"),
             "{scan:?}"
         );
         assert_eq!(server.ask("POST", "/api/v1/stop", &session, "").status, 200);
