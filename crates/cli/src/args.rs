@@ -368,7 +368,7 @@ pub enum Command {
     Inject(Inject),
     /// Put virtual drives on a network
     Simulate(OnNetwork<Simulate>),
-    /// Show drives in the browser: who they are and why they do not run
+    /// Show drives in the browser: identity, state, and why they do not run
     #[cfg(feature = "serve")]
     Serve(OnNetwork<Serve>),
     /// Run a virtual drive and a controller on an in-memory network

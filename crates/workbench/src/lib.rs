@@ -4,13 +4,14 @@
 //! parameters as plans that are shown first, and moves axes as long as a page is there.
 //!
 //! ```
+//! use profidrive::Stop;
 //! use profidrive_workbench::{Server, Settings, Source};
 //!
 //! let demo = Settings {
 //!     listen: "127.0.0.1:0".parse()?,
 //!     ..Settings::new(Source::Demo)
 //! };
-//! let server = Server::open(demo)?;
+//! let server = Server::open(demo, Stop::new()?)?;
 //! println!("open {}", server.url());
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```

@@ -122,14 +122,15 @@ pub struct Server {
     network: Network,
     shared: Arc<Shared>,
     tls: Option<Tls>,
+    stop: Stop,
 }
 
 impl Server {
-    /// Listens, and opens the network. Nothing is sent before [`run`](Self::run).
+    /// Listens, and opens the network. Nothing is sent before [`run`](Self::run), which ends once `stop` is raised.
     ///
     /// # Errors
     /// When the address cannot be used, or the network cannot be opened.
-    pub fn open(settings: Settings) -> Result<Self, ServeError> {
+    pub fn open(settings: Settings, stop: Stop) -> Result<Self, ServeError> {
         let Settings {
             source,
             listen,
@@ -154,7 +155,7 @@ impl Server {
         let places = places.map_err(ServeError::PublicUrl)?;
         let tls = tls.map(|certificate| Tls::new(&certificate, &places.names(), log.as_deref()));
         let tls = tls.transpose()?;
-        let opening = source.opening()?;
+        let opening = source.opening()?.stopped_by(stop.clone());
         let traffic = Traffic::new();
         let network = opening.clone().kept_in(&traffic).open()?;
         let addresses = match &source {
@@ -199,6 +200,7 @@ impl Server {
             network,
             shared: Arc::new(shared),
             tls,
+            stop,
         })
     }
 
@@ -245,21 +247,20 @@ impl Server {
         self.with_token(&self.shared.tokens.view())
     }
 
-    /// Serves until `stop` is raised, then closes the network.
+    /// Serves until its stop is raised, brings every axis to rest along its ramp, and closes the network. Pages are served until
+    /// all axes are at rest: STOP works meanwhile. Where the stop becomes urgent, what is left of a ramp is a quick stop (OFF3).
     ///
     /// # Errors
     /// When the operating system has no thread left.
-    pub fn run(self, stop: &Stop) -> Result<(), ServeError> {
+    pub fn run(self) -> Result<(), ServeError> {
         let Self {
             listener,
-            mut network,
+            network,
             shared,
             tls,
+            stop,
             ..
         } = self;
-        let flag = stop.clone();
-        let transport = network.transport().clone();
-        network.interrupt_with(move || flag.is_stopped());
         let runtime = tokio::runtime::Builder::new_multi_thread()
             .worker_threads(2)
             .thread_name("profidrive-web")
@@ -273,15 +274,11 @@ impl Server {
             tokio::spawn(produce(Arc::clone(&shared)));
             tokio::spawn(follow(Arc::clone(&shared)));
             tokio::select! {
-                () = accept(listener, shared, tls) => {}
-                () = raised(stop) => {}
+                () = accept(listener, Arc::clone(&shared), tls) => {}
+                () = rested(&stop, &shared.control, network.transport()) => {}
             }
             Ok(())
         });
-        if let Transport::Plant(plant) = transport {
-            // what ends needs the time of the plant
-            plant.pause(false);
-        }
         runtime.shutdown_timeout(Duration::from_secs(1));
         drop(network);
         served
@@ -297,9 +294,19 @@ fn answer_first() {
     FIRST.with_borrow_mut(|first| first.turn(now()));
 }
 
-async fn raised(stop: &Stop) {
+/// Waits until `stop` is raised, and until every axis is at rest then.
+async fn rested(stop: &Stop, control: &Control, transport: &Transport) {
     let mut turn = interval(LOOK);
     while !stop.is_stopped() {
+        turn.tick().await;
+    }
+    if let Transport::Plant(plant) = transport {
+        // what ends needs the time of the plant
+        plant.pause(false);
+    }
+    while control.has_axes() {
+        // one that a page takes meanwhile too
+        control.end();
         turn.tick().await;
     }
 }

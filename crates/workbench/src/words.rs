@@ -33,7 +33,7 @@ fn words(action: &Action) -> String {
         Action::Stop => "a stop".to_owned(),
         Action::Disable => "a stop that switches it off".to_owned(),
         Action::Home => "\"Home\" on Control".to_owned(),
-        Action::Run => "\"Turn at this speed\" on Control".to_owned(),
+        Action::Run => "\"Velocity\" on Control".to_owned(),
         Action::Jog => "\"Jog\" on Control".to_owned(),
         Action::Move => "\"Move\" on Control".to_owned(),
         Action::SetName { .. } => "a name".to_owned(),
@@ -69,8 +69,8 @@ mod tests {
             ),
             ("{write 930=1} changes it", "the value 1 in 930 changes it"),
             (
-                "take the axis with {run} or {jog}",
-                "take the axis with \"Turn at this speed\" on Control or \"Jog\" on Control",
+                "connect a controller, or use {jog} or {run}",
+                "connect a controller, or use \"Jog\" on Control or \"Velocity\" on Control",
             ),
             (
                 "{home} sets the home position",

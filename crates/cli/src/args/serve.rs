@@ -30,13 +30,13 @@ pub struct Serve {
     /// encryption the page is for this computer alone
     #[arg(long, value_enum, value_name = "HOW")]
     pub tls: Option<Tls>,
-    /// Encrypt connections with this certificate, and those between it and a known authority (PEM)
+    /// Encrypt connections with this certificate, with its chain (PEM)
     #[arg(long, value_name = "FILE", requires = "key", conflicts_with = "tls")]
     pub cert: Option<PathBuf>,
     /// The key of the certificate (PEM), which other users cannot read
     #[arg(long, value_name = "FILE", requires = "cert")]
     pub key: Option<PathBuf>,
-    /// The address that leads here from elsewhere, by a proxy or another name
+    /// Address of this server through a proxy or under another name
     #[arg(long, value_name = "https://HOST")]
     pub public_url: Option<String>,
     /// Let pages on other computers move axes too: whoever moves a machine has to see it
@@ -45,7 +45,7 @@ pub struct Serve {
     /// Also start the browser
     #[arg(long)]
     pub open: bool,
-    /// Change nothing: each page only looks and stops
+    /// Change nothing: each page is view-only, and can stop axes
     #[arg(long)]
     pub read_only: bool,
     /// Folder for the log of what people change, in place of that in the state folder of the user

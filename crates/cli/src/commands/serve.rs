@@ -34,9 +34,9 @@ pub fn run(args: &Serve, interface: &Interface, output: &Output) -> Result<(), F
     if let Some(folder) = &args.state_dir {
         settings.log = Some(folder.clone());
     }
-    let stop = Stop::on_signals_with(ForcedExit::Second)
+    let stop = Stop::on_signals_with(ForcedExit::Third)
         .map_err(|error| Failure::new(ErrorKind::Internal, format!("cannot watch for Ctrl-C: {error}")))?;
-    let server = Server::open(settings).map_err(failed)?;
+    let server = Server::open(settings, stop).map_err(failed)?;
     if output.json() {
         output.json_event(&ServeReport {
             event: "ready",
@@ -48,14 +48,16 @@ pub fn run(args: &Serve, interface: &Interface, output: &Output) -> Result<(), F
     } else {
         output.line(&format!("open {}", server.url()));
         if !args.read_only {
-            output.say(&format!("to look and stop only: {}", server.view_url()));
+            output.say(&format!("view-only address: {}", server.view_url()));
         }
         if let (Some(fingerprint), None) = (server.fingerprint(), &args.cert) {
             output.say(&format!(
                 "its certificate has the fingerprint (SHA-256) {fingerprint}"
             ));
         }
-        output.say("Ctrl-C ends the server");
+        output.say(
+            "Ctrl-C ends the server, its axes at rest first; again after a second: quick stop; a third time: at once",
+        );
     }
     if args.open {
         let opened = server.url_once().and_then(open::that_detached);
@@ -63,7 +65,7 @@ pub fn run(args: &Serve, interface: &Interface, output: &Output) -> Result<(), F
             output.say(&format!("cannot start a browser: {error}"));
         }
     }
-    server.run(&stop).map_err(failed)
+    server.run().map_err(failed)
 }
 
 /// Returns what encrypts connections.

@@ -59,7 +59,7 @@ fn taking(next: &str, motions: &[Action]) -> Advice {
         [more @ .., last] if !more.is_empty() => format!("{} or {last}", more.join(", ")),
         one => one.concat(),
     };
-    format!("{next}, or take the axis with {listed}").as_str().into()
+    format!("{next}, or use {listed}").as_str().into()
 }
 
 /// What ends the faults that are present: the remedy of the first by the table, then `acknowledge`, or a restart where

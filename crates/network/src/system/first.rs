@@ -11,9 +11,9 @@ use super::{Rank, os};
 /// waits for its controller.
 const BEFORE_UP: Duration = Duration::from_millis(500);
 const BEFORE_AGAIN: Duration = Duration::from_millis(100);
-/// The share of a processor above which a thread gives its rank up, and that below which it takes it again: one in so many.
-const ABOVE: u32 = 2;
-const BELOW: u32 = 4;
+/// The share of a processor above which a thread gives its rank up, and that below which it takes it again, in percent.
+const ABOVE: u32 = 75;
+const BELOW: u32 = 50;
 
 /// The rank of the calling thread, where the system permits one (root, `CAP_SYS_NICE`, or a limit for real-time priorities).
 ///
@@ -74,7 +74,7 @@ impl First {
 /// Returns whether a thread that ran for a part of some time is first from then on.
 fn stays_first(is: bool, ran: Duration, passed: Duration) -> bool {
     let most = if is { ABOVE } else { BELOW };
-    ran * most <= passed
+    ran * 100 <= passed * most
 }
 
 #[cfg(test)]
@@ -84,10 +84,10 @@ mod tests {
     #[test]
     fn a_thread_that_needs_much_shares_until_it_needs_little() {
         let of = |is, percent| stays_first(is, BEFORE_AGAIN * percent / 100, BEFORE_AGAIN);
-        assert!(of(true, 50));
-        assert!(!of(true, 51));
-        assert!(!of(false, 26));
-        assert!(of(false, 25));
+        assert!(of(true, 75));
+        assert!(!of(true, 76));
+        assert!(!of(false, 51));
+        assert!(of(false, 50));
     }
 
     #[cfg(target_os = "linux")]

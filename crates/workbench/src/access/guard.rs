@@ -120,8 +120,8 @@ fn check(shared: &Shared, request: &Request) -> Result<Option<Caller>, Problem> 
     let always = path == "/api/v1/stop" || path == "/api/v1/session";
     if caller.role == Role::View && !is_safe(method) && !always {
         let detail = match shared.read_only {
-            true => "this server was started to look and stop only",
-            false => "this session can look and stop; open the link for control to change something",
+            true => "this server was started view-only: pages can look and stop",
+            false => "this session is view-only; open the link for control to change something",
         };
         return Err(Problem::new(StatusCode::FORBIDDEN, "view", detail));
     }

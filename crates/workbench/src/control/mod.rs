@@ -107,6 +107,13 @@ impl Control {
         stopping
     }
 
+    /// Ends the control of every axis: each is brought to rest along its ramp and given back. Does not wait.
+    pub fn end(&self) {
+        for running in self.axes().values() {
+            running.end();
+        }
+    }
+
     /// Sends something to every socket.
     fn tell(&self, news: &impl Serialize) {
         let text = serde_json::to_string(news).unwrap_or_default();

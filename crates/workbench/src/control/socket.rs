@@ -417,7 +417,7 @@ impl Page {
                     "drives that are given by their addresses have parameters only: control needs an interface",
                 );
             }
-            Some(_) => return refused("this session only looks and stops"),
+            Some(_) => return refused("this session is view-only"),
             None => {}
         }
         if !checks && needs_checks(&self.shared.source) {
@@ -510,7 +510,7 @@ impl Page {
 
     fn reset(&self, n: u64, epoch: u64) {
         if self.refusal().is_some() {
-            self.refuse(n, None, "reset", None, "this session only looks and stops");
+            self.refuse(n, None, "reset", None, "this session is view-only");
             return;
         }
         let reset = self.shared.control.ledger().reset(epoch);

@@ -227,7 +227,7 @@ fn a_lease_is_of_its_socket_and_a_stop_of_everybody() {
     thief.send("release", &id, &json!({}));
     thief.send("halt", &id, &json!({ "lease": lease }));
     let mut looker = Hands::of(&server, &server.view);
-    assert!(sentence(&looker.take(&id)).contains("only looks"));
+    assert!(sentence(&looker.take(&id)).contains("view-only"));
     assert_eq!(
         hands.order("enable", &id, lease, 0, &json!({}))["type"],
         "accepted"
@@ -251,7 +251,7 @@ fn a_lease_is_of_its_socket_and_a_stop_of_everybody() {
         }
     }
     let number = looker.send("reset", &id, &json!({ "epoch": 1 }));
-    assert!(sentence(&looker.answer(number)).contains("only looks"));
+    assert!(sentence(&looker.answer(number)).contains("view-only"));
     let number = hands.send("reset", &id, &json!({ "epoch": 0 }));
     assert!(sentence(&hands.answer(number)).contains("STOP"));
     let number = hands.send("reset", &id, &json!({ "epoch": 1 }));

@@ -33,18 +33,17 @@ impl Running {
         let folder = std::env::temp_dir().join(folder);
         // a test without a log has none
         let log = settings.log.as_ref().map(|_| folder.clone());
-        let server = Server::open(Settings {
+        let stop = Stop::new().unwrap();
+        let settings = Settings {
             listen,
             log,
             ..settings
-        })
-        .unwrap();
+        };
+        let server = Server::open(settings, stop.clone()).unwrap();
         let token = |url: String| url.split_once("#token=").unwrap().1.to_owned();
         let (address, control, view) = (server.address(), token(server.url()), token(server.view_url()));
         let once = token(server.url_once().unwrap());
-        let stop = Stop::new().unwrap();
-        let flag = stop.clone();
-        let thread = std::thread::spawn(move || server.run(&flag).unwrap());
+        let thread = std::thread::spawn(move || server.run().unwrap());
         Self {
             address,
             control,

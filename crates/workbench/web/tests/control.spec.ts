@@ -1,3 +1,4 @@
+import { writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { type Browser, chromium, type Page } from "@playwright/test";
 import { end, expect, idOf, idOfStation, pictures, rows, serve, test, watch } from "./bench";
@@ -216,7 +217,23 @@ test("the first motion is slow, limits hold, and a move stops where STOP finds i
     await distance.fill("10");
     await go.click();
     await expect(page.getByText(/the first motion is limited to a tenth/)).toBeVisible();
-    await page.getByRole("button", { name: "Direction is right" }).click();
+    // without a motion there is no direction to confirm
+    const right = page.getByRole("button", { name: "Direction is right" });
+    await expect(right).toBeDisabled();
+    await page.getByRole("tab", { name: "Jog" }).click();
+    await turning(page, server.origin, id);
+    await page.mouse.up();
+    await rest(page, server.origin, id, performance.now());
+    await right.click();
+    await expect(right).toHaveCount(0);
+    // a telegram of position has no speed: what was read stays, and the plot has the position
+    const values = page.getByRole("region", { name: "Values" });
+    await expect(values.locator(".value").first()).toHaveText(/^Speed \(read\).*\d\.\d/);
+    await expect(values).toContainText(/Position of the last 5 s, scale .* to .* rev/);
+    await expect(page.getByRole("button", { name: "Record the next step" })).toBeDisabled();
+    await expect(page.getByText(/^The telegram of position mode has no set speed/)).toBeVisible();
+    await page.screenshot({ path: join(pictures, "control-position.png") });
+    await page.getByRole("tab", { name: "Move" }).click();
     await speedField.fill("301");
     await go.click();
     await expect(page.getByText(/above the limit of this page/)).toBeVisible();
@@ -228,11 +245,54 @@ test("the first motion is slow, limits hold, and a move stops where STOP finds i
     await page.getByRole("tab", { name: "Move" }).click();
     await go.click();
     await expect.poll(async () => speed(page, server.origin, id), { intervals: [5] }).toBeGreaterThan(150);
+    await expect(values.locator(".value").first()).toHaveText(/^Speed \(read\).*\d{3}\.\d/);
     await page.keyboard.press("Control+Space");
     await rest(page, server.origin, id, performance.now());
     await expect(page.getByRole("alert").filter({ hasText: "It stops: axis-1" })).toBeVisible();
     const position = page.getByRole("region", { name: "Values" });
     await expect(position).not.toContainText("10.00");
+  });
+});
+
+test("each kind of motion says why it is off, and a drive without an address why it is not taken", async ({ page }) => {
+  await alone(async (server) => {
+    const axis = await open(page, server.url, "axis-1");
+    const why = page.locator("#motion-why");
+    const tab = (name: string) => page.getByRole("tab", { name }).click();
+    await expect(page.getByText("Plot of the last 5 s, while this page has control")).toBeVisible();
+    await tab("Velocity");
+    await expect(why).toHaveText("Take control first.");
+    await options(page);
+    await page.getByRole("combobox", { name: "Control mode" }).selectOption("position");
+    await page.getByRole("checkbox", { name: /Set the operating mode/ }).check();
+    await page.getByRole("button", { name: "Take control" }).click();
+    for (const name of ["Move", "Home", "Task"]) {
+      await tab(name);
+      await expect(why).toHaveText("Enable the axis first.");
+    }
+    await page.getByRole("button", { name: "Enable" }).click();
+    await expect(why).toHaveText('Confirm the direction first: jog, then "Direction is right".');
+    await expect(page.getByRole("button", { name: "Start the task" })).toBeDisabled();
+    await tab("Jog");
+    await turning(page, server.origin, axis);
+    await page.mouse.up();
+    await page.getByRole("button", { name: "Direction is right" }).click();
+    await tab("Task");
+    await expect(why).toHaveText("It uses the speed that the task has in the drive.");
+    await page.getByRole("textbox", { name: "Motion task" }).fill("1.5");
+    await expect(why).toHaveText("The task is not a whole number.");
+    await tab("Home");
+    await expect(page.getByText("It uses the homing speed that is stored in the drive.")).toBeVisible();
+    await expect(why).toHaveText("");
+    await tab("Move");
+    await page.getByRole("textbox", { name: "Distance" }).fill("far");
+    await expect(why).toHaveText("Distance: not a number.");
+    const nameless = await page.request.get(`${server.origin}/api/v1/stations`);
+    const { stations } = (await nameless.json()) as { stations: { id: string; ip: string | null }[] };
+    const id = stations.find(({ ip }) => ip === null)?.id ?? "";
+    await page.goto(`${server.origin}/drives/${encodeURIComponent(id)}/control`);
+    await expect(page.getByText('It has no IP address. Give it one with "Name .." on Network.')).toBeVisible();
+    await expect(page.getByRole("button", { name: "Take control" })).toBeDisabled();
   });
 });
 
@@ -388,6 +448,41 @@ for (const signal of ["SIGKILL", "SIGSTOP"] as const) {
     }
   });
 }
+
+test("a server that ends serves until its axes rest, and ends their ramps by a quick stop at a second signal", async ({
+  page,
+}) => {
+  const file = join(pictures, "slow.toml");
+  writeFileSync(file, '[[drive]]\nname = "slow"\nip = "192.168.77.30/24"\nparameters = { "DRV.DEC" = "2rpm/s" }\n');
+  const server = await serve("--plant", file, "--listen", "127.0.0.1:0");
+  const ended = new Promise<number | null>((resolve) => server.process.once("exit", resolve));
+  try {
+    await page.goto(server.url);
+    await expect(page.getByRole("row", { name: "slow" })).toContainText("no controller is connected");
+    const id = await idOf(page, "slow");
+    await page.goto(`${server.origin}/drives/${encodeURIComponent(id)}/control`);
+    await enable(page);
+    await page.getByRole("tab", { name: "Velocity" }).click();
+    await page.getByRole("button", { name: "Turn at this speed" }).click();
+    await expect.poll(() => speed(page, server.origin, id)).toBeGreaterThan(19);
+    server.process.kill("SIGINT");
+    // along its ramp, of ten seconds, and pages are served meanwhile
+    await expect.poll(() => speed(page, server.origin, id)).toBeLessThan(18);
+    expect(server.process.exitCode).toBeNull();
+    // signals within a second are one
+    await page.waitForTimeout(1_100);
+    const before = await speed(page, server.origin, id);
+    expect(before).toBeGreaterThan(8);
+    const since = performance.now();
+    server.process.kill("SIGINT");
+    expect(await ended).toBe(0);
+    const took = performance.now() - since;
+    console.log(`second signal at ${before.toFixed(1)} rpm: ended after ${took.toFixed(0)} ms`);
+    expect(took).toBeLessThan((before / 2) * 1_000);
+  } finally {
+    await end(server);
+  }
+});
 
 test("STOP lets an axis coast where that is chosen, a travel ends a motion, and beats are shown", async ({ page }) => {
   await alone(async (server) => {

@@ -31,6 +31,7 @@ test("a value is reviewed, written, verified, saved, and seen by a second page",
     for (const one of [page, other]) {
       await one.getByRole("searchbox").fill("DRV.ACC");
       await expect(one.getByRole("row", { name: "DRV.ACC p2108" })).toBeVisible();
+      await expect(one.locator(".parameters-table tbody th").first()).toContainText("DRV.ACC");
     }
     const field = page.getByRole("textbox", { name: "Value of DRV.ACC", exact: true });
     await expect(field).toHaveValue("3000");

@@ -63,6 +63,30 @@ async function saved(page: Page, name: string): Promise<string[]> {
     });
 }
 
+test("the axes of a picture have the colours of the system where they are forced", async ({ page }) => {
+  await alone(async (server) => {
+    await page.emulateMedia({ forcedColors: "active", colorScheme: "dark" });
+    await page.addInitScript(() => localStorage.setItem("profidrive.theme", "light"));
+    await open(page, server, "press-1", "scope");
+    await expect(page.locator(".plots canvas").first()).toBeVisible();
+    // of the numbers beside the first axis: how much they differ from what is behind them
+    const contrast = () =>
+      page
+        .locator(".plots canvas")
+        .first()
+        .evaluate((one: HTMLCanvasElement) => {
+          const probe = document.body.appendChild(document.createElement("i"));
+          probe.style.color = "Canvas";
+          const behind = Number(/\d+/.exec(getComputedStyle(probe).color)?.[0]);
+          probe.remove();
+          const { data } = one.getContext("2d")?.getImageData(0, 0, 60, one.height) ?? { data: [] };
+          const reds = Array.from(data).filter((_, at) => at % 4 === 0 && (data[at + 3] ?? 0) > 200);
+          return Math.max(0, ...reds.map((red) => Math.abs(red - behind)));
+        });
+    await expect.poll(contrast).toBeGreaterThan(150);
+  });
+});
+
 test("each frame of an axis under control is a row, a cut cable a gap, and cursors measure what the table says", async ({
   page,
 }) => {

@@ -140,7 +140,9 @@ function Facts({ station }: { station: Station }) {
     ? { stw1: hex(axis.stw1), zsw1: hex(axis.zsw1) }
     : { stw1: status?.stw1?.hex, zsw1: status?.zsw1?.hex };
   const exact = axis?.speed == null ? null : { value: axis.speed, unit: axis.unit, beyond: null };
-  const speed = axis ? exact : status?.speed_actual;
+  // a telegram of position has no speed: then it is the one that was read
+  const fresh = (aged(station.age) ?? STALE) < STALE ? status?.speed_actual : null;
+  const speed = axis ? (exact ?? fresh) : status?.speed_actual;
   return (
     <>
       <p class="line">

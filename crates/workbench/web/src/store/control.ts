@@ -14,7 +14,7 @@ export const SLOW = 100;
 /** First pause before the socket is opened again, and the longest, in ms. */
 const FIRST = 250;
 const LONGEST = 5000;
-/** Speeds that are kept for the small plot, in ms. */
+/** How long what an axis did is kept for the small plot, in ms. */
 const TRACK = 5000;
 
 /** How STOP stops an axis: by its quick stop, or along its ramp. */
@@ -43,6 +43,9 @@ export interface Axis {
   trouble: { kind: string; text: string } | null;
   lost: boolean;
 }
+
+/** An axis at a time of the clock of this page, in ms. */
+export type Tracked = { time: number } & Pick<Axis, "drive" | "speed" | "position">;
 
 /** Why a command was not carried out. */
 export interface Said {
@@ -77,8 +80,10 @@ export const late = signal(Number.NEGATIVE_INFINITY);
 export const held = signal<{ drive: string; n: number } | null>(null);
 /** The drives whose direction was confirmed. */
 export const confirmed = signal<ReadonlySet<string>>(new Set());
-/** Speed of the axis of this page over the last seconds. */
-export const track = signal<readonly { drive: string; time: number; speed: number }[]>([]);
+/** The drives that have moved since this page has them. */
+export const moved = signal<ReadonlySet<string>>(new Set());
+/** What the axes of this page did in the last seconds; a telegram has a speed, a position or both. */
+export const track = signal<readonly Tracked[]>([]);
 /** What became of the last STOP of this page. */
 export const stopState = signal<"" | "sent" | "confirmed" | "unconfirmed" | "answered">("");
 /** The answer to a STOP that was sent by a request, in words. */
@@ -301,6 +306,7 @@ function forget(): void {
     trip.value = null;
     pulse.value = null;
     confirmed.value = new Set();
+    moved.value = new Set();
   });
   trips = [];
   pending.clear();
@@ -337,6 +343,7 @@ function receive(message: Incoming): void {
       pending.delete(message.n);
       leases.value = new Map(leases.value).set(message.drive, message.lease);
       track.value = track.value.filter((one) => one.drive !== message.drive);
+      moved.value = new Set([...moved.value].filter((drive) => drive !== message.drive));
       begin();
       return;
     case "axes":
@@ -370,12 +377,14 @@ function show(all: Axis[]): void {
     if (left.length < leases.value.size) {
       leases.value = new Map(left);
       confirmed.value = new Set([...confirmed.value].filter((drive) => leases.value.has(drive)));
+      moved.value = new Set([...moved.value].filter((drive) => leases.value.has(drive)));
       if (wanted.value !== null && !leases.value.has(wanted.value.drive)) wanted.value = null;
     }
     const time = performance.now();
-    const now = all.flatMap(({ drive, lease, speed }) =>
-      leases.value.get(drive) === lease && speed !== null ? [{ drive, time, speed }] : [],
-    );
+    const mine = all.filter(({ drive, lease }) => leases.value.get(drive) === lease);
+    const begun = mine.filter(({ drive, phase }) => phase === "moving" && !moved.value.has(drive));
+    if (begun.length > 0) moved.value = new Set([...moved.value, ...begun.map(({ drive }) => drive)]);
+    const now = mine.map(({ drive, speed, position }) => ({ drive, time, speed, position }));
     if (now.length > 0) track.value = [...track.value.filter((one) => one.time > time - TRACK), ...now];
   });
 }

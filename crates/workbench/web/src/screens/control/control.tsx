@@ -113,6 +113,7 @@ function obstacle(station: Station): string | null {
   if (refusal === "addresses") return t("control.addresses");
   if (refusal === "remote") return t("control.remote");
   if (control.own(station.id) !== undefined || control.leases.value.has(station.id)) return null;
+  if (station.ip === null) return t("control.addressless");
   const other = control.axes.value.find((axis) => axis.drive === station.id);
   if (other) return t("control.taken", { who: other.holder });
   const name = otherOwner(station);
@@ -300,22 +301,31 @@ function Enable({ station }: { station: Station }) {
 function Confirm({ id }: { id: string }) {
   const highest = numberOf(limits.of(id).value);
   if (control.confirmed.value.has(id) || highest === null) return null;
+  const moved = control.moved.value.has(id);
   return (
     <p class="buttons">
-      <span class="muted small">{t("control.first", { limit: highest / 10 })}</span>
-      <button type="button" onClick={() => control.confirmDirection(id)}>
+      <span class="muted small">
+        {t("control.first", { limit: highest / 10 })} {!moved && t("control.confirm.move")}
+      </span>
+      <button type="button" disabled={!moved} onClick={() => control.confirmDirection(id)}>
         {t("control.confirm")}
       </button>
     </p>
   );
 }
 
+/** Why nothing moves the axis, in words; `null` where it can be moved. */
+function refusal(station: Station): string | null {
+  const axis = control.own(station.id);
+  if (axis === undefined) return t("control.motion.take");
+  if (control.stopped.value) return t("control.motion.reset");
+  return control.operates(axis) ? null : t("control.motion.enable");
+}
+
 /** Why the jog buttons are off, in words; `null` where they are on. */
 function jogRefusal(station: Station, slow: boolean): string | null {
-  const axis = control.own(station.id);
-  if (axis === undefined) return t("control.jog.take");
-  if (control.stopped.value) return t("control.jog.reset");
-  if (!control.operates(axis)) return t("control.jog.enable");
+  const refused = refusal(station);
+  if (refused !== null) return refused;
   const speed = numberOf(jogSpeeds.of(station.id).value);
   if (speed === null || speed <= 0) return t("control.jog.speed");
   return slow ? t("control.slow", { ms: Math.round(control.trip.value ?? 0) }) : null;
@@ -330,7 +340,8 @@ function Motion({ station }: { station: Station }) {
   const relative = relatives.of(id);
   const number = numbers.of(id);
   const tab = tabs.of(id);
-  const on = control.operates(axis) && !control.stopped.value;
+  const off = refusal(station);
+  const on = off === null;
   const slow = (control.trip.value ?? 0) > control.SLOW;
   const refused = jogRefusal(station, slow);
   const offered =
@@ -339,6 +350,20 @@ function Motion({ station }: { station: Station }) {
   const rpm = numberOf(speed.value);
   const distance = numberOf(turns.value);
   const task = numberOf(number.value);
+  const numbered = task !== null && Number.isInteger(task);
+  // the drive has the speeds of homing and of tasks, which no tenth bounds
+  const unconfirmed = control.confirmed.value.has(id) ? null : t("control.motion.direction");
+  const none = (name: string) => t("control.motion.number", { name });
+  const noSpeed = rpm === null ? none(t("control.speed")) : null;
+  const far = t(relative.value ? "control.distance" : "control.target");
+  const noMove = distance === null ? none(far) : noSpeed;
+  const noTask = numbered ? null : t("control.motion.task");
+  /** Beside the first field of a kind of motion: why its button is off. */
+  const why = (text: string | null) => (
+    <p class="small muted" id="motion-why" role="status">
+      {off ?? text}
+    </p>
+  );
   const halt = (
     <button type="button" class="motion" disabled={axis?.phase !== "moving"} onClick={() => control.halt(id)}>
       {t("control.halt")}
@@ -378,11 +403,15 @@ function Motion({ station }: { station: Station }) {
       )}
       {here === "velocity" && (
         <>
-          <Field title={t("control.speed")} value={speed} unit="rpm" />
+          <div class="beside-field">
+            <Field title={t("control.speed")} value={speed} unit="rpm" />
+            {why(noSpeed)}
+          </div>
           <p class="buttons">
             <button
               type="button"
               class="motion"
+              aria-describedby="motion-why"
               disabled={!on || rpm === null}
               onClick={() => control.velocity(id, rpm ?? 0)}
             >
@@ -394,14 +423,18 @@ function Motion({ station }: { station: Station }) {
       )}
       {here === "move" && (
         <>
-          <Field title={t(relative.value ? "control.distance" : "control.target")} value={turns} unit="rev" />
+          <div class="beside-field">
+            <Field title={far} value={turns} unit="rev" />
+            {why(noMove)}
+          </div>
           <Check of={relative}>{t("control.relative")}</Check>
           <Field title={t("control.speed")} value={speed} unit="rpm" />
           <p class="buttons">
             <button
               type="button"
               class="motion"
-              disabled={!on || rpm === null || distance === null}
+              aria-describedby="motion-why"
+              disabled={!on || noMove !== null}
               onClick={() => control.move(id, distance ?? 0, relative.value, rpm ?? 0)}
             >
               {t("control.move.go")}
@@ -411,22 +444,40 @@ function Motion({ station }: { station: Station }) {
         </>
       )}
       {here === "home" && (
-        <p class="buttons">
-          <button type="button" class="motion" disabled={!on} onClick={() => control.home(id)}>
-            {t("control.home.go")}
-          </button>
-          {halt}
-          {axis?.homed !== null && <span>{t(axis?.homed ? "control.homed" : "control.unhomed")}</span>}
-        </p>
-      )}
-      {here === "task" && (
         <>
-          <Field title={t("control.number")} value={number} unit="" />
+          <div class="beside-field">
+            <p class="small muted" id="home-speed">
+              {t("control.home.speed")}
+            </p>
+            {why(unconfirmed)}
+          </div>
           <p class="buttons">
             <button
               type="button"
               class="motion"
-              disabled={!on || task === null || !Number.isInteger(task)}
+              aria-describedby="home-speed motion-why"
+              disabled={!on || unconfirmed !== null}
+              onClick={() => control.home(id)}
+            >
+              {t("control.home.go")}
+            </button>
+            {halt}
+            {axis?.homed !== null && <span>{t(axis?.homed ? "control.homed" : "control.unhomed")}</span>}
+          </p>
+        </>
+      )}
+      {here === "task" && (
+        <>
+          <div class="beside-field">
+            <Field title={t("control.number")} value={number} unit="" />
+            {why(unconfirmed ?? noTask ?? t("control.task.speed"))}
+          </div>
+          <p class="buttons">
+            <button
+              type="button"
+              class="motion"
+              aria-describedby="motion-why"
+              disabled={!on || unconfirmed !== null || !numbered}
               onClick={() => control.task(id, task ?? 0)}
             >
               {t("control.task.go")}
@@ -443,30 +494,45 @@ function Motion({ station }: { station: Station }) {
 const WIDTH = 320;
 const HEIGHT = 48;
 
-/** The speed of the last seconds, of an axis of this page. */
+/** Least height of a plot of a position, in revolutions: noise at rest stays small. */
+const SMALL = 0.1;
+
+/** What an axis of this page did in the last seconds: its speed, or its position where its telegram has no speed. */
 function Plot({ id, unit }: { id: string; unit: string }) {
   const all = control.own(id) === undefined ? [] : control.track.value.filter(({ drive }) => drive === id);
-  const highest = Math.max(1, ...all.map((one) => Math.abs(one.speed)));
-  const end = all.at(-1)?.time ?? 0;
-  const points = all.map(({ time, speed: value }) => {
+  const speeds = all.flatMap(({ time, speed: value }) => (value === null ? [] : [{ time, value }]));
+  const positions = all.flatMap(({ time, position: value }) => (value === null ? [] : [{ time, value }]));
+  const still = speeds.length === 0 && positions.length > 0;
+  const shown = still ? positions : speeds;
+  const values = shown.map(({ value }) => value);
+  const highest = Math.max(1, ...values.map(Math.abs));
+  const middle = still ? (Math.min(...values) + Math.max(...values)) / 2 : 0;
+  const half = still ? Math.max(SMALL, Math.max(...values) - Math.min(...values)) / 2 : highest;
+  const end = shown.at(-1)?.time ?? 0;
+  const points = shown.map(({ time, value }) => {
     const x = WIDTH - ((end - time) / 5000) * WIDTH;
-    return `${x.toFixed(1)},${(HEIGHT / 2 - (value / highest) * (HEIGHT / 2 - 3)).toFixed(1)}`;
+    return `${x.toFixed(1)},${(HEIGHT / 2 - ((value - middle) / half) * (HEIGHT / 2 - 3)).toFixed(1)}`;
   });
+  const caption = still
+    ? t("control.plot.position", { low: minus((middle - half).toFixed(3)), high: minus((middle + half).toFixed(3)) })
+    : t("control.plot", { highest: highest.toFixed(1), unit });
   return (
     <figure class="plotted">
       <svg class="plot" viewBox={`0 0 ${WIDTH} ${HEIGHT}`} width={WIDTH} height={HEIGHT} aria-hidden="true">
-        <path d={`M0 ${HEIGHT / 2}H${WIDTH}`} class="zero" />
+        {!still && <path d={`M0 ${HEIGHT / 2}H${WIDTH}`} class="zero" />}
         <polyline points={points.join(" ")} />
       </svg>
-      <figcaption>{t("control.plot", { highest: highest.toFixed(1), unit })}</figcaption>
+      <figcaption>{shown.length === 0 ? t("control.plot.none") : caption}</figcaption>
     </figure>
   );
 }
 
-function shown(value: number | null, decimals: number): string {
-  if (value === null) return dash;
-  const text = value.toFixed(decimals);
+function minus(text: string): string {
   return (Number(text) === 0 ? text.replace("-", "") : text).replace("-", "\u2212");
+}
+
+function shown(value: number | null, decimals: number): string {
+  return value === null ? dash : minus(value.toFixed(decimals));
 }
 
 /** Values that are older than this are not shown here, in s: what a person moves by is present or missing. */
@@ -497,34 +563,36 @@ function Beat({ held }: { held: boolean }) {
   );
 }
 
-/** The values of the axis, whichever page has it; of a drive that none has what was read last. */
+/** The values of the axis, whichever page has it. What its telegram lacks, and all of a drive that none has, was read. */
 function Values({ station }: { station: Station }) {
   const { id, status } = station;
   const axis = control.heldAxis(id);
   const held = control.own(id) !== undefined;
   const read = silent.value === null && (aged(station.age) ?? OLD) < OLD ? status : null;
-  const speed = axis ? axis.speed : (read?.speed_actual?.value ?? null);
-  const set = axis ? axis.speed_set : (read?.speed_set?.value ?? null);
-  // telegrams of speed have no position: then it is the one that was read
+  // telegrams of speed have no position, and those of position no speed: then it is the one that was read
+  const speed = axis?.speed ?? read?.speed_actual?.value ?? null;
+  const set = axis?.speed_set ?? read?.speed_set?.value ?? null;
   const position = axis?.position ?? read?.position?.value ?? null;
+  const title = (name: string, cyclic: number | null | undefined, value: number | null) =>
+    axis !== undefined && (cyclic ?? null) === null && value !== null ? t("control.read", { name }) : name;
   const unit = axis?.unit ?? read?.speed_actual?.unit ?? "rpm";
   return (
     <section class="control-values" aria-label={t("overview.values")}>
       <dl>
         <div class="value">
-          <dt>{t("value.speed")}</dt>
+          <dt>{title(t("value.speed"), axis?.speed, speed)}</dt>
           <dd>
             <span class="main number">{shown(speed, 1)}</span> <span class="unit">{unit}</span>
           </dd>
         </div>
         <div class="value">
-          <dt>{t("value.set")}</dt>
+          <dt>{title(t("value.set"), axis?.speed_set, set)}</dt>
           <dd>
             <span class="number big">{shown(set, 1)}</span> <span class="unit">{unit}</span>
           </dd>
         </div>
         <div class="value">
-          <dt>{t("value.position")}</dt>
+          <dt>{title(t("value.position"), axis?.position, position)}</dt>
           <dd>
             <span class="number big">{shown(position, 3)}</span> <span class="unit">rev</span>
           </dd>
@@ -547,11 +615,14 @@ const stepTime = signal("2");
 function Step({ id }: { id: string }) {
   const waited = scope.step.value?.drive === id ? scope.step.value : null;
   const waits = waited !== null && !waited.done;
+  const never = control.heldAxis(id)?.purpose === "position";
   return (
     <p class="buttons">
       {/* one button, so that it keeps the focus */}
       <button
         type="button"
+        aria-describedby="step-none"
+        disabled={never && !waits}
         onClick={() => (waits ? scope.giveUp() : scope.recordStep(id, Number(stepTime.value) * 1e6))}
       >
         {t(waits ? "scope.step.cancel" : "scope.step.record")}
@@ -572,7 +643,12 @@ function Step({ id }: { id: string }) {
           ))}
         </select>
       </label>
-      {waited !== null && (
+      {never && (
+        <span class="muted" id="step-none">
+          {t("scope.step.none")}
+        </span>
+      )}
+      {waited !== null && !never && (
         <span role="status" class="muted">
           {t(waits ? "scope.step.waits" : "scope.step.done")}
         </span>

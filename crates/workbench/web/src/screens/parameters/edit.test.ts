@@ -49,3 +49,11 @@ test("favourites that are no list of texts are none", () => {
   expect([...favourites.parsed('["p2108", 3, "p1"]')]).toEqual(["p2108", "p1"]);
   for (const text of [null, "{", "{}", "3"]) expect(favourites.parsed(text).size).toBe(0);
 });
+
+test("a parameter with the exact name is before those that only have it in their text", () => {
+  const line = (number: string, name: string) => ({ key: number, of: { number, name } }) as never;
+  const all = [line("p0108", "DRV_ACC"), line("p2108", "DRV.ACC"), line("p2109", "DRV.DEC")];
+  expect(edit.exactFirst(all, " drv.acc ").map(({ key }) => key)).toEqual(["p2108", "p0108", "p2109"]);
+  expect(edit.exactFirst(all, "acc")).toEqual(all);
+  expect(edit.exactFirst(all, "P2109")[0]?.key).toBe("p2109");
+});

@@ -76,6 +76,13 @@ export function noteWritten(before: ReadonlySet<string>, done: Job): ReadonlySet
   return next;
 }
 
+/** Puts the parameters first that are called exactly like this: others have the name as a common one, or in their text. */
+export function exactFirst(all: readonly Line[], text: string): Line[] {
+  const name = text.trim().toLowerCase();
+  const exact = ({ key, of }: Line) => [key, of.number, of.name].some((one) => one.toLowerCase() === name);
+  return [...all.filter(exact), ...all.filter((line) => !exact(line))];
+}
+
 function linesOf(list: List): Line[] {
   const known = list.parameters.flatMap((of): Line[] => {
     const words = [

@@ -41,7 +41,7 @@ const ALL = " ";
 /** Returns the rows that are looked for. */
 function found(all: readonly edit.Line[]): edit.Line[] {
   const words = search.value.toLowerCase().split(/\s+/).filter(Boolean);
-  return all.filter((line) => {
+  const rows = all.filter((line) => {
     if (only.value === "edited" && !edit.edits.value.has(line.key)) return false;
     if (only.value === "unsaved" && !edit.unsaved.value.has(line.key)) return false;
     if (only.value === "favourites" && !isFavourite(line.of.number)) return false;
@@ -49,6 +49,7 @@ function found(all: readonly edit.Line[]): edit.Line[] {
     if (only.value === "changed" && !edit.isChanged(line)) return false;
     return words.every((word) => line.words.includes(word));
   });
+  return edit.exactFirst(rows, search.value);
 }
 
 function limits({ of }: edit.Line): string {

@@ -21,7 +21,19 @@ const LANE = 26;
 const RIGHT = 16;
 const HEIGHT = 300;
 
+const forced = matchMedia("(forced-colors: active)");
+/** What is drawn has no colours of the system by itself. */
+const SYSTEM: Readonly<Record<string, string>> = {
+  "--text": "CanvasText",
+  "--muted": "CanvasText",
+  "--surface": "Canvas",
+  "--soft": "GrayText",
+  "--grid": "GrayText",
+  "--accent": "Highlight",
+};
+
 function style(name: string): string {
+  if (forced.matches) return SYSTEM[name] ?? "CanvasText";
   return getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 }
 
@@ -354,6 +366,7 @@ export function Plot({ label }: { label: string }) {
     };
     const dark = matchMedia("(prefers-color-scheme: dark)");
     dark.addEventListener("change", colours);
+    forced.addEventListener("change", colours);
     const themed = new MutationObserver(colours);
     themed.observe(document.documentElement, { attributeFilter: ["data-theme"] });
     const end = effect(() => {
@@ -374,6 +387,7 @@ export function Plot({ label }: { label: string }) {
       sized.disconnect();
       themed.disconnect();
       dark.removeEventListener("change", colours);
+      forced.removeEventListener("change", colours);
       drawn?.main.destroy();
       drawn?.lanes?.destroy();
       drawn = null;
