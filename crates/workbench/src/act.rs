@@ -2,6 +2,7 @@
 
 use std::future::Future;
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 use axum::http::StatusCode;
 use profidrive::listed;
@@ -28,16 +29,18 @@ pub(crate) struct Intent {
 }
 
 impl Intent {
-    fn record(&self, shared: &Shared, caller: &Caller) -> Record {
+    fn record(&self, shared: &Shared, who: &str) -> Record {
         let drive = self.drive.as_ref();
         Record {
-            who: caller.who.clone(),
+            who: who.to_owned(),
             drive: self.drive.clone(),
             name: drive.and_then(|id| shared.board.name(id)),
+            serial: drive.and_then(|id| shared.board.serial(id)),
             action: self.action,
             value: self.value.clone(),
             changes: self.changes.clone(),
             result: None,
+            ..Record::default()
         }
     }
 }
@@ -75,7 +78,7 @@ pub(crate) async fn carry_out_noted<T: Send + 'static>(
     intent: Intent,
     work: impl Future<Output = Result<(T, Outcome), Problem>> + Send + 'static,
 ) -> Result<T, Problem> {
-    let record = intent.record(&shared, caller);
+    let record = intent.record(&shared, &caller.who);
     let done = tokio::spawn(async move {
         write(&shared, record.clone())
             .await
@@ -103,7 +106,7 @@ pub(crate) async fn carry_out_noted<T: Send + 'static>(
 /// # Errors
 /// When it cannot be written: then nothing may be done.
 pub(crate) async fn begin(shared: &Shared, caller: &Caller, intent: &Intent) -> Result<(), Problem> {
-    let written = write(shared, intent.record(shared, caller)).await;
+    let written = write(shared, intent.record(shared, &caller.who)).await;
     written.map_err(|error| unlogged(&error))
 }
 
@@ -111,7 +114,7 @@ pub(crate) async fn begin(shared: &Shared, caller: &Caller, intent: &Intent) -> 
 pub(crate) async fn noted_quietly(shared: &Shared, caller: &Caller, intent: &Intent, result: String) {
     let record = Record {
         result: Some(result),
-        ..intent.record(shared, caller)
+        ..intent.record(shared, &caller.who)
     };
     written(shared, record).await;
 }
@@ -142,9 +145,67 @@ pub(crate) async fn note_stop(shared: &Shared, caller: &Caller, stopping: &Stopp
     .await;
 }
 
+/// Writes that something was refused, behind the refusal. A flood of refusals is counted instead. Where the log cannot be written the
+/// refusal stands alone: nothing was done.
+pub(crate) fn note_refusal(shared: &Arc<Shared>, who: &str, intent: Intent, reason: &str) {
+    let Some(left_out) = shared.refusals().admit(Instant::now()) else {
+        return;
+    };
+    let result = match left_out {
+        0 => format!("refused: {reason}"),
+        more => format!("refused: {reason} ({more} refusals before this one are not in the log)"),
+    };
+    let (shared, who) = (Arc::clone(shared), who.to_owned());
+    tokio::spawn(async move {
+        let record = Record {
+            result: Some(result),
+            ..intent.record(&shared, &who)
+        };
+        let _ = write(&shared, record).await;
+    });
+}
+
+/// Refusals that are logged at once, and then one in each second: a flood does not fill the log.
+const REFUSALS: u32 = 20;
+
+/// Bounds how many refusals are logged.
+#[derive(Debug)]
+pub(crate) struct Refusals {
+    room: u32,
+    /// When there was room for one more last.
+    since: Instant,
+    left_out: u64,
+}
+
+impl Refusals {
+    pub const fn new(now: Instant) -> Self {
+        Self {
+            room: REFUSALS,
+            since: now,
+            left_out: 0,
+        }
+    }
+
+    /// Returns how many were left out before, where this one is to be logged.
+    fn admit(&mut self, now: Instant) -> Option<u64> {
+        let seconds = now.saturating_duration_since(self.since).as_secs();
+        if seconds > 0 {
+            self.since += Duration::from_secs(seconds);
+            let more = u32::try_from(seconds).unwrap_or(REFUSALS);
+            self.room = self.room.saturating_add(more).min(REFUSALS);
+        }
+        if self.room == 0 {
+            self.left_out += 1;
+            return None;
+        }
+        self.room -= 1;
+        Some(std::mem::take(&mut self.left_out))
+    }
+}
+
 /// Writes what was done without an intent, and reports it to all pages.
 pub(crate) async fn note(shared: &Shared, caller: &Caller, intent: &Intent, result: String) {
-    noted(shared, intent.record(shared, caller), result, false).await;
+    noted(shared, intent.record(shared, &caller.who), result, false).await;
 }
 
 async fn noted(shared: &Shared, record: Record, result: String, failed: bool) {
@@ -180,6 +241,11 @@ async fn written(shared: &Shared, record: Record) {
 
 async fn write(shared: &Shared, record: Record) -> Result<(), AuditError> {
     let audit = Arc::clone(&shared.audit);
+    let record = Record {
+        engine_us: shared.network.now().as_nanos() / 1000,
+        epoch: shared.control.stops(),
+        ..record
+    };
     // a disk may take its time
     let written = tokio::task::spawn_blocking(move || audit.write(&record)).await;
     written.unwrap_or(Err(AuditError::NoFolder))?;
@@ -191,4 +257,24 @@ async fn write(shared: &Shared, record: Record) -> Result<(), AuditError> {
 fn unlogged(error: &AuditError) -> Problem {
     let detail = format!("nothing was changed, because it cannot be logged: {error}");
     Problem::new(StatusCode::SERVICE_UNAVAILABLE, "log", &detail)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_flood_of_refusals_is_counted() {
+        let begin = Instant::now();
+        let mut refusals = Refusals::new(begin);
+        for _ in 0..REFUSALS {
+            assert_eq!(refusals.admit(begin), Some(0));
+        }
+        for _ in 0..5 {
+            assert_eq!(refusals.admit(begin), None);
+        }
+        assert_eq!(refusals.admit(begin + Duration::from_secs(1)), Some(5));
+        assert_eq!(refusals.admit(begin + Duration::from_secs(1)), None);
+        assert_eq!(refusals.admit(begin + Duration::from_secs(2)), Some(1));
+    }
 }

@@ -31,6 +31,13 @@ pub(crate) struct Record {
     pub drive: Option<String>,
     /// What the drive is called.
     pub name: Option<String>,
+    /// Serial number of the drive, where it was read.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub serial: Option<String>,
+    /// Time of the engine, in microseconds: that of frames and samples. Of a plant it is that of the plant.
+    pub engine_us: u64,
+    /// How often STOP was pressed before.
+    pub epoch: u64,
     /// What is done: `acknowledge`, `inject`, `write`, `restore`, `undo`, `stop`.
     pub action: &'static str,
     /// With which values.
@@ -66,6 +73,15 @@ pub(crate) struct LogRecord {
     pub drive: Option<String>,
     /// What the drive was called.
     pub name: Option<String>,
+    /// Serial number of the drive, where it was read.
+    #[serde(default)]
+    pub serial: Option<String>,
+    /// Time of the engine, in microseconds; null in records of older versions.
+    #[serde(default)]
+    pub engine_us: Option<u64>,
+    /// How often STOP was pressed before; null in records of older versions.
+    #[serde(default)]
+    pub epoch: Option<u64>,
     /// What was done.
     pub action: String,
     /// With which values.

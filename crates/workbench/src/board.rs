@@ -366,6 +366,13 @@ impl Board {
         self.stations().known.get(id)?.scanned.station.name.clone()
     }
 
+    /// Returns the serial number of a station, where it was read.
+    pub fn serial(&self, id: &str) -> Option<String> {
+        let stations = self.stations();
+        let info = stations.known.get(id)?.scanned.info.as_ref()?;
+        Some(info.identity.as_ref()?.serial_number.clone())
+    }
+
     /// Finds the drive of a station.
     pub async fn find(&self, network: &mut Caller, id: &str) -> Result<Drive, DriveError> {
         let known = self

@@ -25,6 +25,7 @@ use tower_http::limit::RequestBodyLimitLayer;
 use tower_http::timeout::TimeoutLayer;
 
 use crate::access::{Attempts, Once, Peer, Places, Sessions, Tls, TlsError, Tokens, guard, secure};
+use crate::act::Refusals;
 use crate::api::{large_router, nothing, router, while_it_runs};
 use crate::assets;
 use crate::audit::Audit;
@@ -191,6 +192,7 @@ impl Server {
             control_sockets: Arc::new(Semaphore::new(SOCKETS)),
             sessions: Mutex::new(Sessions::default()),
             attempts: Mutex::new(Attempts::new(now)),
+            refusals: Mutex::new(Refusals::new(now)),
         };
         Ok(Self {
             listener,

@@ -10,6 +10,7 @@ use profidrive::{Caller as Network, Transport};
 use tokio::sync::Semaphore;
 
 use crate::access::{Attempts, Once, Places, Role, Sessions, Tokens};
+use crate::act::Refusals;
 use crate::audit::Audit;
 use crate::board::Board;
 use crate::captures::Captures;
@@ -64,11 +65,17 @@ pub(crate) struct Shared {
     pub control_sockets: Arc<Semaphore>,
     pub sessions: Mutex<Sessions>,
     pub attempts: Mutex<Attempts>,
+    /// How many refusals were logged.
+    pub refusals: Mutex<Refusals>,
 }
 
 impl Shared {
     pub fn sessions(&self) -> MutexGuard<'_, Sessions> {
         self.sessions.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    pub fn refusals(&self) -> MutexGuard<'_, Refusals> {
+        self.refusals.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Returns the plant of virtual drives as it was started last.

@@ -10,6 +10,7 @@ use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 
 use super::{Peer, Role};
+use crate::act::{self, Intent};
 use crate::problem::Problem;
 use crate::shared::Shared;
 
@@ -34,8 +35,39 @@ pub(crate) async fn guard(State(shared): State<Arc<Shared>>, mut request: Reques
             }
             next.run(request).await
         }
-        Err(problem) => problem.into_response(),
+        Err(problem) => {
+            note(&shared, &request, &problem);
+            problem.into_response()
+        }
     }
+}
+
+/// What is refused that no page of this server does.
+const FOREIGN: [&str; 5] = ["host", "origin", "token", "rate", "view"];
+/// The longest path and origin in the log, in characters.
+const LONGEST: usize = 100;
+
+/// Notes a refusal, with where it came from. What is in a query is not logged: it may be a token.
+fn note(shared: &Arc<Shared>, request: &Request, problem: &Problem) {
+    if !FOREIGN.contains(&problem.error().kind) {
+        return;
+    }
+    let short = |text: &str| text.chars().take(LONGEST).collect::<String>();
+    let origin = text(request.headers(), &ORIGIN)
+        .map_or_else(String::new, |origin| format!(", from {}", short(origin)));
+    let peer = request.extensions().get::<Peer>();
+    let peer = peer.map_or_else(String::new, |Peer(peer)| peer.ip().to_string());
+    let intent = Intent {
+        action: "request",
+        drive: None,
+        value: Some(format!(
+            "{} {}{origin}",
+            request.method(),
+            short(request.uri().path())
+        )),
+        changes: Vec::new(),
+    };
+    act::note_refusal(shared, &peer, intent, problem.message());
 }
 
 fn check(shared: &Shared, request: &Request) -> Result<Option<Caller>, Problem> {

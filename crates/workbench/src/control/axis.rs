@@ -40,12 +40,14 @@ pub(super) async fn attend(
     caller: Caller,
     running: Arc<Running>,
     wanted: Hold,
+    checks: bool,
     queue: mpsc::Receiver<Command>,
     (number, reply): (u64, Reply),
 ) {
     let (at, of) = (Arc::clone(&shared), Arc::clone(&running));
     // a panic was printed; the axis was dropped, and is ramped down and given back
-    let attended = tokio::spawn(async move { hold(&at, &caller, &of, &wanted, queue, number, &reply).await });
+    let attended =
+        tokio::spawn(async move { hold(&at, &caller, &of, &wanted, checks, queue, (number, &reply)).await });
     let _ = attended.await;
     shared.feeds.end(&running.drive);
     shared.control.axes().remove(&running.drive);
@@ -57,9 +59,9 @@ async fn hold(
     caller: &Caller,
     running: &Arc<Running>,
     wanted: &Hold,
+    checks: bool,
     queue: mpsc::Receiver<Command>,
-    number: u64,
-    reply: &Reply,
+    (number, reply): (u64, &Reply),
 ) {
     let intent = |action, value: Option<String>| Intent {
         action,
@@ -67,11 +69,7 @@ async fn hold(
         value,
         changes: Vec::new(),
     };
-    let (purpose, stop) = (purpose_name(running.purpose), running.stop_by.name());
-    let travel = wanted
-        .travel
-        .map_or_else(String::new, |turns| format!(", travel {turns} rev"));
-    let taking = intent("take", Some(format!("for {purpose}, STOP by {stop}{travel}")));
+    let taking = intent("take", Some(terms(running, wanted, checks)));
     let taken = async {
         act::begin(shared, caller, &taking).await?;
         take(shared, running, wanted).await
@@ -108,6 +106,22 @@ async fn hold(
         Err(error) => Problem::of(&error).message().to_owned(),
     };
     act::note(shared, caller, &intent("release", None), result).await;
+}
+
+/// On which terms an axis is taken, for the log.
+fn terms(running: &Running, wanted: &Hold, checks: bool) -> String {
+    let (purpose, stop) = (purpose_name(running.purpose), running.stop_by.name());
+    let mut terms = format!("for {purpose}, STOP by {stop}, at most {} rpm", wanted.limit);
+    if let Some(turns) = wanted.travel {
+        terms += &format!(", travel {turns} rev");
+    }
+    if wanted.control.may_run_on {
+        terms += ", may run on when its controller is lost";
+    }
+    if checks {
+        terms += ", checks of the machine confirmed";
+    }
+    terms
 }
 
 async fn take(shared: &Shared, running: &Arc<Running>, wanted: &Hold) -> Result<HeldAxis, Problem> {

@@ -47,6 +47,10 @@ pub(super) enum Request {
         /// Consent to an axis that nothing stops when its controller is lost.
         #[serde(default)]
         may_run_on: bool,
+        /// A person has confirmed what a real machine needs: that the axis is in sight, that its way is clear, and that an emergency
+        /// stop is at hand.
+        #[serde(default)]
+        checks: bool,
         /// How STOP stops this axis.
         #[serde(default)]
         stop_by: StopBy,

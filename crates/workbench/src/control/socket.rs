@@ -147,6 +147,14 @@ async fn write(
     }
 }
 
+/// Why an axis of a real machine is not given.
+const UNCHECKED: &str = "on a machine a person confirms first that the axis is in sight, that its way is clear and that an emergency stop is at hand";
+
+/// Returns whether a person has to confirm what only a person sees.
+const fn needs_checks(source: &Source) -> bool {
+    !source.is_simulation()
+}
+
 /// One page.
 struct Page {
     shared: Arc<Shared>,
@@ -281,6 +289,7 @@ impl Page {
                 travel,
                 set_mode,
                 may_run_on,
+                checks,
                 stop_by,
             } => {
                 let common = Common {
@@ -298,7 +307,7 @@ impl Page {
                         For::Position => Hold::for_position(),
                     }
                 };
-                self.take(n, &drive.to_lowercase(), hold, stop_by);
+                self.take(n, &drive.to_lowercase(), hold, stop_by, checks);
             }
             Request::Release { drive } => {
                 if let Some(running) = self.own(&drive) {
@@ -321,7 +330,10 @@ impl Page {
             }
             Request::Confirm(of) => {
                 let confirmed = self.shared.control.ledger().confirm(&of.drive, self.stamp(&of));
-                self.answer(of.n, confirmed);
+                match confirmed {
+                    Ok(()) => self.reply.accepted(of.n),
+                    Err(denied) => self.refuse(of.n, Some(&of.drive), "confirm", None, &denied.to_string()),
+                }
             }
             Request::Reset { n, epoch } => self.reset(n, epoch),
             Request::Enable(of) => self.order(of, Order::Enable),
@@ -331,8 +343,8 @@ impl Page {
                 if self.freshness.is_fresh(self.begin.elapsed(), t) {
                     self.order(of, Order::Jog(speed));
                 } else {
-                    let late = conflict("this came too late: the button may be up by now");
-                    self.reply.refused(of.n, &late);
+                    let late = "this came too late: the button may be up by now";
+                    self.refuse(of.n, Some(&of.drive), "jog", None, late);
                 }
             }
             Request::Velocity { of, speed } => self.order(of, Order::Velocity(speed)),
@@ -369,11 +381,16 @@ impl Page {
         }
     }
 
-    fn answer(&self, n: u64, done: Result<(), Denied>) {
-        match done {
-            Ok(()) => self.reply.accepted(n),
-            Err(denied) => self.reply.refused(n, &conflict(&denied.to_string())),
-        }
+    /// Refuses what a page wants, and notes that.
+    fn refuse(&self, n: u64, drive: Option<&str>, action: &'static str, value: Option<String>, reason: &str) {
+        self.reply.refused(n, &conflict(reason));
+        let intent = Intent {
+            action,
+            drive: drive.map(str::to_owned),
+            value,
+            changes: Vec::new(),
+        };
+        act::note_refusal(&self.shared, &self.caller.who, intent, reason);
     }
 
     fn beat(&mut self, n: u64, t: f64, held: Option<&HeldGoal>) {
@@ -392,8 +409,8 @@ impl Page {
         });
     }
 
-    fn take(&mut self, n: u64, drive: &str, hold: Hold, stop_by: StopBy) {
-        let refused = |detail: &str| self.reply.refused(n, &conflict(detail));
+    fn take(&mut self, n: u64, drive: &str, hold: Hold, stop_by: StopBy, checks: bool) {
+        let refused = |detail: &str| self.refuse(n, Some(drive), "take", None, detail);
         match self.refusal() {
             Some("addresses") => {
                 return refused(
@@ -402,6 +419,9 @@ impl Page {
             }
             Some(_) => return refused("this session is view-only"),
             None => {}
+        }
+        if !checks && needs_checks(&self.shared.source) {
+            return refused(UNCHECKED);
         }
         if !(hold.limit > 0.0 && hold.limit.is_finite()) {
             return refused("the highest speed has to be a number above 0 rpm");
@@ -427,7 +447,8 @@ impl Page {
             socket: self.number,
             who: self.caller.who.clone(),
         };
-        let lease = match control.ledger().take(drive, holder, hold.limit) {
+        let taken = control.ledger().take(drive, holder, hold.limit);
+        let lease = match taken {
             Ok(lease) => lease,
             Err(denied) => return refused(&denied.to_string()),
         };
@@ -446,6 +467,7 @@ impl Page {
             caller,
             running,
             hold,
+            checks,
             queue,
             (n, self.reply.clone()),
         ));
@@ -465,7 +487,8 @@ impl Page {
             }
         };
         if let Err(denied) = permitted {
-            self.reply.refused(of.n, &conflict(&denied.to_string()));
+            let value = order.value();
+            self.refuse(of.n, Some(&of.drive), order.action(), value, &denied.to_string());
             return;
         }
         let command = Command {
@@ -475,19 +498,26 @@ impl Page {
         };
         match self.own(&of.drive) {
             Some(running) => running.order(command),
-            None => self.answer(of.n, Err(Denied::NotHeld)),
+            None => self.refuse(
+                of.n,
+                Some(&of.drive),
+                order.action(),
+                None,
+                &Denied::NotHeld.to_string(),
+            ),
         }
     }
 
     fn reset(&self, n: u64, epoch: u64) {
         if self.refusal().is_some() {
-            self.reply.refused(n, &conflict("this session is view-only"));
+            self.refuse(n, None, "reset", None, "this session is view-only");
             return;
         }
         let reset = self.shared.control.ledger().reset(epoch);
-        let done = reset.is_ok();
-        self.answer(n, reset);
-        if done {
+        if let Err(denied) = reset {
+            self.refuse(n, None, "reset", None, &denied.to_string());
+        } else {
+            self.reply.accepted(n);
             self.shared.control.tell(&Reset {
                 r#type: "reset",
                 epoch,
@@ -503,5 +533,16 @@ impl Page {
                 act::note(&shared, &caller, &intent, "done".to_owned()).await;
             });
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_axis_of_a_machine_needs_the_checks_of_a_person() {
+        assert!(needs_checks(&Source::Interface("eth0".to_owned())));
+        assert!(!needs_checks(&Source::Demo));
     }
 }

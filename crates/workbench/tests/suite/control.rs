@@ -17,6 +17,8 @@ pub struct Hands {
     number: u64,
     begin: Instant,
     beats: u64,
+    /// When the last beat was sent.
+    beaten: Option<Instant>,
 }
 
 impl Hands {
@@ -30,6 +32,7 @@ impl Hands {
             number: 0,
             begin: Instant::now(),
             beats: 0,
+            beaten: None,
         }
     }
 
@@ -50,6 +53,7 @@ impl Hands {
 
     pub fn beat(&mut self, held: &Value) {
         self.beats += 1;
+        self.beaten = Some(Instant::now());
         let t = self.time();
         self.page
             .send(&json!({ "type": "beat", "n": self.beats, "t": t, "held": held }));
@@ -67,7 +71,10 @@ impl Hands {
                     return message;
                 }
             }
-            if self.beats == 0 || self.time() > 50.0 * self.beats as f64 {
+            if self
+                .beaten
+                .is_none_or(|beaten| beaten.elapsed() > Duration::from_millis(50))
+            {
                 self.beat(&Value::Null);
             }
         }
@@ -262,6 +269,83 @@ fn a_lease_is_of_its_socket_and_a_stop_of_everybody() {
     assert!(sentence(&replayed).contains("came before"), "{replayed}");
 }
 
+#[test]
+fn a_record_has_the_drive_the_time_of_the_engine_and_the_stops() {
+    let server = Running::demo();
+    let id = known(&server, "axis-1");
+    let mut hands = Hands::of(&server, &server.control);
+    hands.page.send(&json!({ "type": "stop" }));
+    hands.page.next("stopped");
+    server.logged(|log| log.iter().any(|record| record["action"] == "stop"));
+    let lease = lease(&hands.take(&id));
+    hands.order("enable", &id, lease, 0, &json!({}));
+    let log = server.logged(|log| log.iter().any(|record| record["action"] == "enable"));
+    let stations = server.ask("GET", "/api/v1/stations", &Running::bearer(&server.view), "");
+    let stations = stations.json();
+    let mut all = stations["stations"].as_array().unwrap().iter();
+    let station = all.find(|station| station["id"] == *id).unwrap();
+    let serial = &station["info"]["identity"]["serial_number"];
+    assert!(
+        serial.as_str().is_some_and(|serial| !serial.is_empty()),
+        "{station:#}"
+    );
+    let take = log.iter().find(|record| record["action"] == "take").unwrap();
+    assert_eq!((&take["serial"], &take["epoch"]), (serial, &1.into()), "{take}");
+    let times: Vec<u64> = log
+        .iter()
+        .map(|record| record["engine_us"].as_u64().unwrap())
+        .collect();
+    assert!(
+        times[0] > 0 && times.is_sorted_by(|before, after| before <= after),
+        "{times:?}"
+    );
+}
+
+#[test]
+fn what_is_refused_is_in_the_log() {
+    let server = Running::demo();
+    let id = known(&server, "axis-1");
+    let mut hands = Hands::of(&server, &server.control);
+    let lease = lease(&hands.take(&id));
+    let mut thief = Hands::of(&server, &server.control);
+    thief.take(&id);
+    thief.order("enable", &id, lease, 0, &json!({}));
+    hands.order("enable", &id, lease, 0, &json!({}));
+    hands.order("velocity", &id, lease, 0, &json!({ "speed": 301 }));
+    hands.order("home", &id, lease, 0, &json!({}));
+    hands.page.send(&json!({ "type": "stop" }));
+    hands.page.next("stopped");
+    hands.order("velocity", &id, lease, 0, &json!({ "speed": 20 }));
+    let foreign = "Host: {address}\r\nOrigin: http://evil.example\r\n";
+    assert_eq!(
+        server.ask("GET", "/api/v1/server?token=x", foreign, "").status,
+        403
+    );
+    for (action, value, reason) in [
+        ("take", None, "has control of this drive"),
+        ("enable", None, "no control"),
+        ("velocity", Some("301 rpm"), "above the limit of this page"),
+        ("home", None, "direction of a first motion"),
+        ("velocity", Some("20 rpm"), "STOP was pressed meanwhile"),
+        (
+            "request",
+            Some("GET /api/v1/server, from http://evil.example"),
+            "only the page of this server",
+        ),
+    ] {
+        server.logged(|log| {
+            let is = |record: &Value| {
+                let result = record["result"].as_str().unwrap_or_default();
+                record["action"] == action
+                    && record["value"].as_str() == value
+                    && result.starts_with("refused: ")
+                    && result.contains(reason)
+            };
+            log.iter().any(is)
+        });
+    }
+}
+
 /// Presses STOP while an axis turns whose page has chosen how it stops. Returns its place in paths, and the hands that hold it.
 fn stopped_by(server: &Running, way: &str) -> (String, Hands) {
     let id = known(server, "axis-1");
@@ -306,7 +390,7 @@ fn a_stop_is_along_the_ramp_where_its_page_has_chosen_that() {
     );
     server.logged(|log| {
         log.iter()
-            .any(|record| record["value"] == "for speed, STOP by OFF1")
+            .any(|record| record["value"] == "for speed, STOP by OFF1, at most 300 rpm")
     });
 }
 
@@ -329,7 +413,7 @@ fn a_stop_lets_the_axis_coast_where_its_page_has_chosen_that() {
     rests(&server, &id);
     server.logged(|log| {
         log.iter()
-            .any(|record| record["value"] == "for speed, STOP by OFF2")
+            .any(|record| record["value"] == "for speed, STOP by OFF2, at most 300 rpm")
     });
 }
 
@@ -369,7 +453,8 @@ fn an_axis_is_halted_within_its_travel_and_goes_back() {
     let back = hands.order("velocity", &id, lease, 0, &json!({ "speed": -30 }));
     assert_eq!(back["type"], "accepted", "{back}");
     server.logged(|log| {
-        let is = |record: &Value| record["value"] == "for speed, STOP by OFF3, travel 1.5 rev";
+        let is =
+            |record: &Value| record["value"] == "for speed, STOP by OFF3, at most 300 rpm, travel 1.5 rev";
         log.iter().any(is)
     });
 }

@@ -1686,10 +1686,27 @@ export interface components {
             changes: string[];
             /** @description The drive, as it is called in paths. */
             drive: string | null;
+            /**
+             * Format: uint64
+             * @description Time of the engine, in microseconds; null in records of older versions.
+             * @default null
+             */
+            engine_us: number | null;
+            /**
+             * Format: uint64
+             * @description How often STOP was pressed before; null in records of older versions.
+             * @default null
+             */
+            epoch: number | null;
             /** @description What the drive was called. */
             name: string | null;
             /** @description What became of it; null for an intent. */
             result: string | null;
+            /**
+             * @description Serial number of the drive, where it was read.
+             * @default null
+             */
+            serial: string | null;
             /** @description Time of day (ISO 8601, UTC). */
             time: string;
             /** @description With which values. */

@@ -209,6 +209,8 @@ export interface Taking {
   travel: number | null;
   set_mode: boolean;
   may_run_on: boolean;
+  /** What a real machine needs was confirmed. */
+  checks: boolean;
   stop_by: StopBy;
 }
 

@@ -231,6 +231,7 @@ function Take({ station }: { station: Station }) {
             travel: numberOf(travel.value),
             set_mode: mode.value,
             may_run_on: runs.value,
+            checks: seen.value.every(Boolean),
             stop_by: stopBy(station.id),
           })
         }

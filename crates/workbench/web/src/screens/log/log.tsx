@@ -19,6 +19,7 @@ const ACTIONS = [
   "release",
   "enable",
   "disable",
+  "confirm",
   "jog",
   "velocity",
   "move",
@@ -36,6 +37,7 @@ const ACTIONS = [
   "blink",
   "name",
   "ip",
+  "request",
 ];
 
 const NONE = { text: "", drive: "", action: "" };

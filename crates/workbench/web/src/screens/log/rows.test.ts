@@ -2,7 +2,8 @@ import { expect, test } from "vitest";
 import { type Record, rows } from "./rows";
 
 function record(time: string, action: string, result: string | null, more: Partial<Record> = {}): Record {
-  return { time, boot: "1", who: "1", drive: "a", name: "axis-1", action, value: null, changes: [], result, ...more };
+  const of = { boot: "1", who: "1", drive: "a", name: "axis-1", serial: null, engine_us: null, epoch: null };
+  return { time, ...of, action, value: null, changes: [], result, ...more };
 }
 
 test("an action has one row: its result, with the time of its request", () => {
