@@ -2,7 +2,7 @@
 
 use std::future::Future;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use axum::http::StatusCode;
 use profidrive::listed;
@@ -165,44 +165,6 @@ pub(crate) fn note_refusal(shared: &Arc<Shared>, who: &str, intent: Intent, reas
     });
 }
 
-/// Refusals that are logged at once, and then one in each second: a flood does not fill the log.
-const REFUSALS: u32 = 20;
-
-/// Bounds how many refusals are logged.
-#[derive(Debug)]
-pub(crate) struct Refusals {
-    room: u32,
-    /// When there was room for one more last.
-    since: Instant,
-    left_out: u64,
-}
-
-impl Refusals {
-    pub const fn new(now: Instant) -> Self {
-        Self {
-            room: REFUSALS,
-            since: now,
-            left_out: 0,
-        }
-    }
-
-    /// Returns how many were left out before, where this one is to be logged.
-    fn admit(&mut self, now: Instant) -> Option<u64> {
-        let seconds = now.saturating_duration_since(self.since).as_secs();
-        if seconds > 0 {
-            self.since += Duration::from_secs(seconds);
-            let more = u32::try_from(seconds).unwrap_or(REFUSALS);
-            self.room = self.room.saturating_add(more).min(REFUSALS);
-        }
-        if self.room == 0 {
-            self.left_out += 1;
-            return None;
-        }
-        self.room -= 1;
-        Some(std::mem::take(&mut self.left_out))
-    }
-}
-
 /// Writes what was done without an intent, and reports it to all pages.
 pub(crate) async fn note(shared: &Shared, caller: &Caller, intent: &Intent, result: String) {
     noted(shared, intent.record(shared, &caller.who), result, false).await;
@@ -257,24 +219,4 @@ async fn write(shared: &Shared, record: Record) -> Result<(), AuditError> {
 fn unlogged(error: &AuditError) -> Problem {
     let detail = format!("nothing was changed, because it cannot be logged: {error}");
     Problem::new(StatusCode::SERVICE_UNAVAILABLE, "log", &detail)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_flood_of_refusals_is_counted() {
-        let begin = Instant::now();
-        let mut refusals = Refusals::new(begin);
-        for _ in 0..REFUSALS {
-            assert_eq!(refusals.admit(begin), Some(0));
-        }
-        for _ in 0..5 {
-            assert_eq!(refusals.admit(begin), None);
-        }
-        assert_eq!(refusals.admit(begin + Duration::from_secs(1)), Some(5));
-        assert_eq!(refusals.admit(begin + Duration::from_secs(1)), None);
-        assert_eq!(refusals.admit(begin + Duration::from_secs(2)), Some(1));
-    }
 }

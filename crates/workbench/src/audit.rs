@@ -9,7 +9,7 @@ use std::io::{self, BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
-use std::time::SystemTime;
+use std::time::{Duration, Instant, SystemTime};
 
 use chrono::{DateTime, SecondsFormat, Utc};
 use schemars::JsonSchema;
@@ -352,9 +352,47 @@ fn private(builder: &mut DirBuilder, options: &mut OpenOptions) {
 #[cfg(not(unix))]
 fn private(_: &mut DirBuilder, _: &mut OpenOptions) {}
 
+/// Refusals that are logged at once, and then one in each second: a flood does not fill the log.
+const REFUSALS: u32 = 20;
+
+/// Bounds how many refusals are logged.
+#[derive(Debug)]
+pub(crate) struct Refusals {
+    room: u32,
+    /// When there was room for one more last.
+    since: Instant,
+    left_out: u64,
+}
+
+impl Refusals {
+    pub const fn new(now: Instant) -> Self {
+        Self {
+            room: REFUSALS,
+            since: now,
+            left_out: 0,
+        }
+    }
+
+    /// Returns how many were left out before, where this one is to be logged.
+    pub fn admit(&mut self, now: Instant) -> Option<u64> {
+        let seconds = now.saturating_duration_since(self.since).as_secs();
+        if seconds > 0 {
+            self.since += Duration::from_secs(seconds);
+            let more = u32::try_from(seconds).unwrap_or(REFUSALS);
+            self.room = self.room.saturating_add(more).min(REFUSALS);
+        }
+        if self.room == 0 {
+            self.left_out += 1;
+            return None;
+        }
+        self.room -= 1;
+        Some(std::mem::take(&mut self.left_out))
+    }
+}
+
 #[cfg(test)]
 mod tests {
-    use std::time::{Duration, UNIX_EPOCH};
+    use std::time::UNIX_EPOCH;
 
     use serde_json::Value;
 
@@ -494,5 +532,20 @@ mod tests {
             blocked.write(&record("a")),
             Err(AuditError::Write { .. })
         ));
+    }
+
+    #[test]
+    fn a_flood_of_refusals_is_counted() {
+        let begin = Instant::now();
+        let mut refusals = Refusals::new(begin);
+        for _ in 0..REFUSALS {
+            assert_eq!(refusals.admit(begin), Some(0));
+        }
+        for _ in 0..5 {
+            assert_eq!(refusals.admit(begin), None);
+        }
+        assert_eq!(refusals.admit(begin + Duration::from_secs(1)), Some(5));
+        assert_eq!(refusals.admit(begin + Duration::from_secs(1)), None);
+        assert_eq!(refusals.admit(begin + Duration::from_secs(2)), Some(1));
     }
 }

@@ -25,10 +25,9 @@ use tower_http::limit::RequestBodyLimitLayer;
 use tower_http::timeout::TimeoutLayer;
 
 use crate::access::{Attempts, Once, Peer, Places, Sessions, Tls, TlsError, Tokens, guard, secure};
-use crate::act::Refusals;
 use crate::api::{large_router, nothing, router, while_it_runs};
 use crate::assets;
-use crate::audit::Audit;
+use crate::audit::{Audit, Refusals};
 use crate::board::Board;
 use crate::captures::Captures;
 use crate::control::Control;

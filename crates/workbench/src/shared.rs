@@ -10,8 +10,7 @@ use profidrive::{Caller as Network, Transport};
 use tokio::sync::Semaphore;
 
 use crate::access::{Attempts, Once, Places, Role, Sessions, Tokens};
-use crate::act::Refusals;
-use crate::audit::Audit;
+use crate::audit::{Audit, Refusals};
 use crate::board::Board;
 use crate::captures::Captures;
 use crate::control::Control;
