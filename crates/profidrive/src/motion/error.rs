@@ -459,7 +459,6 @@ fn joined(findings: &[String]) -> String {
     findings.iter().map(|finding| format!("; {finding}")).collect()
 }
 
-/// Where the limit of a direction is 0 the drive turns in the other one only.
 fn stored(what: &str, speed: Option<f64>, limit: f64) -> String {
     let limit = short(limit);
     match speed {
@@ -473,6 +472,7 @@ fn stored(what: &str, speed: Option<f64>, limit: f64) -> String {
     }
 }
 
+/// Where the limit of a direction is 0 the drive turns in the other one only.
 fn beyond(speed: f64, limit: f64, by: Option<&str>) -> String {
     let by = by.map_or_else(String::new, |by| format!(" ({by})"));
     let asked = short(speed);
