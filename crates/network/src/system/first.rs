@@ -1,4 +1,4 @@
-//! A thread that runs before those of other programs, as long as it needs little of the computer.
+//! A thread that runs before those of other programs, as long as it does not need most of a processor.
 
 use std::time::Duration;
 
@@ -17,7 +17,7 @@ const BELOW: u32 = 50;
 
 /// The rank of the calling thread, where the system permits one (root, `CAP_SYS_NICE`, or a limit for real-time priorities).
 ///
-/// A thread that needs much of a processor shares it with all others instead: before them it would hold up what the kernel does
+/// A thread that needs most of a processor shares it with all others instead: before them it would hold up what the kernel does
 /// with its own frames. To be used by one thread, which calls [`First::turn`] again and again. Threads that it starts share.
 #[derive(Debug)]
 pub struct First {

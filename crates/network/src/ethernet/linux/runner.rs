@@ -17,7 +17,7 @@ use crate::system::{Bell, Error, InterfaceInfo, Stop, now};
 
 /// Most frames handled before deadlines get their turn, and most deadlines before frames get theirs: with more to do than there
 /// is time for, neither keeps the other waiting. Stations that only send would lose the connections that they send for.
-const MAX_FRAMES: usize = 64;
+const MAX_EACH: usize = 64;
 /// Most frames taken from one station in one turn; what is left follows a moment later.
 const MAX_BURST: usize = 256;
 /// Delay of a station that requests to be called again at once.
@@ -332,11 +332,11 @@ impl Runner {
             self.drain(index, now);
             self.schedule(index, Instant::ZERO);
         }
-        let received = (0..MAX_FRAMES)
+        let received = (0..MAX_EACH)
             .take_while(|_| self.online && self.receive(now))
             .count();
-        let met = (0..MAX_FRAMES).take_while(|_| self.meet(now)).count();
-        if received.max(met) == MAX_FRAMES {
+        let met = (0..MAX_EACH).take_while(|_| self.meet(now)).count();
+        if received.max(met) == MAX_EACH {
             // there is more
             self.next_batch = Instant::ZERO;
         }
