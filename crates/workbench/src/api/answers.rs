@@ -24,7 +24,7 @@ pub(super) fn complete(description: &mut Value) {
             };
             answer(answers, "401", "No session");
             if method != "get" {
-                answer(answers, "403", "Another origin, or a session that only looks");
+                answer(answers, "403", "Another origin, or a session that is view-only");
             }
             if of_drive {
                 answer(answers, "404", "No such drive has answered");
