@@ -99,7 +99,7 @@ impl Once {
     }
 }
 
-/// Wrong tokens in a second, after which no token is looked at for the rest of it.
+/// Wrong tokens in a second that are answered as such; more are told to wait.
 const RATE: u32 = 10;
 
 /// The bound on wrong tokens, of all clients together.
@@ -114,7 +114,7 @@ impl Attempts {
         Self { begin: now, wrong: 0 }
     }
 
-    /// Returns whether a token may be tried now.
+    /// Returns whether one more wrong token is answered as such.
     pub fn is_open(&mut self, now: Instant) -> bool {
         if now.saturating_duration_since(self.begin) >= Duration::from_secs(1) {
             *self = Self::new(now);
