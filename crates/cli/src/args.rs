@@ -457,6 +457,46 @@ mod tests {
     }
 
     #[test]
+    fn an_option_whose_other_option_is_excluded_is_refused_and_not_ignored() {
+        for (lines, others) in [
+            (
+                "simulate --name a;simulate --count 3;simulate --model akd;simulate --mac host;simulate --min-cycle 2ms\
+                 ;simulate --ip 10.0.0.1/24;simulate --rotary 3;simulate --serial /dev/null",
+                "--virtual-time;--expect f;--junit f;--trace f",
+            ),
+            ("simulate --state d p.toml", "--trace f"),
+            (
+                "simulate --ip 10.0.0.1/24;simulate p.toml;simulate --mac host;simulate --gsdml f;simulate --pcap f",
+                "--protocol uss;--address 3;--baud 19200;--parity odd",
+            ),
+            (
+                "simulate --virtual-time p.toml;simulate --serial /dev/null",
+                "--access-point A",
+            ),
+            (
+                "decode f;decode -i eth0;decode --frame 3 f;decode --drive a f",
+                "--as pkw;--telegram 9;--from drive;--request 00",
+            ),
+            (
+                "commission f --only a;commission f --dry-run;commission f --yes",
+                "--force",
+            ),
+            ("serve --demo --tls self-signed", "--key f;--cert f"),
+            ("jog a --jog 1", "--real-time"),
+        ] {
+            for (line, other) in lines
+                .split(';')
+                .flat_map(|line| others.split(';').map(move |other| (line, other)))
+            {
+                let whole = format!("profidrive {line} {other}");
+                let wrong = Cli::try_parse_from(whole.split(' ')).expect_err(&whole);
+                let kinds = [ErrorKind::ArgumentConflict, ErrorKind::MissingRequiredArgument];
+                assert!(kinds.contains(&wrong.kind()), "{whole}: {wrong}");
+            }
+        }
+    }
+
+    #[test]
     fn a_line_has_the_name_of_its_command_and_not_of_a_value() {
         for (line, name) in [
             ("profidrive -i scan read akd-1 930", "read"),

@@ -39,6 +39,18 @@ pub struct Explain {
     pub model: ModelKind,
 }
 
+/// Of a capture: what says something about octets is refused beside it, and not ignored.
+const OF_A_CAPTURE: [&str; 8] = [
+    "file",
+    "interface",
+    "keep",
+    "station",
+    "only",
+    "since",
+    "until",
+    "frame",
+];
+
 #[derive(Debug, Args)]
 pub struct Decode {
     /// Capture file, pcap or pcapng; `-` is standard input
@@ -70,16 +82,17 @@ pub struct Decode {
     #[arg(long, value_name = "BYTES")]
     pub hex: Option<String>,
     /// What the octets are; without it the side of a parameter job is guessed
-    #[arg(long = "as", value_enum, value_name = "WHAT", requires = "hex")]
+    #[arg(long = "as", value_enum, value_name = "WHAT", requires = "hex", conflicts_with_all = OF_A_CAPTURE)]
     pub octets: Option<Octets>,
     /// The octets are cyclic data of this telegram: 1, 9 .., 101 to 108 (PPO types 1 to 8 of a VLT), 148 to 150 (Vacon)
-    #[arg(long, value_name = "NUMBER", requires = "hex", conflicts_with_all = ["octets", "request"])]
+    #[arg(long, value_name = "NUMBER", requires = "hex", conflicts_with_all = ["octets", "request"],
+        conflicts_with_all = OF_A_CAPTURE)]
     pub telegram: Option<u16>,
     /// Who sent it, for words and telegrams that look the same from both; without it both are reported
-    #[arg(long, value_enum, value_name = "WHO", requires = "hex")]
+    #[arg(long, value_enum, value_name = "WHO", requires = "hex", conflicts_with_all = OF_A_CAPTURE)]
     pub from: Option<Sender>,
     /// The request that belongs to a response, in hexadecimal
-    #[arg(long, value_name = "BYTES", requires = "hex")]
+    #[arg(long, value_name = "BYTES", requires = "hex", conflicts_with_all = OF_A_CAPTURE)]
     pub request: Option<String>,
     #[command(flatten)]
     pub model: ModelKind,

@@ -12,7 +12,7 @@ pub struct Commission {
     #[arg(long, value_name = "SELECTION", requires = "file", conflicts_with_all = ["only", "dry_run", "yes"])]
     pub from: Option<String>,
     /// Also over a machine file that exists
-    #[arg(long, requires = "from")]
+    #[arg(long, requires = "from", conflicts_with_all = ["only", "dry_run", "yes"])]
     pub force: bool,
     /// Only these drives of the file: akd-1, akd-*, @line1, model=vlt
     #[arg(long, value_name = "SELECTION")]

@@ -34,7 +34,7 @@ pub struct Serve {
     #[arg(long, value_name = "FILE", requires = "key", conflicts_with = "tls")]
     pub cert: Option<PathBuf>,
     /// The key of the certificate (PEM), which other users cannot read
-    #[arg(long, value_name = "FILE", requires = "cert")]
+    #[arg(long, value_name = "FILE", requires = "cert", conflicts_with = "tls")]
     pub key: Option<PathBuf>,
     /// Address of this server through a proxy or under another name
     #[arg(long, value_name = "https://HOST")]

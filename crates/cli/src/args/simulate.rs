@@ -11,23 +11,40 @@ use virtual_drive::model::{self, Model};
 
 use super::{Network, duration};
 
+// Where an option needs another one, the parser forgets so as soon as what was given excludes that other one: each of them excludes
+// the same by itself, or it would be ignored without a word.
+
+/// What describes drives without a plant file.
+const OF_A_FLEET: [&str; 8] = [
+    "name",
+    "count",
+    "ip",
+    "mac",
+    "model",
+    "min_cycle",
+    "rotary",
+    "serial",
+];
+/// What no slave of a serial line has.
+const OF_A_NETWORK: [&str; 7] = ["plant", "virtual_time", "gsdml", "ip", "mac", "min_cycle", "pcap"];
+
 #[derive(Debug, Args)]
 pub struct Simulate {
     /// Plant file: drives, what happens to them and when; instead of the options that describe drives
-    #[arg(value_name = "PLANT.toml", conflicts_with_all = ["name", "count", "ip", "mac", "model", "min_cycle"])]
+    #[arg(value_name = "PLANT.toml", conflicts_with_all = OF_A_FLEET)]
     pub plant: Option<PathBuf>,
     /// Runs the plant in virtual time, as fast as possible, without a network; the trace goes to stdout
-    #[arg(long, requires = "plant", conflicts_with = "state")]
+    #[arg(long, requires = "plant", conflicts_with = "state", conflicts_with_all = OF_A_FLEET)]
     pub virtual_time: bool,
     /// File with expectations of the drives; a lost expectation ends with exit code 5. In virtual time it is beside those of
     /// the plant file. On an interface times count from the first connection of a controller
-    #[arg(long, value_name = "FILE", requires = "plant")]
+    #[arg(long, value_name = "FILE", requires = "plant", conflicts_with_all = OF_A_FLEET)]
     pub expect: Option<PathBuf>,
     /// Write the results of the expectations to this file, as a JUnit report
-    #[arg(long, value_name = "FILE", requires = "plant")]
+    #[arg(long, value_name = "FILE", requires = "plant", conflicts_with_all = OF_A_FLEET)]
     pub junit: Option<PathBuf>,
     /// Write the events to this file, a JSON document a line
-    #[arg(long, value_name = "FILE", requires = "virtual_time")]
+    #[arg(long, value_name = "FILE", requires = "virtual_time", conflicts_with = "state", conflicts_with_all = OF_A_FLEET)]
     pub trace: Option<PathBuf>,
     /// Ends after this time; else the `duration` of the plant file, or Ctrl-C
     #[arg(long = "for", value_name = "TIME", value_parser = duration)]
@@ -41,20 +58,20 @@ pub struct Simulate {
     #[arg(long, value_name = "FILE", conflicts_with = "virtual_time")]
     pub gsdml: Option<PathBuf>,
     /// Only this access point of the device description; all of them when left out
-    #[arg(long, value_name = "ID", requires = "gsdml")]
+    #[arg(long, value_name = "ID", requires = "gsdml", conflicts_with_all = ["virtual_time", "serial"])]
     pub access_point: Option<String>,
     /// Station name; with --count the names end in -1, -2, ..; without it the drive waits to be named
     #[arg(long, value_name = "NAME")]
     pub name: Option<String>,
     /// How many drives
-    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..))]
-    pub count: u16,
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
+    pub count: u32,
     /// Address of the (first) drive; without it the drive waits for its address
     #[arg(long, value_name = "A.B.C.D/NN")]
     pub ip: Option<Network>,
     /// Rotary switches of the AKD, 0 to 99: address 192.168.0.NUMBER/24; with 0 the drive finds one by DHCP, else AutoIP.
     /// An address set by DCP overrules them
-    #[arg(long, value_name = "NUMBER", conflicts_with_all = ["ip", "plant"], value_parser = clap::value_parser!(u8).range(0..=99))]
+    #[arg(long, value_name = "NUMBER", conflicts_with = "ip", value_parser = clap::value_parser!(u8).range(0..=99))]
     pub rotary: Option<u8>,
     /// Folder that keeps name, address and saved parameters over a restart
     #[arg(long, value_name = "DIR")]
@@ -111,23 +128,20 @@ pub struct Demo {
 #[derive(Debug, Args)]
 pub struct SerialOptions {
     /// Serial port: the drives are slaves of a serial line instead of stations on a network
-    #[arg(
-        long,
-        value_name = "PORT",
-        conflicts_with_all = ["plant", "virtual_time", "gsdml", "ip", "mac", "min_cycle", "pcap"]
-    )]
+    #[arg(long, value_name = "PORT", conflicts_with_all = OF_A_NETWORK)]
     pub serial: Option<String>,
     /// Protocol of the line
-    #[arg(long, value_enum, default_value = "fc", requires = "serial")]
+    #[arg(long, value_enum, default_value = "fc", requires = "serial", conflicts_with_all = OF_A_NETWORK)]
     pub protocol: Protocol,
     /// Address of the (first) drive: 1 to 126, USS 0 to 31
-    #[arg(long, value_name = "N", default_value_t = 1, requires = "serial")]
+    #[arg(long, value_name = "N", default_value_t = 1, requires = "serial", conflicts_with_all = OF_A_NETWORK)]
     pub address: u8,
     /// Bits per second
-    #[arg(long, default_value_t = 9600, requires = "serial")]
+    #[arg(long, default_value_t = 9600, requires = "serial", conflicts_with_all = OF_A_NETWORK)]
     pub baud: u32,
     /// Parity
-    #[arg(long, value_name = "even|odd|none", default_value = "even", value_parser = parity, requires = "serial")]
+    #[arg(long, value_name = "even|odd|none", default_value = "even", value_parser = parity, requires = "serial",
+        conflicts_with_all = OF_A_NETWORK)]
     pub parity: Parity,
 }
 
