@@ -25,7 +25,7 @@ use crate::expect::{Expectation, Goal, Measure, Scope, read_all, read_goal, read
 use crate::located::{Located, PlantError, line_of, located};
 use crate::plan::{Cue, DrivePlan, PlantPlan, Trigger, set};
 use crate::program::RawController;
-use crate::text::{derived_mac, place, suite, time};
+use crate::text::{derived_mac, free_mac, place, suite, time};
 
 /// Longest file, in octets.
 const LONGEST_FILE: usize = 1 << 20;
@@ -332,10 +332,14 @@ fn read(raw: &RawPlant) -> Result<PlantPlan, Located> {
     let mut drives: Vec<DrivePlan> = Vec::new();
     let mut taken: HashMap<String, usize> = HashMap::new();
     for drive in &raw.drive {
-        let plan = read_drive(drive)?;
+        let mut plan = read_drive(drive)?;
+        let key_of = |mac| format!("the MAC address {mac}");
+        if drive.mac.is_none() {
+            plan.mac = free_mac(&plan.name, |mac| taken.contains_key(&key_of(mac)));
+        }
         let keys = [
             format!("the name {}", plan.name),
-            format!("the MAC address {}", plan.mac),
+            key_of(plan.mac),
             format!("the address {}", plan.ip.address),
         ];
         for (key, given) in keys.into_iter().zip([true, true, plan.ip.is_set()]) {

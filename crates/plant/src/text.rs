@@ -70,6 +70,21 @@ pub fn derived_mac(name: &str) -> MacAddress {
     MacAddress([0x02, a, b, c, d, e])
 }
 
+/// Returns the derived address of a station beside others: where one of them has it, the next one that none has.
+pub fn free_mac(name: &str, is_taken: impl Fn(MacAddress) -> bool) -> MacAddress {
+    let mut mac = derived_mac(name);
+    while is_taken(mac) {
+        let MacAddress([_, own @ ..]) = &mut mac;
+        for octet in own.iter_mut().rev() {
+            *octet = octet.wrapping_add(1);
+            if *octet != 0 {
+                break;
+            }
+        }
+    }
+    mac
+}
+
 /// Returns a station in a few words: `akd-1 (02:50:4e:00:00:01, 10.0.0.2)`.
 pub fn station_text(name: &str, mac: MacAddress, ip: IpSuite) -> String {
     if ip.is_set() {
@@ -90,6 +105,19 @@ pub fn count(drives: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn an_address_that_is_taken_is_followed_by_the_next() {
+        let own = derived_mac("c-1369");
+        assert_eq!(own, derived_mac("c-1361"), "these two show it");
+        assert_eq!(free_mac("c-1369", |_| false), own);
+        let next = free_mac("c-1369", |mac| mac == own);
+        assert_eq!(next.0[..5], own.0[..5]);
+        assert_eq!(next.0[5], own.0[5] + 1);
+        let all_of_the_last = |mac: MacAddress| mac.0[..5] == own.0[..5];
+        let carried = free_mac("c-1369", all_of_the_last);
+        assert_eq!((carried.0[4], carried.0[5]), (own.0[4] + 1, 0));
+    }
 
     #[test]
     fn times_places_and_addresses() {

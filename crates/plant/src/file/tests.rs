@@ -271,3 +271,14 @@ fn the_steps_of_a_controller_are_bounded() {
     assert_eq!(steps(100_001), "more than 100000 steps");
     assert_ne!(steps(1), "more than 100000 steps");
 }
+
+#[test]
+fn two_names_of_one_derived_address_get_two_addresses() {
+    let drive = |name: &str| format!("[[drive]]\nname = \"{name}\"\n");
+    let plant: PlantPlan = (drive("c-1361") + &drive("c-1369")).parse().unwrap();
+    let [first, second] = plant.drives.as_slice() else {
+        panic!("two drives")
+    };
+    assert_eq!(first.mac, derived_mac("c-1369"), "of both names");
+    assert_ne!(first.mac, second.mac);
+}

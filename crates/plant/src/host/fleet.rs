@@ -1,6 +1,6 @@
 //! A number of equal drives: names, addresses, update times.
 
-use std::collections::HashMap;
+use std::collections::HashSet;
 use std::net::Ipv4Addr;
 use std::time::Duration;
 
@@ -10,7 +10,7 @@ use profinet::{IpSuite, MacAddress};
 use virtual_drive::model::Model;
 
 use crate::plan::DrivePlan;
-use crate::text::{count, derived_mac};
+use crate::text::{count, free_mac};
 
 /// One step of an update time.
 const TICK_NANOS: u128 = 31_250;
@@ -23,7 +23,7 @@ pub struct Fleet {
     /// Name of station; of several drives the names end in -1, -2, ..; `None` for drives that wait to be named.
     pub name: Option<String>,
     /// How many.
-    pub count: u16,
+    pub count: u32,
     /// Address and prefix length of the first; `None` for drives that wait for their address.
     pub ip: Option<(Ipv4Addr, u8)>,
     /// Ethernet addresses.
@@ -64,16 +64,6 @@ pub enum FleetError {
         /// The rule it breaks.
         rule: NameRule,
     },
-    /// Two drives have the same Ethernet address.
-    #[error("{first} and {second} get the same MAC address {mac}")]
-    SameMac {
-        /// One drive.
-        first: String,
-        /// The other drive.
-        second: String,
-        /// Their address.
-        mac: MacAddress,
-    },
     /// One Ethernet address for several drives.
     #[error("one MAC address is for one drive; several get theirs from their names")]
     SharedMac,
@@ -96,7 +86,7 @@ pub enum FleetError {
         /// Drives there is room for.
         room: u32,
         /// Drives there are.
-        wanted: u16,
+        wanted: u32,
     },
     /// No such update time.
     #[error("an update time of {} ms does not exist", time.as_secs_f64() * 1000.0)]
@@ -112,7 +102,7 @@ pub enum FleetError {
 #[derive(Debug, Clone)]
 pub struct Plan {
     /// Which of several without a name.
-    number: u16,
+    number: u32,
     pub drive: DrivePlan,
 }
 
@@ -153,7 +143,7 @@ impl Fleet {
         let interval = self.min_cycle.map(interval).transpose()?;
         self.check()?;
         let mut plans: Vec<Plan> = Vec::new();
-        let mut by_mac = HashMap::new();
+        let mut taken = HashSet::new();
         for number in 1..=self.count {
             let name = match &self.name {
                 None => String::new(),
@@ -170,18 +160,12 @@ impl Fleet {
                 drive: DrivePlan::new(&name, self.model),
             };
             let key = plan.key();
-            plan.drive.mac = self.mac(&key, host)?;
+            plan.drive.mac = self.mac(&key, host, &taken)?;
             plan.drive.min_device_interval = interval;
             if let Some((first, prefix)) = self.ip {
                 plan.drive.ip = address(first, prefix, number - 1);
             }
-            if let Some(first) = by_mac.insert(plan.drive.mac, key.clone()) {
-                return Err(FleetError::SameMac {
-                    first,
-                    second: key,
-                    mac: plan.drive.mac,
-                });
-            }
+            taken.insert(plan.drive.mac);
             plans.push(plan);
         }
         Ok(plans)
@@ -192,7 +176,7 @@ impl Fleet {
             let wanted = self.count;
             match room(address, prefix) {
                 0 => return Err(FleetError::NoStationAddress(address, prefix)),
-                room if room < wanted.into() => {
+                room if room < wanted => {
                     return Err(FleetError::NoRoom {
                         address,
                         prefix,
@@ -212,9 +196,14 @@ impl Fleet {
         Ok(())
     }
 
-    fn mac(&self, key: &str, host: Option<MacAddress>) -> Result<MacAddress, FleetError> {
+    fn mac(
+        &self,
+        key: &str,
+        host: Option<MacAddress>,
+        taken: &HashSet<MacAddress>,
+    ) -> Result<MacAddress, FleetError> {
         match self.mac {
-            MacChoice::Derived => Ok(derived_mac(key)),
+            MacChoice::Derived => Ok(free_mac(key, |mac| taken.contains(&mac))),
             _ if self.count > 1 => Err(FleetError::SharedMac),
             MacChoice::Host => host.ok_or(FleetError::NoHostMac),
             MacChoice::This(mac) if mac.is_multicast() || mac == MacAddress::default() => {
@@ -226,15 +215,15 @@ impl Fleet {
 }
 
 /// `akd` gives akd-1, akd-2; `akd-1` gives akd-1, akd-2 as well; `akd-5` begins at 5.
-fn numbered(name: &str, number: u16) -> String {
+fn numbered(name: &str, number: u32) -> String {
     let (base, first) = match name.rsplit_once('-') {
-        Some((base, digits)) if !base.is_empty() => match digits.parse::<u16>() {
+        Some((base, digits)) if !base.is_empty() => match digits.parse::<u32>() {
             Ok(first) => (base, first),
             Err(_) => (name, 1),
         },
         _ => (name, 1),
     };
-    format!("{base}-{}", u32::from(first) + u32::from(number) - 1)
+    format!("{base}-{}", u64::from(first) + u64::from(number) - 1)
 }
 
 /// Mask of a subnet with this prefix length.
@@ -263,9 +252,9 @@ fn room(first: Ipv4Addr, prefix: u8) -> u32 {
 }
 
 /// Returns the address so many behind the first; that there is room is known.
-fn address(first: Ipv4Addr, prefix: u8, offset: u16) -> IpSuite {
+fn address(first: Ipv4Addr, prefix: u8, offset: u32) -> IpSuite {
     IpSuite {
-        address: u32::from(first).saturating_add(offset.into()).into(),
+        address: u32::from(first).saturating_add(offset).into(),
         mask: mask(prefix),
         gateway: Ipv4Addr::UNSPECIFIED,
     }
@@ -298,7 +287,7 @@ mod tests {
 
     const HOST: MacAddress = MacAddress([0, 1, 2, 3, 4, 5]);
 
-    fn fleet(name: &str, count: u16) -> Fleet {
+    fn fleet(name: &str, count: u32) -> Fleet {
         Fleet {
             name: Some(name.into()),
             count,
@@ -306,14 +295,14 @@ mod tests {
         }
     }
 
-    fn at(name: &str, count: u16, ip: [u8; 4], prefix: u8) -> Fleet {
+    fn at(name: &str, count: u32, ip: [u8; 4], prefix: u8) -> Fleet {
         Fleet {
             ip: Some((ip.into(), prefix)),
             ..fleet(name, count)
         }
     }
 
-    fn with_mac(count: u16, mac: MacChoice) -> Fleet {
+    fn with_mac(count: u32, mac: MacChoice) -> Fleet {
         Fleet {
             mac,
             ..fleet("akd-1", count)
@@ -345,9 +334,13 @@ mod tests {
     }
 
     #[test]
-    fn many_names_many_macs() {
-        let drives = at("akd-1", 256, [10, 0, 0, 1], 16).plans(None).unwrap();
-        assert_eq!(drives.len(), 256);
+    fn any_number_of_drives_has_as_many_addresses() {
+        // each of these bases has names whose own addresses are equal
+        for base in ["c", "dev", "fleet", "akd"] {
+            let drives = at(base, 70_000, [10, 0, 0, 1], 8).plans(None).unwrap();
+            let macs: HashSet<_> = drives.iter().map(|plan| plan.drive.mac).collect();
+            assert_eq!(macs.len(), 70_000, "{base}");
+        }
     }
 
     #[test]

@@ -101,7 +101,6 @@ impl Explained for FleetError {
             Self::Name { name, .. } => {
                 check_station_name(name).map_or_else(|error| error.advice(), |()| Advice::default())
             }
-            Self::SameMac { .. } => "choose another name for one of them".into(),
             Self::NoRoom { .. } => {
                 "begin at a lower address, or take a larger subnet (a shorter prefix)".into()
             }

@@ -19,7 +19,6 @@ impl From<FleetError> for Failure {
     fn from(error: FleetError) -> Self {
         match error {
             FleetError::NoRotarySwitches(_) | FleetError::SharedSwitches => of_option("--rotary", &error),
-            FleetError::SameMac { .. } => of_option("--name", &error),
             FleetError::SharedMac | FleetError::NoStationMac(_) => of_option("--mac", &error),
             FleetError::NoStationAddress(..) | FleetError::NoRoom { .. } => of_option("--ip", &error),
             FleetError::Interval { .. } => of_option("--min-cycle", &error),
