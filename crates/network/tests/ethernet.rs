@@ -342,6 +342,32 @@ fn stations_with_more_to_send_than_there_is_time_for_receive_as_much() {
 }
 
 #[test]
+fn a_station_that_is_new_is_not_late() {
+    if !inside("a_station_that_is_new_is_not_late") {
+        return;
+    }
+    veth();
+    let begin = now();
+    let mut runner = Runner::open("va").unwrap();
+    let station = Echo {
+        cycle: Some((Duration::from_millis(1), Instant::ZERO, mac(9))),
+        ..echo(1)
+    };
+    let id = runner.attach(Box::new(Host::new(station))).unwrap();
+    let turns = |runner: &Runner| {
+        let host = runner.station::<Host<Echo>>(id).unwrap();
+        host.endpoint().lateness.len()
+    };
+    while turns(&runner) == 0 {
+        assert!(now() - begin < Duration::from_secs(5));
+        runner.step(now() + Duration::from_millis(1)).unwrap();
+    }
+    // the station itself counts from the start of the computer
+    let lateness = runner.lateness();
+    assert!(lateness.longest <= now() - begin, "{lateness:?}");
+}
+
+#[test]
 fn cycles_are_kept_by_many_stations() {
     if !inside("cycles_are_kept_by_many_stations") {
         return;

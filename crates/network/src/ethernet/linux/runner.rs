@@ -355,7 +355,10 @@ impl Runner {
         let Some(index) = self.deadlines.earliest_index() else {
             return false;
         };
-        self.note_delay(now - due);
+        // the time of a station that wants its turn at once, as when it is new, says nothing about a delay
+        if due > Instant::ZERO {
+            self.note_delay(now - due);
+        }
         self.turn(index, now, now + SHORTEST_WAIT);
         true
     }
