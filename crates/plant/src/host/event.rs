@@ -4,7 +4,8 @@ use std::fmt;
 use std::net::Ipv4Addr;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
+use std::thread::sleep;
 use std::time::Duration;
 
 use profinet::{IpSuite, MacAddress};
@@ -20,6 +21,8 @@ use crate::trace::EventKind;
 
 /// Events that may wait for their receiver; further ones are counted and left out.
 const WAITING: usize = 4096;
+/// How long a receiver is waited for before the first cycle, in all: then there are more events at once than may wait.
+const PATIENCE: Duration = Duration::from_secs(1);
 
 /// Something that happened to a simulation.
 #[derive(Debug, Clone)]
@@ -167,6 +170,16 @@ impl DriveEvent {
     }
 }
 
+impl Event {
+    pub(super) fn of(drive: &Arc<str>, at: Duration, what: DriveEvent) -> Self {
+        Self::Drive {
+            drive: Arc::clone(drive),
+            at,
+            what: Box::new(what),
+        }
+    }
+}
+
 impl fmt::Display for Event {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -291,13 +304,31 @@ impl EventSender {
         }
     }
 
+    /// Sends what happened before the first cycle, which a receiver that is slow does not hold up.
+    pub(super) fn begin(&self, events: impl IntoIterator<Item = Event>) {
+        self.wait_for(PATIENCE, events);
+    }
+
+    fn wait_for(&self, mut patience: Duration, events: impl IntoIterator<Item = Event>) {
+        let nap = Duration::from_millis(1);
+        for mut event in events {
+            while let Err(refused) = self.sender.try_send(event) {
+                let TrySendError::Full(back) = refused else {
+                    return;
+                };
+                if patience.is_zero() {
+                    self.left_out.fetch_add(1, Ordering::Relaxed);
+                    break;
+                }
+                event = back;
+                sleep(nap);
+                patience = patience.saturating_sub(nap);
+            }
+        }
+    }
+
     pub(super) fn drive(&self, drive: &Arc<str>, at: Duration, what: DriveEvent) {
-        let drive = Arc::clone(drive);
-        self.send(Event::Drive {
-            drive,
-            at,
-            what: Box::new(what),
-        });
+        self.send(Event::of(drive, at, what));
     }
 }
 
@@ -334,6 +365,25 @@ mod tests {
         drop(sender);
         let text: Vec<String> = events.map(|event| event.to_string()).collect();
         assert_eq!(text, ["akd-1: ready: address 0", "akd-1: ready: address 1"]);
+    }
+
+    #[test]
+    fn before_the_first_cycle_a_receiver_is_waited_for() {
+        let (sender, events) = channel(2);
+        let ready = || {
+            (0..100).map(|number| Event::of(&"akd-1".into(), Duration::ZERO, DriveEvent::ReadyAtLine(number)))
+        };
+        let received = std::thread::scope(|scope| {
+            let receiver = scope.spawn(|| events.map(|event| event.to_string()).collect::<Vec<_>>());
+            sender.wait_for(Duration::MAX, ready());
+            drop(sender);
+            receiver.join().unwrap()
+        });
+        assert_eq!(received.len(), 100, "{received:?}");
+        // not for ever
+        let (sender, mut events) = channel(2);
+        sender.wait_for(Duration::ZERO, ready());
+        assert!(matches!(events.next(), Some(Event::LeftOut(98))));
     }
 
     #[test]

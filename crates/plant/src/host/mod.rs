@@ -95,7 +95,7 @@ impl Drives {
     #[must_use]
     pub fn count(&self) -> usize {
         match self {
-            Self::Fleet(fleet) => fleet.count.into(),
+            Self::Fleet(fleet) => fleet.count as usize,
             Self::Plans(plans) => plans.len(),
         }
     }
@@ -282,14 +282,14 @@ impl Host {
         }
         // who waits for the drives to be ready may use the control socket at once
         host.control_socket = open_control_socket(bell, &host.events);
-        for (drive, what) in ready {
-            host.events.drive(&drive, now() - start, what);
-        }
-        host.events.send(Event::Running {
+        let all = Event::Running {
             drives: host.drives.len(),
             place: config.interface,
             serial: false,
-        });
+        };
+        let at = now() - start;
+        let ready = ready.into_iter().map(|(drive, what)| Event::of(&drive, at, what));
+        host.events.begin(ready.chain([all]));
         Ok(host)
     }
 
