@@ -242,3 +242,44 @@ fn the_page_about_bounds_names_files_constants_and_tests_that_exist() {
         "{files} {constants} {tests}"
     );
 }
+
+#[test]
+fn the_numbers_on_the_page_about_bounds_are_those_of_the_code() {
+    let page = Page::read("docs/src/bounds.md");
+    let mut count = 0;
+    for row in page.text.lines().filter(|line| line.starts_with("| ")) {
+        // code and what is between it take turns
+        let parts: Vec<&str> = row.split('`').collect();
+        let files = parts.iter().filter(|part| part.ends_with(".rs")).map(|file| {
+            let in_crates = root().join("crates").join(file);
+            let path = if in_crates.is_file() {
+                in_crates
+            } else {
+                root().join(file)
+            };
+            std::fs::read_to_string(path).unwrap_or_default()
+        });
+        let code: String = files.collect();
+        for pair in parts[1..].chunks_exact(2) {
+            let [name, after] = pair else { continue };
+            let number = after.strip_prefix(' ').unwrap_or_default();
+            let end = number.find(|letter: char| !letter.is_ascii_digit() && letter != ',');
+            let (number, unit) = number.split_at(end.unwrap_or(number.len()));
+            let number = number.trim_end_matches(',').replace(',', "");
+            // a definition is a plain number, or an expression that is not looked at
+            let plain: Vec<String> = code
+                .lines()
+                .filter(|line| line.contains(&format!("const {name}: ")))
+                .filter_map(|line| line.split_once(" = ")?.1.strip_suffix(';'))
+                .map(|value| value.replace('_', ""))
+                .filter(|value| value.bytes().all(|digit| digit.is_ascii_digit()))
+                .collect();
+            if number.is_empty() || plain.is_empty() || unit.starts_with(" MiB") || unit.starts_with(" kB") {
+                continue;
+            }
+            assert!(plain.contains(&number), "{name} {number}, in the code {plain:?}");
+            count += 1;
+        }
+    }
+    assert!(count > 100, "{count}");
+}
