@@ -11,6 +11,7 @@ mod descriptions;
 mod drive;
 mod frames;
 mod host;
+mod machines;
 mod neighbourhood;
 mod parameters;
 mod plants;
@@ -27,6 +28,7 @@ pub use descriptions::gsdml;
 pub use drive::{converter, drive, state};
 pub use frames::{alarm, blocks, dcp, rt};
 pub use host::host;
+pub use machines::machine;
 pub use neighbourhood::{lldp, snmp};
 pub use parameters::{description, notation, parameter_request, parameter_response, setting};
 pub use plants::plant;
@@ -53,6 +55,7 @@ pub const TARGETS: &[(&str, Target)] = &[
     ("gsdml", gsdml),
     ("host", host),
     ("lldp", lldp),
+    ("machine", machine),
     ("notation", notation),
     ("octets", octets),
     ("parameter_request", parameter_request),
