@@ -8,6 +8,7 @@ use profile::state::Mode;
 use profinet::MacAddress;
 use profinet::controller::{ServiceError, Station};
 
+use super::MoveEnd;
 use crate::axis::{Objection, SpeedUnit};
 use crate::{ClosedRoute, DriveAddress, LossAction, LossReaction};
 
@@ -89,6 +90,25 @@ pub(super) fn speed_text(speed: Option<f64>, unit: &str) -> String {
         || "not reported".into(),
         |speed| format!("{} {unit}", fixed(speed, 1)),
     )
+}
+
+/// Returns why a move ended early, where the axis stands and where it should stand.
+pub(super) fn move_ended_text(end: MoveEnd, position: Option<f64>, target: Option<f64>) -> String {
+    let why = match end {
+        MoveEnd::Halted => "the motion was halted before its target",
+        MoveEnd::Travel => {
+            "the motion was halted at the end of the travel of this session, before its target"
+        }
+        MoveEnd::Paused => "an intermediate stop holds the motion before its target",
+    };
+    // a thousandth of a turn, as elsewhere
+    let turns = |turns: f64| figures((turns * 1000.0).round() / 1000.0 + 0.0);
+    let stands = position.map_or_else(String::new, |at| format!(": the axis is at {} rev", turns(at)));
+    let wanted = target.map_or_else(String::new, |target| {
+        let before = if position.is_some() { ", " } else { ": " };
+        format!("{before}the target is {} rev", turns(target))
+    });
+    format!("{why}{stands}{wanted}")
 }
 
 /// Returns the speed of an axis that should have moved.

@@ -398,6 +398,7 @@ pub(super) async fn explained(
         Error::Axis { .. }
             | Error::NotInTime { .. }
             | Error::HomingEnded { .. }
+            | Error::MoveEnded { .. }
             | Error::Held { .. }
             | Error::SpeedNotReached { .. }
             | Error::NotMoved { .. }
