@@ -28,8 +28,8 @@ pub use text::describe;
 pub(crate) use text::mode_words;
 use text::{
     closed_text, frequency_text, highest_text, holders_text, in_place, join, move_ended_text,
-    objections_text, once, others, owner_text, reaction_text, scaling_text, speed_text, telegram_text,
-    times_text, unit_text,
+    objections_text, once, others, owner_text, reaction_text, scaling_text, speed_limit_text, speed_text,
+    telegram_text, times_text, unit_text,
 };
 
 /// Why the wire failed; shared by all waiting calls.
@@ -546,7 +546,7 @@ pub enum Error {
         evidence: Evidence,
     },
     /// A speed that the caller did not allow.
-    #[error("{} {unit} is above the limit of {} {unit}", figures(*.wanted), figures(*.limit))]
+    #[error("{}", speed_limit_text(*.wanted, *.limit, .unit))]
     SpeedLimit {
         /// Requested speed.
         wanted: f64,

@@ -85,6 +85,21 @@ pub(super) fn reaction_text(reaction: &Option<Box<LossReaction>>) -> String {
         .map_or_else(String::new, |reaction| format!("; {reaction}{}", since(reaction)))
 }
 
+/// Returns which speed is above which limit, also where one of them is no number.
+pub(super) fn speed_limit_text(wanted: f64, limit: f64, unit: &str) -> String {
+    if wanted.is_nan() {
+        return "the speed is not a number (NaN), so no axis can have it".into();
+    }
+    if limit.is_nan() {
+        return "the limit of the speed is not a number (NaN), so no speed is within it".into();
+    }
+    let limit = figures(limit);
+    if wanted.is_infinite() {
+        return format!("an infinite speed is above the limit of {limit} {unit}");
+    }
+    format!("{} {unit} is above the limit of {limit} {unit}", figures(wanted))
+}
+
 pub(super) fn speed_text(speed: Option<f64>, unit: &str) -> String {
     speed.map_or_else(
         || "not reported".into(),
