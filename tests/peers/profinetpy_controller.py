@@ -22,6 +22,8 @@ from profinet.cyclic import CyclicController  # noqa: F401  (fails early when th
 
 READ_PROFILE_IDENT = bytes.fromhex("01 01 00 01 10 01 03 c5 00 00")  # reference 1, read, axis 0, PNU 965
 RATED = 0x4000
+# seconds after which what is waited for does not come any more, on a machine of any load
+LIMIT = 20.0
 
 
 def say(step, **facts):
@@ -94,8 +96,16 @@ class Script:
         say("signal", ok=bool(ok))
 
     def find(self):
-        self.device = profinet.ProfinetDevice.discover(self.arguments.name, self.arguments.interface,
-                                                       timeout=self.arguments.search_time)
+        end = time.monotonic() + LIMIT
+        while True:
+            try:
+                self.device = profinet.ProfinetDevice.discover(self.arguments.name, self.arguments.interface,
+                                                               timeout=self.arguments.search_time)
+                break
+            # an answer may come later than a search lasts
+            except Exception as error:
+                if time.monotonic() > end:
+                    raise SystemExit(f"find: {error!r}") from error
         say("find", name=self.device.name, ip=self.device.ip, mac=self.device.mac)
 
     # ---- acyclic ---------------------------------------------------------------------------------------------------
@@ -126,7 +136,8 @@ class Script:
     def job(self, request, index):
         """One parameter job: write the request, read the answer, again while the device says 'not ready'."""
         last = None
-        for _ in range(50):
+        end = time.monotonic() + LIMIT
+        while time.monotonic() < end:
             try:
                 self.device.write(1, 1, index, request, api=0x3A00)
                 break
@@ -135,7 +146,10 @@ class Script:
                 if "B5" not in str(error):
                     raise
                 time.sleep(0.02)
-        for _ in range(50):
+        else:
+            raise SystemExit(f"{request.hex()} on 0x{index:04X} is not taken: {last}")
+        end = time.monotonic() + LIMIT
+        while time.monotonic() < end:
             try:
                 answer = self.device.read(1, 1, index, api=0x3A00)
                 if answer:
@@ -213,15 +227,19 @@ class Script:
 
     def telegrams(self):
         """For each round: connects with its module in slot 1, sends each of its frames for a while, and reads its
-        parameters while the frame stands, with the inputs before and after."""
+        parameters while the frame stands, with the inputs before and after. A frame may be followed by what its inputs
+        have to come to: `hexadecimal:offset:value`, a word with sign that is at most 7 away."""
         for number, text_of_round in enumerate(self.arguments.round):
             slots, frames, request = text_of_round.split("|")
             self.arguments.slots = slots
             self.find()
             self.connect()
             for frame in frames.split(","):
+                frame, *wanted = frame.split(":")
                 self.cyclic.set_output_data(1, self.arguments.subslot, bytes.fromhex(frame))
                 self.exchange_for(self.arguments.hold)
+                if wanted:
+                    self.come_to(*(int(number) for number in wanted))
                 before = bytes(self.cyclic.get_input_data(1, self.arguments.subslot))
                 answer = self.job(bytes.fromhex(request), 0xB02E)
                 # inputs that are surely newer than the answer, also when this process was held up meanwhile
@@ -236,13 +254,33 @@ class Script:
         begin = self.statistics()
         time.sleep(seconds)
         cycles = seconds * 1000 / self.arguments.ratio
-        end = time.monotonic() + 20
+        end = time.monotonic() + LIMIT
         while time.monotonic() < end:
             now = self.statistics()
             if all(now[way] - begin[way] >= cycles for way in ("sent", "received")):
-                return
+                return self.catch_up(end)
             time.sleep(0.01)
         raise SystemExit(f"{cycles} cycles: not exchanged, {begin} {self.statistics()}")
+
+    def catch_up(self, end):
+        """Waits for an input that was waited for: those before it may have lain in a queue while this process was held up,
+        and are older than they look."""
+        begin = len(self.inputs)
+        while time.monotonic() < end:
+            times = [t for t, _ in self.inputs[max(begin - 1, 0):]]
+            if any(later - earlier >= self.arguments.ratio / 2000 for earlier, later in zip(times, times[1:])):
+                return
+            time.sleep(0.005)
+        raise SystemExit(f"the inputs are late all the time: {self.gaps()}")
+
+    def come_to(self, offset, value):
+        """Waits until a word of the inputs is near a value. Whoever compares the inputs sees that it never was."""
+        end = time.monotonic() + LIMIT
+        while time.monotonic() < end:
+            data = self.cyclic.get_input_data(1, self.arguments.subslot)
+            if data and abs(int.from_bytes(data[offset:offset + 2], "big", signed=True) - value) < 8:
+                return self.exchange_for(4 * self.arguments.ratio / 1000)
+            time.sleep(0.01)
 
     def exchange(self):
         """Cyclic data for a while with no change, counting what is lost."""

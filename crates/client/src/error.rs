@@ -27,12 +27,25 @@ pub use rule::Rule;
 pub use text::describe;
 pub(crate) use text::mode_words;
 use text::{
-    closed_text, frequency_text, highest_text, holders_text, in_place, join, objections_text, once, others,
-    owner_text, reaction_text, scaling_text, speed_text, telegram_text, times_text, unit_text,
+    closed_text, frequency_text, highest_text, holders_text, in_place, join, move_ended_text,
+    objections_text, once, others, owner_text, reaction_text, scaling_text, speed_limit_text, speed_text,
+    telegram_text, times_text, unit_text,
 };
 
 /// Why the wire failed; shared by all waiting calls.
 pub type WireFailure = Arc<dyn std::error::Error + Send + Sync>;
+
+/// What brought an axis to rest before its move was at its target.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum MoveEnd {
+    /// It was halted along its ramp, and the rest of the move was discarded.
+    Halted,
+    /// The same, at the end of the travel of this session.
+    Travel,
+    /// An intermediate stop holds it: the move can go on.
+    Paused,
+}
 
 /// Why something did not come about.
 #[derive(Debug, thiserror::Error)]
@@ -418,6 +431,18 @@ pub enum Error {
         /// Whether the end of its travel halted it, not its caller.
         by_travel: bool,
     },
+    /// Something brought the axis to rest before its move was at its target; it stays enabled.
+    #[error("{drive}: {}", move_ended_text(*.end, *.position, *.target))]
+    MoveEnded {
+        /// The drive.
+        drive: String,
+        /// What did.
+        end: MoveEnd,
+        /// Where the axis stands, in turns, if its telegram carries the position.
+        position: Option<f64>,
+        /// Where the move was to end, in turns, if that is known.
+        target: Option<f64>,
+    },
     /// The axis did not come up to its speed; it is being stopped.
     #[error("{drive}: {} {unit} not reached within {:.1} s, the highest speed was {}", figures(*.wanted), .limit.as_secs_f64(), speed_text(*.highest, .unit))]
     SpeedNotReached {
@@ -521,7 +546,7 @@ pub enum Error {
         evidence: Evidence,
     },
     /// A speed that the caller did not allow.
-    #[error("{} {unit} is above the limit of {} {unit}", figures(*.wanted), figures(*.limit))]
+    #[error("{}", speed_limit_text(*.wanted, *.limit, .unit))]
     SpeedLimit {
         /// Requested speed.
         wanted: f64,

@@ -52,7 +52,7 @@ pub use client::{AxisView, Client, Connection, Link};
 pub use drive::Drive;
 pub use engine::{Driver, Engine, Wait, Waiters, Wire, World};
 pub use error::{
-    ChannelCause, ChannelRefusal, Error, ErrorKind, NotCarried, Refusal, Rule, WireFailure, describe,
+    ChannelCause, ChannelRefusal, Error, ErrorKind, MoveEnd, NotCarried, Refusal, Rule, WireFailure, describe,
 };
 pub use identity::Identity;
 pub use line::LineConfig;

@@ -186,6 +186,32 @@ fn moves_follow_each_other_and_a_refused_one_changes_nothing() {
 }
 
 #[test]
+fn a_move_that_is_halted_on_its_way_has_not_arrived() {
+    let (mut network, mut drive) = plant();
+    let mut axis = held(&mut network, &mut drive, &for_position());
+    home(&mut axis);
+    axis.start(&Order::to(Position::Turns(20.0), 60.0))
+        .wait()
+        .unwrap();
+    network.pass(1000 * MS).wait().unwrap();
+    axis.beat_handle().end();
+    let error = axis.arrive(10_000 * MS).wait().unwrap_err();
+    assert!(
+        matches!(
+            error,
+            Error::MoveEnded {
+                target: Some(20.0),
+                position: Some(_),
+                ..
+            }
+        ),
+        "{error}"
+    );
+    assert_eq!(error.kind(), ErrorKind::NotReached);
+    axis.release().wait().unwrap();
+}
+
+#[test]
 fn dropping_it_or_a_panic_of_its_thread_stops_it_and_puts_the_mode_back() {
     for panics in [false, true] {
         let (mut network, mut drive) = plant();

@@ -29,10 +29,11 @@ pub(crate) struct Intent {
 }
 
 impl Intent {
-    fn record(&self, shared: &Shared, who: &str) -> Record {
+    fn record(&self, shared: &Shared, who: &str, claimed_name: Option<String>) -> Record {
         let drive = self.drive.as_ref();
         Record {
             who: who.to_owned(),
+            claimed_name,
             drive: self.drive.clone(),
             name: drive.and_then(|id| shared.board.name(id)),
             serial: drive.and_then(|id| shared.board.serial(id)),
@@ -42,6 +43,10 @@ impl Intent {
             result: None,
             ..Record::default()
         }
+    }
+
+    fn record_of(&self, shared: &Shared, caller: &Caller) -> Record {
+        self.record(shared, &caller.who, caller.claimed.name())
     }
 }
 
@@ -78,7 +83,7 @@ pub(crate) async fn carry_out_noted<T: Send + 'static>(
     intent: Intent,
     work: impl Future<Output = Result<(T, Outcome), Problem>> + Send + 'static,
 ) -> Result<T, Problem> {
-    let record = intent.record(&shared, &caller.who);
+    let record = intent.record_of(&shared, caller);
     let done = tokio::spawn(async move {
         write(&shared, record.clone())
             .await
@@ -106,7 +111,7 @@ pub(crate) async fn carry_out_noted<T: Send + 'static>(
 /// # Errors
 /// When it cannot be written: then nothing may be done.
 pub(crate) async fn begin(shared: &Shared, caller: &Caller, intent: &Intent) -> Result<(), Problem> {
-    let written = write(shared, intent.record(shared, &caller.who)).await;
+    let written = write(shared, intent.record_of(shared, caller)).await;
     written.map_err(|error| unlogged(&error))
 }
 
@@ -114,7 +119,7 @@ pub(crate) async fn begin(shared: &Shared, caller: &Caller, intent: &Intent) -> 
 pub(crate) async fn noted_quietly(shared: &Shared, caller: &Caller, intent: &Intent, result: String) {
     let record = Record {
         result: Some(result),
-        ..intent.record(shared, &caller.who)
+        ..intent.record_of(shared, caller)
     };
     written(shared, record).await;
 }
@@ -147,7 +152,13 @@ pub(crate) async fn note_stop(shared: &Shared, caller: &Caller, stopping: &Stopp
 
 /// Writes that something was refused, behind the refusal. A flood of refusals is counted instead. Where the log cannot be written the
 /// refusal stands alone: nothing was done.
-pub(crate) fn note_refusal(shared: &Arc<Shared>, who: &str, intent: Intent, reason: &str) {
+pub(crate) fn note_refusal(
+    shared: &Arc<Shared>,
+    who: &str,
+    claimed_name: Option<String>,
+    intent: Intent,
+    reason: &str,
+) {
     let Some(left_out) = shared.refusals().admit(Instant::now()) else {
         return;
     };
@@ -159,7 +170,7 @@ pub(crate) fn note_refusal(shared: &Arc<Shared>, who: &str, intent: Intent, reas
     tokio::spawn(async move {
         let record = Record {
             result: Some(result),
-            ..intent.record(&shared, &who)
+            ..intent.record(&shared, &who, claimed_name)
         };
         let _ = write(&shared, record).await;
     });
@@ -167,7 +178,7 @@ pub(crate) fn note_refusal(shared: &Arc<Shared>, who: &str, intent: Intent, reas
 
 /// Writes what was done without an intent, and reports it to all pages.
 pub(crate) async fn note(shared: &Shared, caller: &Caller, intent: &Intent, result: String) {
-    noted(shared, intent.record(shared, &caller.who), result, false).await;
+    noted(shared, intent.record_of(shared, caller), result, false).await;
 }
 
 async fn noted(shared: &Shared, record: Record, result: String, failed: bool) {
@@ -175,6 +186,7 @@ async fn noted(shared: &Shared, record: Record, result: String, failed: bool) {
         kind: record.action,
         drive: record.drive.clone(),
         who: record.who.clone(),
+        claimed_name: record.claimed_name.clone(),
         text: match &record.value {
             Some(value) => format!("{value}: {result}"),
             None => result.clone(),
@@ -195,6 +207,7 @@ async fn written(shared: &Shared, record: Record) {
             kind: "log",
             drive: None,
             who: String::new(),
+            claimed_name: None,
             text: error.to_string(),
             failed: true,
         });

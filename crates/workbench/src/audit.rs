@@ -27,6 +27,9 @@ const TEXT: usize = 2000;
 pub(crate) struct Record {
     /// Who: the number of a session, or `token` for a program.
     pub who: String,
+    /// What the people of that session call themselves, which nothing verifies.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub claimed_name: Option<String>,
     /// The drive, as it is called in paths.
     pub drive: Option<String>,
     /// What the drive is called.
@@ -69,6 +72,9 @@ pub(crate) struct LogRecord {
     pub boot: String,
     /// Who: the number of a session, or `token` for a program.
     pub who: String,
+    /// What the people of that session called themselves, which nothing has verified.
+    #[serde(default)]
+    pub claimed_name: Option<String>,
     /// The drive, as it is called in paths.
     pub drive: Option<String>,
     /// What the drive was called.
@@ -149,7 +155,7 @@ pub(crate) enum AuditError {
 }
 
 impl Audit {
-    /// Returns the log in a folder, which is made with the first record.
+    /// Returns the log in a folder, which is made where it is needed.
     pub const fn new(folder: Option<PathBuf>, boot: String) -> Self {
         Self {
             folder,
@@ -229,6 +235,16 @@ impl Audit {
             }
         }
         Ok(())
+    }
+
+    /// Checks that records can be written: makes the folder and the file of today.
+    pub fn check(&self) -> Result<(), AuditError> {
+        let folder = self.folder.as_ref().ok_or(AuditError::NoFolder)?;
+        let opened = next(folder, &day(SystemTime::now()));
+        opened.map(|_| ()).map_err(|error| AuditError::Write {
+            folder: folder.clone(),
+            error,
+        })
     }
 
     /// Writes a record, so that it is on the disk when this returns.

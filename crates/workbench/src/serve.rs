@@ -119,6 +119,8 @@ pub struct Server {
     listener: Listener,
     address: SocketAddr,
     network: Network,
+    /// Why its log cannot be written.
+    unlogged: Option<String>,
     shared: Arc<Shared>,
     tls: Option<Tls>,
     stop: Stop,
@@ -163,6 +165,9 @@ impl Server {
         };
         let now = Instant::now();
         let boot = Tokens::random()?.view();
+        let audit = Audit::new(log.clone(), boot.clone());
+        // looking and STOP need no log, and a folder may be there again later: the server starts
+        let unlogged = audit.check().err().map(|error| error.to_string());
         let shared = Shared {
             tokens: Tokens::random()?,
             once: Mutex::new(Once::default()),
@@ -179,7 +184,7 @@ impl Server {
             naming: tokio::sync::Mutex::default(),
             captures: Captures::new(log.as_deref()),
             happened: Mutex::default(),
-            audit: Arc::new(Audit::new(log, boot.clone())),
+            audit: Arc::new(audit),
             boot,
             control: Control::new(),
             network: network.clone(),
@@ -197,6 +202,7 @@ impl Server {
             listener,
             address,
             network,
+            unlogged,
             shared: Arc::new(shared),
             tls,
             stop,
@@ -218,6 +224,13 @@ impl Server {
     #[must_use]
     pub fn fingerprint(&self) -> Option<&str> {
         self.tls.as_ref().map(Tls::fingerprint)
+    }
+
+    /// Returns why the log cannot be written, as it was at the start: while that is so nothing is changed and no axis is moved, and
+    /// STOP works. `None` where it can be written.
+    #[must_use]
+    pub fn unlogged(&self) -> Option<&str> {
+        self.unlogged.as_deref()
     }
 
     /// Returns the address for a browser, with the token that allows everything; of a server that changes nothing the same as

@@ -48,6 +48,8 @@ struct Round {
     /// Signals that have a parameter.
     signals: Vec<u16>,
     frames: Vec<Vec<u8>>,
+    /// The speed that the axis has to have before a frame is looked at.
+    speeds: Vec<Option<i64>>,
 }
 
 impl Round {
@@ -71,6 +73,8 @@ impl Round {
                         value(signal, number)
                     }
                 });
+                let runs = stw1 == 0x047F;
+                *round.speeds.last_mut().unwrap() = Some(if runs { speed } else { 0 });
             }
         }
         round
@@ -114,7 +118,21 @@ impl Round {
             setpoint,
             actual,
             frames: Vec::new(),
+            speeds: Vec::new(),
         }
+    }
+
+    /// Returns its frames as the script takes them: each with the speed that it waits for, where the inputs have one.
+    fn frames(&self) -> String {
+        let field = self.actual.fields().iter();
+        let speed = field.clone().find(|field| field.signal.number == signal::NIST_A);
+        let texts = self.frames.iter().zip(&self.speeds).map(|(frame, wanted)| {
+            let wanted = speed.zip(*wanted);
+            let wanted =
+                wanted.map_or_else(String::new, |(field, speed)| format!(":{}:{speed}", field.offset));
+            hex(frame) + &wanted
+        });
+        texts.collect::<Vec<_>>().join(",")
     }
 
     fn frame(&mut self, stw1: i64, value: impl Fn(u16) -> i64) {
@@ -128,6 +146,7 @@ impl Round {
             field.set(&mut data, value).unwrap();
         }
         self.frames.push(data);
+        self.speeds.push(None);
     }
 
     /// Reads them all in one request.
@@ -262,17 +281,17 @@ fn run(name: &str, jobs: &[String], rounds: &[Round]) -> Vec<Vec<Seen>> {
     let mut line: Vec<String> = Vec::new();
     let mut add = |words: &[&str]| line.extend(words.iter().map(|word| (*word).to_owned()));
     add(&["--name", "drive-one", "--ip", "192.168.77.50"]);
-    add(&["--ratio", "16", "--watchdog", "30", "--search-time", "1"]);
+    // the longest watchdog there is, about: a busy machine holds a program up
+    add(&["--ratio", "16", "--watchdog", "100", "--search-time", "1"]);
     for job in jobs {
         add(&["--job", job]);
     }
     for round in rounds {
-        let frames: Vec<String> = round.frames.iter().map(|frame| hex(frame)).collect();
-        let (slots, frames) = (slots(&AKD.device, round.telegram), frames.join(","));
+        let (slots, frames) = (slots(&AKD.device, round.telegram), round.frames());
         add(&["--round", &format!("{slots}|{frames}|{}", hex(&round.request()))]);
     }
     add(&["--steps", "find,configure,telegrams"]);
-    let finished = controller(&lab, &line, 120);
+    let finished = controller(&lab, &line, 300);
     let file = capture.stop();
     let steps = finished.ok().json_lines();
 
@@ -309,7 +328,7 @@ fn run(name: &str, jobs: &[String], rounds: &[Round]) -> Vec<Vec<Seen>> {
         );
     }
     judge::judge(&file).clean().saw("pn_rt", 200).saw("pn_io", 20);
-    drive.interrupt(Duration::from_secs(5)).ok();
+    drive.interrupt(Duration::from_secs(20)).ok();
     all
 }
 

@@ -59,6 +59,11 @@ pub fn run(args: &Serve, interface: &Interface, output: &Output) -> Result<(), F
             "Ctrl-C ends the server, its axes at rest first; again after a second: quick stop; a third time: at once",
         );
     }
+    if let Some(why) = server.unlogged() {
+        output.warn(&format!(
+            "{why}: what is not logged is refused, so nothing can be changed and no axis moved; STOP works. --state-dir names another folder"
+        ));
+    }
     if args.open {
         let opened = server.url_once().and_then(open::that_detached);
         if let Err(error) = opened {

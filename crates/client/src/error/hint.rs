@@ -7,7 +7,7 @@ use profinet::controller::{DcpError, LostCause, ServiceError};
 use profinet::wire::PnioStatus;
 use profinet::wire::dcp::BlockError;
 
-use super::Error;
+use super::{Error, MoveEnd};
 use crate::axis::{Objection, SpeedUnit, Trouble};
 use crate::names::in_models;
 use crate::{Action, Advice, Choice, Drive, LocalControl, LossReaction, Remedy};
@@ -274,6 +274,10 @@ impl Error {
             Self::SpeedNotReached { .. } => "the ramp, a limit of the drive or the load holds it",
             Self::NotEnabled { .. } => "enable it again",
             Self::HomingEnded { .. } => "{home} homes it again",
+            Self::MoveEnded {
+                end: MoveEnd::Paused, ..
+            } => "resume the motion, or halt it",
+            Self::MoveEnded { .. } => "{move} goes on to the target",
             Self::NotInTime { .. } => "{choose time} gives it more time; {status} shows what holds it",
             Self::SpeedLimit { .. } => "raise the limit with {choose speed-limit} if the machine allows it",
             _ => return None,

@@ -142,6 +142,7 @@ impl Error {
             Self::NotEnabled { .. }
             | Self::NotInTime { .. }
             | Self::HomingEnded { .. }
+            | Self::MoveEnded { .. }
             | Self::SpeedNotReached { .. }
             | Self::NotMoved { .. }
             | Self::SpeedLost { .. }

@@ -8,6 +8,7 @@ use profile::state::Mode;
 use profinet::MacAddress;
 use profinet::controller::{ServiceError, Station};
 
+use super::MoveEnd;
 use crate::axis::{Objection, SpeedUnit};
 use crate::{ClosedRoute, DriveAddress, LossAction, LossReaction};
 
@@ -84,11 +85,45 @@ pub(super) fn reaction_text(reaction: &Option<Box<LossReaction>>) -> String {
         .map_or_else(String::new, |reaction| format!("; {reaction}{}", since(reaction)))
 }
 
+/// Returns which speed is above which limit, also where one of them is no number.
+pub(super) fn speed_limit_text(wanted: f64, limit: f64, unit: &str) -> String {
+    if wanted.is_nan() {
+        return "the speed is not a number (NaN), so no axis can have it".into();
+    }
+    if limit.is_nan() {
+        return "the limit of the speed is not a number (NaN), so no speed is within it".into();
+    }
+    let limit = figures(limit);
+    if wanted.is_infinite() {
+        return format!("an infinite speed is above the limit of {limit} {unit}");
+    }
+    format!("{} {unit} is above the limit of {limit} {unit}", figures(wanted))
+}
+
 pub(super) fn speed_text(speed: Option<f64>, unit: &str) -> String {
     speed.map_or_else(
         || "not reported".into(),
         |speed| format!("{} {unit}", fixed(speed, 1)),
     )
+}
+
+/// Returns why a move ended early, where the axis stands and where it should stand.
+pub(super) fn move_ended_text(end: MoveEnd, position: Option<f64>, target: Option<f64>) -> String {
+    let why = match end {
+        MoveEnd::Halted => "the motion was halted before its target",
+        MoveEnd::Travel => {
+            "the motion was halted at the end of the travel of this session, before its target"
+        }
+        MoveEnd::Paused => "an intermediate stop holds the motion before its target",
+    };
+    // a thousandth of a turn, as elsewhere
+    let turns = |turns: f64| figures((turns * 1000.0).round() / 1000.0 + 0.0);
+    let stands = position.map_or_else(String::new, |at| format!(": the axis is at {} rev", turns(at)));
+    let wanted = target.map_or_else(String::new, |target| {
+        let before = if position.is_some() { ", " } else { ": " };
+        format!("{before}the target is {} rev", turns(target))
+    });
+    format!("{why}{stands}{wanted}")
 }
 
 /// Returns the speed of an axis that should have moved.

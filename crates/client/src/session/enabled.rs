@@ -10,7 +10,7 @@ use super::axis::{AxisStatus, speed_setpoint};
 use super::scaling::SCALE_AGE;
 use super::{Axis, GLANCE, HomingSpeed};
 use crate::axis::{Evidence, Goal, Jog, Move, MovePlan, Progress, SpeedUnit, Traverse};
-use crate::{Connection, Error};
+use crate::{Connection, Error, MoveEnd};
 
 /// How much longer than reckoned a move may take: this many times, and this much more.
 const ALLOWANCE: (u32, Duration) = (3, Duration::from_secs(10));
@@ -309,7 +309,8 @@ impl<'a> Enabled<'a> {
     ///
     /// # Errors
     /// When it takes longer than `limit`, the axis stops elsewhere, the drive leaves operation, the connection is lost
-    /// or the caller requests a stop. The motion is still under way then until this object goes.
+    /// or the caller requests a stop. The motion is still under way then until this object goes. [`Error::MoveEnded`] when
+    /// something halts or pauses it first: the axis stands then, and not at the target.
     pub async fn reach_target(&mut self, limit: Option<Duration>) -> Result<AxisStatus, Error> {
         let result = self
             .axis
@@ -320,7 +321,24 @@ impl<'a> Enabled<'a> {
         if let Err(Error::NotInTime { .. }) = &result {
             self.axis.gather().await;
         }
-        result.map_err(|error| self.axis.with_evidence(error))
+        let status = result.map_err(|error| self.axis.with_evidence(error))?;
+        // a halt and a pause are goals of their own, which are reached at standstill wherever that is
+        let end = match status.view.goal {
+            Goal::Traverse(_) | Goal::Home { .. } => return Ok(status),
+            Goal::Pause => MoveEnd::Paused,
+            _ if status.view.travel_ended => MoveEnd::Travel,
+            goal if !goal.moves() => MoveEnd::Halted,
+            _ => {
+                let nothing = "a target is waited for while no move is under way";
+                return Err(profinet::controller::Misuse::Range(nothing).into());
+            }
+        };
+        Err(Error::MoveEnded {
+            drive: self.axis.drive.label(),
+            end,
+            position: status.position,
+            target: self.axis.target,
+        })
     }
 
     /// Homes the axis as the drive is set up (HOME.MODE) and waits for the end.
@@ -429,6 +447,9 @@ impl<'a> Enabled<'a> {
                 needed,
                 present: crate::error::mode_words(status.view.mode).into(),
             });
+        }
+        if goal.moves() && !matches!(goal, Goal::Traverse(_)) {
+            self.axis.target = None;
         }
         self.axis.pursue(goal);
         Ok(())

@@ -308,7 +308,7 @@ Self::NoTask => "in the controller: task or MDI values, then STW1 bit 6 from 0 t
 Self::RampOff => "in the controller: set STW1 bits 4, 5 and 6",
 Self::SetpointOff => "in the controller: set STW1 bit 6",
 Self::RampFrozen => "in the controller: set STW1 bit 5",
-Self::ZeroSetpoint => "in the controller: give a speed",
+Self::ZeroSetpoint => "set a speed setpoint other than 0 in the controller",
 Self::DoesNotTurn => "look at brake, load and limits",
 Self::Operation => "",
  } }

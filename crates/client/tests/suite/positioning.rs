@@ -9,7 +9,7 @@ use network::segment::SegmentMedium;
 use profidrive_client::axis::{Goal, Jog, Move, Objection, Purpose, Trouble};
 use profidrive_client::change::Step;
 use profidrive_client::status::{Cause, diagnose};
-use profidrive_client::{Action, AxisSettings, Drive, Enabled, Error, Wait, World, WriteMode};
+use profidrive_client::{Action, AxisSettings, Drive, Enabled, Error, MoveEnd, Wait, World, WriteMode};
 use profile::notation::Position;
 use profile::state::Mode;
 use profile::value::Assignment;
@@ -646,6 +646,64 @@ fn leave(session: &mut Bench, id: StationId, drive: &mut Drive, door: Door, flag
             assert!(matches!(error, Error::ConnectionLost { .. }), "{error}");
         }
     }
+}
+
+#[test]
+fn a_move_that_something_halts_is_not_at_its_target() {
+    let mut bench = homed();
+    with_axis(&mut bench, Purpose::Move, |axis| {
+        let start = |axis: &mut Enabled<'_>, target: f64| {
+            let plan = axis.plan(&to(target)).wait().expect("a plan");
+            axis.start(&plan).wait().expect("accepted");
+        };
+        let ended = |error: Error, wanted: MoveEnd, goal: f64| match error {
+            Error::MoveEnded {
+                end,
+                position: Some(at),
+                target: Some(target),
+                ..
+            } => {
+                assert_eq!((end, target), (wanted, goal));
+                at
+            }
+            other => panic!("{other}"),
+        };
+        // as by a page that is gone
+        axis.beat(Some(Duration::from_secs(1)));
+        start(axis, 50.0);
+        let error = axis.reach_target(LONG).wait().expect_err("halted");
+        let text = error.to_string();
+        let at = ended(error, MoveEnd::Halted, 50.0);
+        assert!(at > 1.0 && at < 20.0, "{text}");
+        assert!(
+            text.contains("halted before its target: the axis is at")
+                && text.contains("the target is 50 rev"),
+            "{text}"
+        );
+        axis.beat(None);
+        // an intermediate stop keeps the move, which reaches its target afterwards
+        start(axis, 10.0);
+        axis.hold(Duration::from_millis(300)).wait().expect("goes");
+        axis.pause().wait().expect("stands");
+        let error = axis.reach_target(LONG).wait().expect_err("held");
+        assert!(!near(ended(error, MoveEnd::Paused, 10.0), 10.0));
+        axis.resume().wait().expect("goes on");
+        let there = axis.reach_target(LONG).wait().expect("at the target");
+        assert!(there.position.is_some_and(|at| near(at, 10.0)), "{there:?}");
+        // what has no target reaches none
+        axis.jog(Jog::One).wait().expect("jogs");
+        let error = axis.reach_target(LONG).wait().expect_err("a jog");
+        assert!(matches!(error, Error::Misuse(_)), "{error}");
+        axis.halt().wait().expect("stands");
+        assert!(axis.limit_travel(2.0));
+        start(axis, 50.0);
+        let error = axis
+            .reach_target(LONG)
+            .wait()
+            .expect_err("at the end of its travel");
+        let at = ended(error, MoveEnd::Travel, 50.0);
+        assert!(at > 11.0 && at < 20.0, "{at}");
+    });
 }
 
 #[test]

@@ -1,5 +1,7 @@
 //! The telegram of a drive in cyclic data: words, speeds, parameter channel.
 
+use std::time::Duration;
+
 use profile::pkw::Pkw;
 use profile::state::{Mode, Profile, Zsw1};
 use profile::telegram::Telegram;
@@ -12,6 +14,9 @@ use crate::hex16;
 use crate::job::JobDrive;
 use crate::job::telegram::Half;
 
+/// How long the data at the beginning of a connection may be marked bad, as each station does until it is ready, before that is
+/// trouble.
+const READY: Duration = Duration::from_secs(3);
 /// Number of frames with the same speed after which the speed counts as settled.
 const SETTLED: u32 = 3;
 
@@ -27,6 +32,8 @@ pub struct DriveData {
     speed: Speed,
     channel: Channel,
     provider: Option<Iops>,
+    /// When the first data came, where they have been bad since then and that was not reported.
+    unready: Option<Duration>,
 }
 
 /// What goes the other way to or from the same submodule.
@@ -88,6 +95,7 @@ impl DriveData {
             speed: Speed::default(),
             channel: Channel::default(),
             provider: None,
+            unready: None,
         }
     }
 
@@ -115,10 +123,7 @@ impl DriveData {
             return;
         };
         let provider = rest.get(self.length).map(|&octet| Iops(octet));
-        if provider != self.provider {
-            self.note_provider(provider, sink);
-            self.provider = provider;
-        }
+        self.look_at_provider(provider, sink);
         let Some(data) = rest.get(..self.length) else {
             return;
         };
@@ -135,6 +140,27 @@ impl DriveData {
         if let Some(pkw) = pkw {
             self.channel.look(drive, pkw, output, sent.pkw, sink);
         }
+    }
+
+    fn look_at_provider(&mut self, provider: Option<Iops>, sink: &mut Sink<'_>) {
+        let is_bad = provider.is_some_and(|provider| !provider.is_good());
+        if self.provider.is_none() && is_bad {
+            self.unready = Some(sink.at);
+            self.provider = provider;
+            return;
+        }
+        match self.unready {
+            Some(begin) if is_bad && sink.at.saturating_sub(begin) < READY => {}
+            Some(_) if is_bad => {
+                self.unready = None;
+                self.note_provider(provider, sink);
+            }
+            // it is ready now
+            Some(_) => self.unready = None,
+            None if provider != self.provider => self.note_provider(provider, sink),
+            None => return,
+        }
+        self.provider = provider;
     }
 
     fn note_provider(&self, provider: Option<Iops>, sink: &mut Sink<'_>) {

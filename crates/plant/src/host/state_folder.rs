@@ -334,7 +334,7 @@ mod tests {
         let long = "a".repeat(5000);
         for (field, value, why) in [
             ("name", "../../etc/passwd", "the name is not valid"),
-            ("name", long.as_str(), "at most 240 characters, this has 5000"),
+            ("name", long.as_str(), "5000 characters, and 240 are the most"),
             ("name", "\u{1b}[2J", "the name is not valid"),
             ("ip", "255.255.255.255", "the address is not valid"),
             ("mask", "255.0.255.0", "the address is not valid"),

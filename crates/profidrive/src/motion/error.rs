@@ -398,6 +398,7 @@ pub(super) async fn explained(
         Error::Axis { .. }
             | Error::NotInTime { .. }
             | Error::HomingEnded { .. }
+            | Error::MoveEnded { .. }
             | Error::Held { .. }
             | Error::SpeedNotReached { .. }
             | Error::NotMoved { .. }
@@ -488,6 +489,9 @@ fn beyond(speed: f64, limit: f64, by: Option<&str>) -> String {
 
 /// Up to three digits behind the point.
 fn short(number: f64) -> String {
+    if !(-1e15..1e15).contains(&number) {
+        return figures(number);
+    }
     let text = format!("{number:.3}");
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }

@@ -46,15 +46,20 @@ pub fn figures(value: f64) -> String {
     String::from(if text == "-0" { "0" } else { text })
 }
 
-/// Returns a number with so many digits behind the point. Zero has no sign, also where the number is rounded to it.
+/// Returns a number with so many digits behind the point. Zero has no sign, also where the number is rounded to it. Where not all
+/// digits of a number are known it is written with a power of ten.
 ///
 /// ```
 /// use profidrive_profile::notation::fixed;
 /// assert_eq!(fixed(-1.25, 1), "-1.2");
 /// assert_eq!(fixed(-0.0004, 3), "0.000");
+/// assert_eq!(fixed(1e308, 1), "1e308");
 /// ```
 #[must_use]
 pub fn fixed(value: f64, decimals: usize) -> String {
+    if !(-HUGE..HUGE).contains(&value) {
+        return figures(value);
+    }
     let text = format!("{value:.decimals$}");
     match text.strip_prefix('-') {
         Some(size) if size.trim_matches(['0', '.']).is_empty() => String::from(size),

@@ -10,7 +10,7 @@ pub const MOST_TRANSITIONS: usize = 6;
 /// Source: our numbers, the profile's diagram has none.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Reason {
-    /// OFF given, no stop commanded, no fault: S1 to S2.
+    /// OFF commanded, no stop commanded, no fault: S1 to S2.
     T1,
     /// Coast stop or quick stop: S2 to S1.
     T2,
@@ -49,7 +49,7 @@ impl Reason {
     #[must_use]
     pub const fn text(self) -> &'static str {
         match self {
-            Self::T1 => "OFF given, no stop commanded",
+            Self::T1 => "OFF commanded, and neither a coast stop nor a quick stop",
             Self::T2 | Self::T5 => "coast stop or quick stop commanded",
             Self::T3 => "ON",
             Self::T4 | Self::T8 => "OFF",

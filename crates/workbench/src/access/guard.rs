@@ -9,7 +9,7 @@ use axum::http::{HeaderMap, HeaderName, Method, StatusCode};
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 
-use super::{Peer, Role};
+use super::{Claimed, Peer, Role};
 use crate::act::{self, Intent};
 use crate::problem::Problem;
 use crate::shared::Shared;
@@ -22,6 +22,8 @@ pub(crate) struct Caller {
     pub session: Option<String>,
     /// What it is called in the log: the number of its session, or `token`.
     pub who: String,
+    /// What its people call themselves, which nothing verifies.
+    pub claimed: Claimed,
     /// Whether it is on another computer.
     pub remote: bool,
 }
@@ -67,7 +69,7 @@ fn note(shared: &Arc<Shared>, request: &Request, problem: &Problem) {
         )),
         changes: Vec::new(),
     };
-    act::note_refusal(shared, &peer, intent, problem.message());
+    act::note_refusal(shared, &peer, None, intent, problem.message());
 }
 
 fn check(shared: &Shared, request: &Request) -> Result<Option<Caller>, Problem> {
@@ -103,16 +105,19 @@ fn check(shared: &Shared, request: &Request) -> Result<Option<Caller>, Problem> 
             role: shared.try_token(token)?,
             session: None,
             who: "token".to_owned(),
+            claimed: Claimed::default(),
             remote,
         },
         None => {
             let id = session_of(headers, &shared.cookie);
             let role = id.and_then(|id| shared.sessions().role(id, Instant::now()));
             let number = id.and_then(|id| shared.sessions().number(id));
+            let claimed = id.and_then(|id| shared.sessions().claimed(id));
             Caller {
                 role: role.ok_or_else(Problem::no_session)?,
                 session: id.map(str::to_owned),
                 who: number.unwrap_or_default().to_string(),
+                claimed: claimed.unwrap_or_default(),
                 remote,
             }
         }

@@ -1,5 +1,6 @@
 //! Who may use a server: tokens, sessions, hosts, origins and the headers of each response.
 
+mod claimed;
 mod guard;
 mod headers;
 mod origin;
@@ -7,6 +8,7 @@ mod session;
 mod tls;
 mod token;
 
+pub(crate) use claimed::{Claimed, person};
 pub(crate) use guard::{Caller, guard, session_of};
 pub(crate) use headers::secure;
 pub(crate) use origin::{Peer, Places};

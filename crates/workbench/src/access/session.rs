@@ -3,6 +3,7 @@
 use std::time::{Duration, Instant};
 
 use super::Role;
+use super::claimed::Claimed;
 use super::token::Secret;
 
 /// The longest time of a session.
@@ -18,6 +19,7 @@ struct Session {
     id: Secret,
     /// What it is called in the log.
     number: u64,
+    claimed: Claimed,
     role: Role,
     begin: Instant,
     used: Instant,
@@ -56,6 +58,7 @@ impl Sessions {
         self.0.push(Session {
             id,
             number: self.1,
+            claimed: Claimed::default(),
             role,
             begin: now,
             used: now,
@@ -88,6 +91,14 @@ impl Sessions {
         sessions
             .find(|session| session.id.is(id).into())
             .map(|session| session.number)
+    }
+
+    /// Returns what the people of a session call themselves.
+    pub fn claimed(&self, id: &str) -> Option<Claimed> {
+        let mut sessions = self.0.iter();
+        sessions
+            .find(|session| session.id.is(id).into())
+            .map(|session| session.claimed.clone())
     }
 
     /// Ends a session.

@@ -28,6 +28,9 @@ const CHUNK: usize = 64 << 10;
 /// Chunks that wait for a reader that is slow.
 const CHUNKS: usize = 4;
 
+/// The first row of the log as CSV. Programs read its columns by place: a new one is behind the others.
+const HEAD: &str = "time,who,drive,name,action,value,changes,result,serial,engine_us,epoch,claimed_name\r\n";
+
 /// How many records there are.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(crate) struct LogTopic {
@@ -99,7 +102,7 @@ pub(super) async fn log_lines(State(shared): State<Arc<Shared>>, query: Query) -
     (status = 200, description = "The records, each in a row", body = String, content_type = "text/csv"),
 ))]
 pub(super) async fn log_table(State(shared): State<Arc<Shared>>, query: Query) -> Response {
-    let head = "time,who,drive,name,action,value,changes,result\r\n".to_owned();
+    let head = HEAD.to_owned();
     file(
         shared,
         &query,
@@ -146,6 +149,8 @@ fn file(
 
 fn row(record: &LogRecord) -> String {
     let of = |text: &Option<String>| cell(text.as_deref().unwrap_or_default());
+    // older versions did not write them
+    let number = |number: Option<u64>| number.map_or_else(String::new, |number| number.to_string());
     let cells = [
         cell(&record.time),
         cell(&record.who),
@@ -155,6 +160,10 @@ fn row(record: &LogRecord) -> String {
         of(&record.value),
         cell(&record.changes.join("; ")),
         of(&record.result),
+        of(&record.serial),
+        number(record.engine_us),
+        number(record.epoch),
+        of(&record.claimed_name),
     ];
     cells.join(",") + "\r\n"
 }
@@ -173,6 +182,38 @@ fn cell(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_row_has_every_field_of_a_record_that_is_for_people() {
+        let record = LogRecord {
+            time: "2026-01-02T03:04:05.678Z".to_owned(),
+            boot: "b".to_owned(),
+            who: "3".to_owned(),
+            claimed_name: Some("=Anna, shift 2".to_owned()),
+            drive: Some("02:00:00:00:00:01".to_owned()),
+            name: Some("axis-1".to_owned()),
+            serial: Some("S-1".to_owned()),
+            engine_us: Some(12_345),
+            epoch: Some(2),
+            action: "write".to_owned(),
+            value: Some("1".to_owned()),
+            changes: vec!["a".to_owned(), "b".to_owned()],
+            result: Some("done".to_owned()),
+        };
+        assert_eq!(
+            row(&record),
+            "2026-01-02T03:04:05.678Z,3,02:00:00:00:00:01,axis-1,write,1,a; b,done,S-1,12345,2,\"'=Anna, shift 2\"\r\n"
+        );
+        assert_eq!(HEAD.split(',').count(), 12);
+        let older = LogRecord {
+            claimed_name: None,
+            serial: None,
+            engine_us: None,
+            epoch: None,
+            ..record
+        };
+        assert!(row(&older).ends_with(",done,,,,\r\n"), "{}", row(&older));
+    }
 
     #[test]
     fn no_cell_is_a_formula_and_numbers_are_untouched() {

@@ -59,7 +59,12 @@ fn routes() -> OpenApiRouter<Arc<Shared>> {
     OpenApiRouter::with_openapi(Description::openapi())
         .routes(routes!(server::server))
         .routes(routes!(server::stop))
-        .routes(routes!(session::begin, session::session, session::end))
+        .routes(routes!(
+            session::begin,
+            session::session,
+            session::claim,
+            session::end
+        ))
         .routes(routes!(stations::stations))
         .routes(routes!(stations::scan))
         .routes(routes!(addressing::blink))
@@ -132,6 +137,7 @@ pub fn openapi() -> String {
     generator.subschema_for::<server::ServerReport>();
     generator.subschema_for::<server::StoppedReport>();
     generator.subschema_for::<session::Login>();
+    generator.subschema_for::<session::ClaimedName>();
     generator.subschema_for::<session::SessionReport>();
     generator.subschema_for::<StationsReport>();
     generator.subschema_for::<BlinkReport>();

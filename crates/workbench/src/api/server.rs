@@ -85,7 +85,7 @@ pub(super) async fn stop(
     State(shared): State<Arc<Shared>>,
     Extension(caller): Extension<Caller>,
 ) -> Json<StoppedReport> {
-    let stopping = shared.control.stop(&caller.who);
+    let stopping = shared.control.stop(&caller.who, caller.claimed.name());
     // a stop is logged after it was done, whether that succeeds or not
     note_stop(&shared, &caller, &stopping).await;
     Json(StoppedReport {

@@ -22,6 +22,18 @@ use crate::shared::Shared;
 pub(super) struct Login {
     /// The token of the address that the server printed.
     token: String,
+    /// What the people of the session call themselves, for the log and for other pages: nothing verifies it. At most 40 characters
+    /// are kept, and no control characters.
+    #[serde(default)]
+    name: Option<String>,
+}
+
+/// What the people of a session call themselves.
+#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ClaimedName {
+    /// At most 40 characters are kept, and no control characters; an empty one is none. Nothing verifies it.
+    name: String,
 }
 
 /// A session.
@@ -29,6 +41,8 @@ pub(super) struct Login {
 pub(super) struct SessionReport {
     /// What it may do.
     role: Role,
+    /// What its people call themselves, which nothing verifies.
+    name: Option<String>,
     /// Seconds without a request after which it ends.
     idle: u64,
     /// Seconds after which it ends.
@@ -36,9 +50,10 @@ pub(super) struct SessionReport {
 }
 
 impl SessionReport {
-    const fn new(role: Role) -> Json<Self> {
+    const fn new(role: Role, name: Option<String>) -> Json<Self> {
         Json(Self {
             role,
+            name,
             idle: IDLE.as_secs(),
             lifetime: LIFETIME.as_secs(),
         })
@@ -67,8 +82,10 @@ pub(super) async fn begin(
         let detail = format!("{SESSIONS} sessions are open, which is the most: end one of them");
         Problem::new(StatusCode::TOO_MANY_REQUESTS, "sessions", &detail)
     })?;
+    let claimed = shared.sessions().claimed(&id).unwrap_or_default();
+    let name = login.name.and_then(|name| claimed.claim(&name));
     let cookie = cookie(&shared, &id, LIFETIME.as_secs());
-    Ok(([(SET_COOKIE, cookie)], SessionReport::new(role)).into_response())
+    Ok(([(SET_COOKIE, cookie)], SessionReport::new(role, name)).into_response())
 }
 
 fn cookie(shared: &Shared, id: &str, seconds: u64) -> String {
@@ -82,7 +99,27 @@ fn cookie(shared: &Shared, id: &str, seconds: u64) -> String {
     (status = 200, description = "The session", body = ref("#/components/schemas/SessionReport")),
 ))]
 pub(super) async fn session(Extension(caller): Extension<Caller>) -> Json<SessionReport> {
-    SessionReport::new(caller.role)
+    SessionReport::new(caller.role, caller.claimed.name())
+}
+
+/// Says what the people of the session of the caller call themselves. It stands in the log and beside what they control, marked as not
+/// verified. A program with a token has no session, and no name.
+#[utoipa::path(put, path = "/api/v1/session", request_body(content = ref("#/components/schemas/ClaimedName"), content_type = "application/json"), responses(
+    (status = 200, description = "The session, with the name as it is kept", body = ref("#/components/schemas/SessionReport")),
+    (status = 403, description = "Another origin"),
+    (status = 409, description = "A program with a token has no session"),
+))]
+pub(super) async fn claim(
+    Extension(caller): Extension<Caller>,
+    wanted: Result<Json<ClaimedName>, JsonRejection>,
+) -> Result<Json<SessionReport>, Problem> {
+    let Json(wanted) = wanted.map_err(|error| Problem::of_body(&error))?;
+    if caller.session.is_none() {
+        let detail = "a program with a token has no session that could have a name: the log calls it `token`";
+        return Err(Problem::new(StatusCode::CONFLICT, "session", detail));
+    }
+    let name = caller.claimed.claim(&wanted.name);
+    Ok(SessionReport::new(caller.role, name))
 }
 
 /// Ends the session of the caller.

@@ -8,7 +8,7 @@ use std::time::Duration;
 use profidrive::client::ErrorKind;
 use profidrive::client::axis::{Move, Purpose};
 use profidrive::motion::{self, HeldAxis, Hold, MotionError, Observer};
-use profidrive::profile::notation::Position;
+use profidrive::profile::notation::{Position, figures};
 use serde::Serialize;
 use tokio::sync::{mpsc, watch};
 use tokio::time::{MissedTickBehavior, interval, sleep};
@@ -111,9 +111,12 @@ async fn hold(
 /// On which terms an axis is taken, for the log.
 fn terms(running: &Running, wanted: &Hold, checks: bool) -> String {
     let (purpose, stop) = (purpose_name(running.purpose), running.stop_by.name());
-    let mut terms = format!("for {purpose}, STOP by {stop}, at most {} rpm", wanted.limit);
+    let mut terms = format!(
+        "for {purpose}, STOP by {stop}, at most {} rpm",
+        figures(wanted.limit)
+    );
     if let Some(turns) = wanted.travel {
-        terms += &format!(", travel {turns} rev");
+        terms += &format!(", travel {} rev", figures(turns));
     }
     if wanted.control.may_run_on {
         terms += ", may run on when its controller is lost";

@@ -5,6 +5,10 @@
 
 use std::collections::BTreeMap;
 
+use profidrive::profile::notation::figures;
+
+use crate::access::person;
+
 /// What a new holder may do at most before the direction is confirmed, of its own limit.
 const FIRST: f64 = 0.1;
 
@@ -15,6 +19,8 @@ pub(crate) struct Holder {
     pub socket: u64,
     /// What it is called in the log.
     pub who: String,
+    /// What its people called themselves when the axis was taken, which nothing verifies.
+    pub claimed_name: Option<String>,
 }
 
 /// What is held of one axis.
@@ -44,15 +50,39 @@ pub(crate) enum Denied {
     #[error("this command came before another one and is not carried out")]
     Replayed,
     #[error(
-        "{speed} rpm is above {limit} rpm: the first motion is limited to a tenth until its direction is confirmed"
+        "{} rpm is above {} rpm: the first motion is limited to a tenth until its direction is confirmed",
+        figures(*.speed), figures(*.limit)
     )]
     Unconfirmed { speed: f64, limit: f64 },
     #[error(
-        "the speed of this motion is stored in the drive: it waits until the direction of a first motion, at {limit} rpm at most, is confirmed"
+        "the speed of this motion is stored in the drive: it waits until the direction of a first motion, at {} rpm at most, is confirmed",
+        figures(*.limit)
     )]
     UnconfirmedStored { limit: f64 },
-    #[error("{speed} rpm is above the limit of this page, {limit} rpm")]
+    #[error("{} rpm is above the limit of this page, {} rpm", figures(*.speed), figures(*.limit))]
     Limit { speed: f64, limit: f64 },
+    #[error(
+        "a jog needs the round trip of the beats of its page, which this command does not have: send it as `rtt`, in ms"
+    )]
+    NoRoundTrip,
+    #[error(
+        "the round trip to the page is {} ms, above {} ms: an axis would be jogged by what its page shows too late",
+        figures(*.ms), figures(ROUND_TRIP)
+    )]
+    RoundTrip { ms: f64 },
+}
+
+/// The longest round trip of the beats of a page that jogs, in ms: that which 99 of 100 keep to.
+const ROUND_TRIP: f64 = 100.0;
+
+/// Permits a jog by the round trip that its page reports. No other side knows it: the answer to a beat ends at the page.
+pub(crate) fn permit_round_trip(ms: Option<f64>) -> Result<(), Denied> {
+    match ms {
+        None => Err(Denied::NoRoundTrip),
+        // not a number is no short one
+        Some(ms) if (0.0..=ROUND_TRIP).contains(&ms) => Ok(()),
+        Some(ms) => Err(Denied::RoundTrip { ms }),
+    }
 }
 
 /// What a command comes with.
@@ -89,7 +119,7 @@ impl Ledger {
     /// Gives an axis to a page. Returns the lease.
     pub fn take(&mut self, drive: &str, holder: Holder, limit: f64) -> Result<u64, Denied> {
         if let Some(held) = self.held.get(drive) {
-            let who = held.holder.who.clone();
+            let who = person(&held.holder.who, held.holder.claimed_name.as_deref());
             return Err(Denied::Taken { who });
         }
         self.leases += 1;
@@ -200,6 +230,7 @@ mod tests {
         Holder {
             socket,
             who: socket.to_string(),
+            claimed_name: None,
         }
     }
 
@@ -216,7 +247,9 @@ mod tests {
     fn an_axis_has_one_holder_by_its_socket_and_its_lease() {
         let mut ledger = Ledger::default();
         let lease = ledger.take("a", page(1), 100.0).unwrap();
-        let taken = Denied::Taken { who: "1".to_owned() };
+        let taken = Denied::Taken {
+            who: "session 1".to_owned(),
+        };
         assert_eq!(ledger.take("a", page(2), 100.0), Err(taken.clone()));
         assert_eq!(ledger.take("a", page(1), 100.0), Err(taken), "nor twice");
         assert_eq!(
@@ -267,6 +300,47 @@ mod tests {
         // what ends a motion is permitted at any time
         ledger.stop();
         ledger.permit("a", stamp(1, lease, 0, 4)).unwrap();
+    }
+
+    #[test]
+    fn a_refusal_names_the_holder_as_it_calls_itself_and_that_nothing_verifies_it() {
+        let mut ledger = Ledger::default();
+        let anna = Holder {
+            claimed_name: Some("Anna".to_owned()),
+            ..page(1)
+        };
+        ledger.take("a", anna, 100.0).unwrap();
+        let denied = ledger.take("a", page(2), 100.0).unwrap_err();
+        assert_eq!(
+            denied.to_string(),
+            "session 1 (\"Anna\", not verified) has control of this drive"
+        );
+    }
+
+    #[test]
+    fn a_page_that_answers_late_or_reports_no_round_trip_jogs_nothing() {
+        for short in [0.0, 7.5, 100.0] {
+            permit_round_trip(Some(short)).unwrap();
+        }
+        for long in [100.1, 1e308, f64::INFINITY, f64::NAN, -1.0] {
+            let denied = permit_round_trip(Some(long)).unwrap_err();
+            assert!(matches!(denied, Denied::RoundTrip { .. }), "{denied}");
+            assert!(denied.to_string().len() < 120, "{denied}");
+        }
+        let none = permit_round_trip(None).unwrap_err();
+        assert!(none.to_string().contains("rtt"), "{none}");
+    }
+
+    #[test]
+    fn numbers_of_any_size_fit_into_a_sentence() {
+        for (speed, text) in [
+            (1e308, "1e308 rpm"),
+            (12.5, "12.5 rpm"),
+            (f64::INFINITY, "inf rpm"),
+        ] {
+            let denied = Denied::Limit { speed, limit: 300.0 }.to_string();
+            assert!(denied.starts_with(text) && denied.len() < 80, "{denied}");
+        }
     }
 
     #[test]

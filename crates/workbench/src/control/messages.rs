@@ -82,6 +82,9 @@ pub(super) enum Request {
         of: Stamped,
         t: f64,
         speed: f64,
+        /// The round trip that 99 of 100 of its beats keep to, ms, as the page has measured it by their echoes.
+        #[serde(default)]
+        rtt: Option<f64>,
     },
     Velocity {
         #[serde(flatten)]
@@ -143,6 +146,8 @@ pub(super) struct Wanted<'s> {
     pub r#type: &'static str,
     pub drive: &'s str,
     pub by: &'s str,
+    /// What that one is called by its own words, which nothing verifies.
+    pub claimed_name: Option<String>,
 }
 
 #[derive(Serialize)]

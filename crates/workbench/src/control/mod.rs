@@ -50,6 +50,8 @@ pub(crate) struct Stopping {
     pub epoch: u64,
     /// Who pressed it.
     pub by: String,
+    /// What that one is called by its own words, which nothing verifies.
+    pub claimed_name: Option<String>,
     /// The axes that are stopped, as they are called in paths.
     pub drives: Vec<String>,
 }
@@ -89,7 +91,7 @@ impl Control {
 
     /// Stops every axis by its quick stop (OFF3), or along its ramp (OFF1) or by coasting (OFF2) where its page has chosen that, and
     /// lets nothing be enabled or moved before it is reset. Does not wait.
-    pub fn stop(&self, by: &str) -> Stopping {
+    pub fn stop(&self, by: &str, claimed_name: Option<String>) -> Stopping {
         // first: what is requested from now on comes too late
         let epoch = self.ledger().stop();
         let axes = self.axes();
@@ -100,6 +102,7 @@ impl Control {
             r#type: "stopped",
             epoch,
             by: by.to_owned(),
+            claimed_name,
             drives: axes.keys().cloned().collect(),
         };
         drop(axes);

@@ -87,8 +87,9 @@ impl Play {
         let holder = Holder {
             socket: page,
             who: page.to_string(),
+            claimed_name: None,
         };
-        let taken = self.control.ledger().take("a", holder, 1000.0);
+        let taken = self.control.ledger().take("a", holder.clone(), 1000.0);
         assert_eq!(taken.is_err(), self.taken.is_some(), "one holder at a time");
         let Ok(lease) = taken else { return };
         let hold = Hold {
@@ -100,7 +101,7 @@ impl Play {
         let axis = axis.wait().unwrap();
         let ways = [StopBy::Off3, StopBy::Off1, StopBy::Off2];
         let stop_by = ways[usize::try_from(lease % 3).unwrap()];
-        let (running, queue) = Running::new("a", lease, "x", hold.purpose, stop_by);
+        let (running, queue) = Running::new("a", lease, holder, hold.purpose, stop_by);
         running.hold_by(&axis);
         self.silent = Duration::ZERO;
         let taken = Taken {
@@ -167,7 +168,7 @@ impl Play {
                 .axes()
                 .insert("a".to_owned(), Arc::clone(&taken.running));
         }
-        let stopping = self.control.stop("x");
+        let stopping = self.control.stop("x", None);
         assert_eq!(stopping.drives.len(), usize::from(self.taken.is_some()));
         self.control.axes().clear();
         self.stopped = Some(Duration::ZERO);

@@ -7,11 +7,12 @@ use std::time::{Duration, Instant};
 use profidrive::client::axis::{Progress, Purpose};
 use profidrive::client::{AxisStatus, BeatHandle, StopHandle};
 use profidrive::motion::HeldAxis;
+use profidrive::profile::notation::figures;
 use profidrive::report::Action;
 use serde::{Deserialize, Serialize};
 use tokio::sync::{mpsc, watch};
 
-use super::ledger::Stamp;
+use super::ledger::{Holder, Stamp};
 use super::{HOLD, LEASE};
 use crate::problem::Problem;
 
@@ -57,14 +58,16 @@ impl Order {
 
     pub(super) fn value(self) -> Option<String> {
         Some(match self {
-            Self::Jog(speed) | Self::Velocity(speed) => format!("{speed} rpm"),
+            Self::Jog(speed) | Self::Velocity(speed) => format!("{} rpm", figures(speed)),
             Self::Move {
                 turns,
                 relative,
                 speed,
             } => format!(
-                "{} {turns} rev at {speed} rpm",
-                if relative { "by" } else { "to" }
+                "{} {} rev at {} rpm",
+                if relative { "by" } else { "to" },
+                figures(turns),
+                figures(speed)
             ),
             Self::Task(number) => number.to_string(),
             Self::Enable | Self::Disable | Self::Acknowledge | Self::Home => return None,
@@ -180,6 +183,8 @@ pub(super) struct Picture {
     lease: u64,
     /// Who has it, as in the log.
     holder: String,
+    /// What that one is called by its own words, which nothing verifies.
+    claimed_name: Option<String>,
     purpose: &'static str,
     stop_by: StopBy,
     /// `taking`, `off`, `enabled`, `moving`, `stopping` or `releasing`.
@@ -228,7 +233,7 @@ struct Motion {
 pub(super) struct Running {
     pub drive: String,
     pub lease: u64,
-    holder: String,
+    holder: Holder,
     pub(super) purpose: Purpose,
     pub(super) stop_by: StopBy,
     orders: mpsc::Sender<Command>,
@@ -247,7 +252,7 @@ impl Running {
     pub fn new(
         drive: &str,
         lease: u64,
-        holder: &str,
+        holder: Holder,
         purpose: Purpose,
         stop_by: StopBy,
     ) -> (Arc<Self>, mpsc::Receiver<Command>) {
@@ -255,7 +260,6 @@ impl Running {
         let running = Self {
             drive: drive.to_owned(),
             lease,
-            holder: holder.to_owned(),
             purpose,
             stop_by,
             orders,
@@ -267,13 +271,15 @@ impl Running {
             picture: Mutex::new(Picture {
                 drive: drive.to_owned(),
                 lease,
-                holder: holder.to_owned(),
+                holder: holder.who.clone(),
+                claimed_name: holder.claimed_name.clone(),
                 purpose: purpose_name(purpose),
                 stop_by,
                 phase: "taking",
                 busy: true,
                 ..Picture::default()
             }),
+            holder,
         };
         (Arc::new(running), queue)
     }
@@ -424,7 +430,8 @@ impl Running {
         *picture = Picture {
             drive: self.drive.clone(),
             lease: self.lease,
-            holder: self.holder.clone(),
+            holder: self.holder.who.clone(),
+            claimed_name: self.holder.claimed_name.clone(),
             purpose: purpose_name(self.purpose),
             stop_by: self.stop_by,
             phase,

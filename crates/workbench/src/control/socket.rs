@@ -16,7 +16,7 @@ use tokio::time::{MissedTickBehavior, interval, timeout};
 
 use super::axis::attend;
 use super::fresh::Freshness;
-use super::ledger::{Denied, Holder, Stamp};
+use super::ledger::{Denied, Holder, Stamp, permit_round_trip};
 use super::messages::{Axes, Echo, For, HeldGoal, Hello, Request, Reset, Stamped, Wanted};
 use super::running::{Command, Order, Reply, Running, StopBy, conflict};
 use super::{HOLD, LEASE};
@@ -150,6 +150,15 @@ async fn write(
 /// Why an axis of a real machine is not given.
 const UNCHECKED: &str = "on a machine a person confirms first that the axis is in sight, that its way is clear and that an emergency stop is at hand";
 
+/// Why a text is no message of a page.
+fn no_message(error: &serde_json::Error) -> &'static str {
+    // JSON has neither infinite numbers nor NaN, and a larger one than that of a float is none here
+    match error.to_string().contains("out of range") {
+        true => "a number is too large to be one",
+        false => "not a message of the protocol",
+    }
+}
+
 /// Returns whether a person has to confirm what only a person sees.
 const fn needs_checks(source: &Source) -> bool {
     !source.is_simulation()
@@ -249,8 +258,8 @@ impl Page {
             Ok(_) => return Ok(()),
             Err(_) => return Err(Some((close_code::SIZE, "the message is too long, or no message"))),
         };
-        let request: Request = serde_json::from_str(&text)
-            .map_err(|_| Some((close_code::POLICY, "not a message of the protocol")))?;
+        let request: Request =
+            serde_json::from_str(&text).map_err(|error| Some((close_code::POLICY, no_message(&error))))?;
         let now = Instant::now();
         if now.saturating_duration_since(self.second) >= Duration::from_secs(1) {
             (self.second, self.messages) = (now, 0);
@@ -269,7 +278,10 @@ impl Page {
 
     /// Stops everything now; the log comes behind. A flood of stops is carried out, and not logged one by one.
     fn stop(&self) {
-        let stopping = self.shared.control.stop(&self.caller.who);
+        let stopping = self
+            .shared
+            .control
+            .stop(&self.caller.who, self.caller.claimed.name());
         if self.messages > RATE {
             return;
         }
@@ -320,6 +332,7 @@ impl Page {
                         r#type: "wanted",
                         drive: &drive,
                         by: &self.caller.who,
+                        claimed_name: self.caller.claimed.name(),
                     });
                 }
             }
@@ -339,12 +352,18 @@ impl Page {
             Request::Enable(of) => self.order(of, Order::Enable),
             Request::Disable(of) => self.order(of, Order::Disable),
             Request::Acknowledge(of) => self.order(of, Order::Acknowledge),
-            Request::Jog { of, t, speed } => {
-                if self.freshness.is_fresh(self.begin.elapsed(), t) {
-                    self.order(of, Order::Jog(speed));
-                } else {
-                    let late = "this came too late: the button may be up by now";
-                    self.refuse(of.n, Some(&of.drive), "jog", None, late);
+            Request::Jog { of, t, speed, rtt } => {
+                let fresh = self.freshness.is_fresh(self.begin.elapsed(), t);
+                let permitted = match fresh {
+                    true => permit_round_trip(rtt).map_err(|denied| denied.to_string()),
+                    false => Err("this jog came too late: the button may be up by now".to_owned()),
+                };
+                match permitted {
+                    Ok(()) => self.order(of, Order::Jog(speed)),
+                    Err(reason) => {
+                        let value = Order::Jog(speed).value();
+                        self.refuse(of.n, Some(&of.drive), "jog", value, &reason);
+                    }
                 }
             }
             Request::Velocity { of, speed } => self.order(of, Order::Velocity(speed)),
@@ -390,7 +409,8 @@ impl Page {
             value,
             changes: Vec::new(),
         };
-        act::note_refusal(&self.shared, &self.caller.who, intent, reason);
+        let claimed = self.caller.claimed.name();
+        act::note_refusal(&self.shared, &self.caller.who, claimed, intent, reason);
     }
 
     fn beat(&mut self, n: u64, t: f64, held: Option<&HeldGoal>) {
@@ -446,13 +466,14 @@ impl Page {
         let holder = Holder {
             socket: self.number,
             who: self.caller.who.clone(),
+            claimed_name: self.caller.claimed.name(),
         };
-        let taken = control.ledger().take(drive, holder, hold.limit);
+        let taken = control.ledger().take(drive, holder.clone(), hold.limit);
         let lease = match taken {
             Ok(lease) => lease,
             Err(denied) => return refused(&denied.to_string()),
         };
-        let (running, queue) = Running::new(drive, lease, &self.caller.who, hold.purpose, stop_by);
+        let (running, queue) = Running::new(drive, lease, holder, hold.purpose, stop_by);
         control.axes().insert(drive.to_owned(), Arc::clone(&running));
         // after it is there, so that the time of the plant either goes on or is not stopped any more
         if self.shared.is_paused() {

@@ -100,6 +100,9 @@ pub(crate) struct Event {
     pub drive: Option<String>,
     /// Who did it, as in the log; empty where no person did.
     pub who: String,
+    /// What that one is called by its own words, which nothing verifies.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub claimed_name: Option<String>,
     /// In words.
     pub text: String,
     /// Whether it was wanted and not done.
@@ -330,6 +333,7 @@ mod tests {
             kind: "stop",
             drive: None,
             who: "1".to_owned(),
+            claimed_name: None,
             text: number.to_string(),
             failed: false,
         }

@@ -143,6 +143,32 @@ fn a_search_on_request_ends_with_all_stations() {
 }
 
 #[test]
+fn a_log_that_cannot_be_written_is_reported_at_the_start() {
+    let place = std::env::temp_dir().join(format!("profidrive-unlogged-{}", std::process::id()));
+    std::fs::write(&place, "a file").unwrap();
+    let open = |log: Option<std::path::PathBuf>| {
+        let settings = Settings {
+            listen: "127.0.0.1:0".parse().unwrap(),
+            log,
+            ..Settings::new(Source::Demo)
+        };
+        Server::open(settings, Stop::new().unwrap()).unwrap()
+    };
+    let below = place.join("log");
+    let server = open(Some(below.clone()));
+    let why = server.unlogged().unwrap();
+    assert!(
+        why.contains("cannot write the log in") && why.contains(&below.display().to_string()),
+        "{why}"
+    );
+    assert!(open(None).unlogged().unwrap().contains("no folder for the log"));
+    std::fs::remove_file(&place).unwrap();
+    // the same place, and nothing in the way
+    assert_eq!(open(Some(below)).unlogged(), None);
+    std::fs::remove_dir_all(&place).unwrap();
+}
+
+#[test]
 fn a_foreign_page_does_nothing_with_the_cookie_of_a_session() {
     let server = Running::demo();
     let session = server.session(&server.control);

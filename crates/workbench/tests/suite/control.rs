@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 
 use crate::change::known;
 use crate::live::{Page, open_at};
-use crate::server::{Running, eventually};
+use crate::server::{JSON, Running, eventually};
 
 const PROTOCOL: &str = "profidrive.control.1";
 
@@ -23,8 +23,12 @@ pub struct Hands {
 
 impl Hands {
     pub fn of(server: &Running, token: &str) -> Self {
-        let session = server.session(token);
-        let page = open_at(server, "/api/v1/control", &session, Some(PROTOCOL));
+        Self::at(server, &server.session(token))
+    }
+
+    /// Those of a session that there is.
+    pub fn at(server: &Running, session: &str) -> Self {
+        let page = open_at(server, "/api/v1/control", session, Some(PROTOCOL));
         let mut page = page.unwrap_or_else(|status| panic!("{status}"));
         page.next("hello");
         Self {
@@ -60,7 +64,7 @@ impl Hands {
     }
 
     /// Beats until a command is answered, and returns the answer.
-    fn answer(&mut self, number: u64) -> Value {
+    pub fn answer(&mut self, number: u64) -> Value {
         let begin = Instant::now();
         self.page.patience(Duration::from_millis(20));
         loop {
@@ -78,6 +82,11 @@ impl Hands {
                 self.beat(&Value::Null);
             }
         }
+    }
+
+    /// Waits until the server closes the socket; returns why.
+    pub fn closed(&mut self) -> Option<u16> {
+        self.page.closed()
     }
 
     pub fn take(&mut self, drive: &str) -> Value {
@@ -101,7 +110,7 @@ pub fn lease(answer: &Value) -> u64 {
     answer["lease"].as_u64().unwrap()
 }
 
-fn sentence(answer: &Value) -> &str {
+pub fn sentence(answer: &Value) -> &str {
     assert_eq!(answer["type"], "refused", "{answer}");
     answer["sentence"].as_str().unwrap()
 }
@@ -158,7 +167,7 @@ fn a_jog_lasts_as_long_as_fresh_beats_and_control_too() {
     let jog = hands.send(
         "jog",
         &id,
-        &json!({ "lease": lease, "epoch": 0, "t": t, "speed": 20 }),
+        &json!({ "lease": lease, "epoch": 0, "t": t, "rtt": 5, "speed": 20 }),
     );
     let held = json!({ "drive": id, "n": jog });
     turns(&server, &mut hands, &id, &held);
@@ -185,7 +194,7 @@ fn beats_that_come_too_late_keep_nothing_going() {
     let jog = hands.send(
         "jog",
         &id,
-        &json!({ "lease": lease, "epoch": 0, "t": t, "speed": 20 }),
+        &json!({ "lease": lease, "epoch": 0, "t": t, "rtt": 5, "speed": 20 }),
     );
     let held = json!({ "drive": id, "n": jog });
     turns(&server, &mut hands, &id, &held);
@@ -204,7 +213,7 @@ fn beats_that_come_too_late_keep_nothing_going() {
     let late = hands.send(
         "jog",
         &id,
-        &json!({ "lease": lease, "epoch": 0, "t": t, "speed": 20 }),
+        &json!({ "lease": lease, "epoch": 0, "t": t, "rtt": 5, "speed": 20 }),
     );
     let late = hands.answer(late);
     assert!(
@@ -299,6 +308,108 @@ fn a_record_has_the_drive_the_time_of_the_engine_and_the_stops() {
         times[0] > 0 && times.is_sorted_by(|before, after| before <= after),
         "{times:?}"
     );
+}
+
+#[test]
+fn a_jog_needs_a_short_round_trip_that_its_page_reports() {
+    let server = Running::demo();
+    let id = known(&server, "axis-1");
+    let mut hands = Hands::of(&server, &server.control);
+    let lease = lease(&hands.take(&id));
+    hands.order("enable", &id, lease, 0, &json!({}));
+    for (rtt, part) in [
+        (Value::Null, "send it as `rtt`"),
+        (
+            json!(140.5),
+            "the round trip to the page is 140.5 ms, above 100 ms",
+        ),
+        (json!(-3), "is -3 ms"),
+        (json!(1e308), "is 1e308 ms"),
+    ] {
+        let t = hands.time();
+        let jog = json!({ "t": t, "rtt": rtt, "speed": 20 });
+        let refused = hands.order("jog", &id, lease, 0, &jog);
+        assert!(sentence(&refused).contains(part), "{refused}");
+    }
+    // a program that does not know of it is asked for it
+    let t = hands.time();
+    let refused = hands.order("jog", &id, lease, 0, &json!({ "t": t, "speed": 20 }));
+    assert!(sentence(&refused).contains("send it as `rtt`"), "{refused}");
+    assert!(speed(&server, &id).abs() < 0.1);
+    server.logged(|log| {
+        log.iter().any(|record| {
+            let result = record["result"].as_str().unwrap_or_default();
+            record["action"] == "jog" && record["value"] == "20 rpm" && result.contains("140.5 ms")
+        })
+    });
+    let t = hands.time();
+    let jog = hands.send(
+        "jog",
+        &id,
+        &json!({ "lease": lease, "epoch": 0, "t": t, "rtt": 99.5, "speed": 20 }),
+    );
+    turns(&server, &mut hands, &id, &json!({ "drive": id, "n": jog }));
+}
+
+#[test]
+fn who_people_say_they_are_stands_beside_what_they_hold_and_in_the_log() {
+    let server = Running::demo();
+    let id = known(&server, "axis-1");
+    let session = server.session(&server.control);
+    let put = |headers: &str, body: &str| {
+        let headers = format!("{headers}{JSON}");
+        server.ask("PUT", "/api/v1/session", &headers, body)
+    };
+    let long = format!("{{\"name\":\" An\\u0007na \\u202e{}\"}}", "x".repeat(5000));
+    let kept = put(&session, &long).json();
+    let name = kept["name"].as_str().unwrap().to_owned();
+    assert!(
+        name.starts_with("Anna xxx") && name.chars().count() == 40,
+        "{name}"
+    );
+    assert_eq!(put(&session, "{\"name\":\"Anna\"}").json()["name"], "Anna");
+    assert_eq!(
+        server.ask("GET", "/api/v1/session", &session, "").json()["name"],
+        "Anna"
+    );
+    assert_eq!(
+        put(&Running::bearer(&server.control), "{\"name\":\"x\"}").status,
+        409
+    );
+    let mut hands = Hands::at(&server, &session);
+    let lease = lease(&hands.take(&id));
+    let axis = hands.page.next("axes")["axes"][0].clone();
+    assert_eq!(axis["claimed_name"], "Anna", "{axis}");
+    let mut other = Hands::of(&server, &server.control);
+    let refused = other.take(&id);
+    assert!(
+        sentence(&refused).contains("(\"Anna\", not verified) has control of this drive"),
+        "{refused}"
+    );
+    // a new name is in what follows; the lease has that of the time when it was taken
+    put(&session, "{\"name\":\"Ben\"}");
+    hands.order("enable", &id, lease, 0, &json!({}));
+    hands.page.send(&json!({ "type": "stop" }));
+    let stopped = other.page.next("stopped");
+    assert_eq!(stopped["claimed_name"], "Ben", "{stopped}");
+    assert_eq!(sentence(&other.take(&id)), sentence(&refused));
+    server.logged(|log| {
+        let has = |action: &str, name: Value| {
+            log.iter()
+                .any(|record| record["action"] == action && record["claimed_name"] == name)
+        };
+        has("take", json!("Anna"))
+            && has("take", Value::Null)
+            && has("enable", json!("Ben"))
+            && has("stop", json!("Ben"))
+    });
+    let csv = server.ask("GET", "/api/v1/logs/log.csv", &session, "").body;
+    assert!(
+        csv.contains(",claimed_name\r\n") && csv.contains(",Anna\r\n"),
+        "{csv}"
+    );
+    // an empty one is none
+    assert_eq!(put(&session, "{\"name\":\" \"}").json()["name"], Value::Null);
 }
 
 #[test]

@@ -7,6 +7,9 @@ mod change;
 mod control;
 mod frames;
 mod live;
+mod machine;
+#[path = "../../../network/tests/namespace/mod.rs"]
+mod namespace;
 mod restart;
 mod samples;
 mod server;

@@ -68,6 +68,8 @@ export async function rest(page: Page, origin: string, id: string, since: number
 
 export async function hold(page: Page, name = "+20 rpm"): Promise<void> {
   const button = page.getByRole("button", { name });
+  // the round trip of the first beats is measured before
+  await expect(button).toBeEnabled();
   await button.hover();
   await page.mouse.down();
 }

@@ -170,7 +170,9 @@ test("the log has what was done, follows it, and exports it", async ({ page }) =
       return readFileSync(await download.path());
     };
     const csv = (await file("Export CSV")).toString();
-    expect(csv.split("\r\n")[0]).toBe("time,who,drive,name,action,value,changes,result");
+    expect(csv.split("\r\n")[0]).toBe(
+      "time,who,drive,name,action,value,changes,result,serial,engine_us,epoch,claimed_name",
+    );
     expect(csv).toContain(`load=${torque}Nm`);
     const lines = (await file("Export JSON Lines")).toString().trim().split("\n");
     expect(JSON.parse(lines.at(-1) ?? "")).toMatchObject({ action: "inject", result: "done" });

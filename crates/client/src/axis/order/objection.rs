@@ -211,10 +211,10 @@ impl Objection {
             }
             Self::LimitSwitch { .. } => "move the other way",
             Self::Range { .. } => "a distance ({choose relative}) may be shorter than a position",
-            Self::NoSpeed { .. } => "give a speed above 0; the direction is that of the target",
-            Self::NoDistance { .. } => "give a longer distance",
-            Self::SpeedStep { .. } => "ask for one of them",
-            Self::SpeedRange { .. } => "give a lower speed",
+            Self::NoSpeed { .. } => "use a speed above 0: the direction follows from the target",
+            Self::NoDistance { .. } => "use a longer distance",
+            Self::SpeedStep { .. } => "use one of them",
+            Self::SpeedRange { .. } => "use a lower speed",
             Self::SpeedLimit { .. } => "raise the limit with {choose speed-limit} if the machine allows it",
             Self::DriveLimit { .. } => return shows_limits(&[Part::ForwardLimit, Part::BackwardLimit]),
             Self::Ramp { .. } => {

@@ -130,6 +130,42 @@ fn inputs_before_the_answer_belong_to_the_connect() {
 }
 
 #[test]
+fn data_that_are_bad_until_a_station_is_ready_are_no_trouble_and_lasting_or_later_ones_are() {
+    let input = |at: u64, iops: u8| {
+        let counter = u16::try_from(at * 32 % 65_536).expect("small");
+        cyclic(DRIVE, PLC, INPUTS, &[0x02, 0x40, 0, 0, iops], counter, GOOD)
+    };
+    // each 4 ms, bad until `ready`
+    let marked = |ready: u64, end: u64| {
+        let mut capture = Capture::default();
+        connect(&mut capture, 0);
+        let mut texts = Vec::new();
+        for at in (4..end).step_by(4) {
+            let iops = if at < ready { 0 } else { 0x80 };
+            let found = capture.at(at, &input(at, iops));
+            texts.extend(found.into_iter().filter(|text| text.starts_with("slot 1: data")));
+        }
+        (capture, texts)
+    };
+    let (mut capture, texts) = marked(2000, 4000);
+    assert_eq!(texts, [""; 0]);
+    // later in the connection it is reported at once
+    let texts = capture.at(4000, &input(4000, 0));
+    assert_eq!(texts.len(), 1, "{texts:?}");
+    assert!(texts[0].starts_with("slot 1: data marked "), "{texts:?}");
+    assert_eq!(capture.last().weight, Weight::Warning);
+    assert_eq!(capture.at(4004, &input(4004, 0)), [""; 0], "once");
+    assert_eq!(capture.at(4008, &input(4008, 0x80)), ["slot 1: data good"]);
+    // and where no data are good for long
+    let (_, texts) = marked(3500, 4000);
+    assert_eq!(texts.len(), 2, "{texts:?}");
+    assert!(
+        texts[0].contains("marked") && texts[1] == "slot 1: data good",
+        "{texts:?}"
+    );
+}
+
+#[test]
 fn frames_belong_to_their_sender_and_to_none_after_release() {
     let mut capture = Capture::default();
     connect(&mut capture, 0);

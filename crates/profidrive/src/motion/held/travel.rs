@@ -1,6 +1,7 @@
 //! How far an axis may go that its caller holds.
 
 use client::axis::{Move as Order, Travel};
+use profile::notation::figures;
 
 use super::HeldAxis;
 use crate::motion::MotionError;
@@ -28,7 +29,7 @@ impl HeldAxis {
 
     /// Refuses a speed from which the axis would not be halted within the travel of the session.
     pub(super) fn permit_way(&self, speed: f64) -> Result<(), MotionError> {
-        self.within_travel(&format!("{speed} rpm"), |travel| travel.permits(speed))
+        self.within_travel(&format!("{} rpm", figures(speed)), |travel| travel.permits(speed))
     }
 
     /// Refuses a target outside of the travel of the session.

@@ -14,13 +14,13 @@ const MAX_LABEL: usize = 63;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, thiserror::Error)]
 pub enum NameRule {
     /// Nothing at all.
-    #[error("a name has at least one character")]
+    #[error("it has no character")]
     Empty,
     /// More than 240 octets.
-    #[error("a name has at most 240 characters, this has {0}")]
+    #[error("it has {0} characters, and 240 are the most")]
     TooLong(usize),
     /// Another character than a-z, 0-9, hyphen, dot.
-    #[error("{character:?} at position {position} is not allowed: only a-z, 0-9, '-' and '.'")]
+    #[error("its character {} is {character:?}, and only a-z, 0-9, '-' and '.' are permitted", .position + 1)]
     Character {
         /// The character (of octets that are not UTF-8: U+FFFD).
         character: char,
@@ -28,28 +28,28 @@ pub enum NameRule {
         position: usize,
     },
     /// Two dots in a row, or one at the start or end.
-    #[error("the part between dots at position {position} is empty")]
+    #[error("its part between dots that begins at character {} is empty", .position + 1)]
     EmptyLabel {
         /// Where it would be.
         position: usize,
     },
     /// A part between dots of more than 63 octets.
-    #[error("the part between dots at position {position} is longer than 63 characters")]
+    #[error("its part between dots that begins at character {} is longer than 63 characters", .position + 1)]
     LabelTooLong {
         /// Where it starts.
         position: usize,
     },
     /// A part starts or ends with a hyphen.
-    #[error("a part between dots must not start or end with '-' (position {position})")]
+    #[error("a part between dots must not start or end with '-', as character {} does", .position + 1)]
     Hyphen {
         /// Where the hyphen is.
         position: usize,
     },
     /// The first part looks like the name of a port, `port-001` or `port-001-00000`.
-    #[error("the first part looks like the name of a port")]
+    #[error("its first part looks like the name of a port")]
     PortForm,
     /// Four numbers with dots.
-    #[error("the name looks like an IP address")]
+    #[error("it looks like an IP address")]
     IpForm,
 }
 
@@ -258,7 +258,7 @@ mod tests {
         assert_eq!(check_name(b"10.0.0.256"), Err(NameRule::IpForm));
         assert_eq!(
             NameRule::Hyphen { position: 2 }.to_string(),
-            "a part between dots must not start or end with '-' (position 2)"
+            "a part between dots must not start or end with '-', as character 3 does"
         );
     }
 

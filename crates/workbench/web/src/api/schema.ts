@@ -674,7 +674,11 @@ export interface paths {
         };
         /** Returns the session of the caller. */
         get: operations["session"];
-        put?: never;
+        /**
+         * Says what the people of the session of the caller call themselves. It stands in the log and beside what they control, marked as not
+         *     verified. A program with a token has no session, and no name.
+         */
+        put: operations["claim"];
         /** Begins a session; its identity is in a cookie that no script can read. */
         post: operations["begin"];
         /** Ends the session of the caller. */
@@ -966,6 +970,11 @@ export interface components {
         CapturesReport: {
             /** @description The newest first. */
             captures: components["schemas"]["CaptureReport"][];
+        };
+        /** @description What the people of a session call themselves. */
+        ClaimedName: {
+            /** @description At most 40 characters are kept, and no control characters; an empty one is none. Nothing verifies it. */
+            name: string;
         };
         /** @description What is compared. Of a drive beside a file, or beside values as delivered, only what those have is read. */
         Compare: {
@@ -1684,6 +1693,11 @@ export interface components {
              * @default []
              */
             changes: string[];
+            /**
+             * @description What the people of that session called themselves, which nothing has verified.
+             * @default null
+             */
+            claimed_name: string | null;
             /** @description The drive, as it is called in paths. */
             drive: string | null;
             /**
@@ -1724,6 +1738,12 @@ export interface components {
         };
         /** @description What begins a session. */
         Login: {
+            /**
+             * @description What the people of the session call themselves, for the log and for other pages: nothing verifies it. At most 40 characters
+             *     are kept, and no control characters.
+             * @default null
+             */
+            name: string | null;
             /** @description The token of the address that the server printed. */
             token: string;
         };
@@ -2381,6 +2401,8 @@ export interface components {
              * @description Seconds after which it ends.
              */
             lifetime: number;
+            /** @description What its people call themselves, which nothing verifies. */
+            name: string | null;
             /** @description What it may do. */
             role: components["schemas"]["Role"];
         };
@@ -5378,6 +5400,57 @@ export interface operations {
             };
             /** @description No session */
             401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    claim: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: {
+            content: {
+                "application/json": components["schemas"]["ClaimedName"];
+            };
+        };
+        responses: {
+            /** @description The session, with the name as it is kept */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["SessionReport"];
+                };
+            };
+            /** @description No session */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Another origin */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A program with a token has no session */
+            409: {
                 headers: {
                     [name: string]: unknown;
                 };

@@ -21,9 +21,9 @@ const shown = signal(-1);
 const DONE = 5000;
 
 /** Returns what happened last, in words. */
-function event({ kind, drive, who, text, failed }: Happening): string {
+function event({ kind, drive, who, claimed_name, text, failed }: Happening): string {
   const station = stations.value?.find((one) => one.id === drive);
-  const by = person(who);
+  const by = person(who, claimed_name);
   // a message of the library begins with the drive
   const named = station && !text.startsWith(`${label(station)}: `) ? `${label(station)}: ` : "";
   // the log says by its kind that it failed
@@ -56,7 +56,7 @@ function became(): string {
 function pressed(): string {
   const last = lastStop.value;
   if (last === null) return t("frame.stopped.before");
-  return t("frame.stopped", { epoch: last.epoch, by: person(last.by) });
+  return t("frame.stopped", { epoch: last.epoch, by: person(last.by, last.claimed_name) });
 }
 
 /** Returns the numbers of the faults that a drive reports. */

@@ -1,5 +1,6 @@
 import type { Station } from "../api";
 import { heldAxis, own, session, wasOwn } from "../store/control";
+import { named } from "../store/name";
 import { received } from "../store/store";
 import { age, t } from "../text";
 import { faultText, foreign, urgency } from "./format";
@@ -83,14 +84,16 @@ export function owner(station: Station): string {
 export function ownerShort(station: Station): string {
   const axis = heldAxis(station.id);
   if (!axis) return owner(station);
-  const name = own(axis.drive) ? t("owner.self.short") : t("frame.event.session", { who: axis.holder });
+  const name = own(axis.drive)
+    ? t("owner.self.short")
+    : t("frame.event.session", { who: named(axis.holder, axis.claimed_name) });
   return t("frame.owner", { name });
 }
 
 /** Returns who did something, in words. */
-export function person(who: string): string {
+export function person(who: string, claimed?: string | null): string {
   if (who === "token") return t("frame.event.program");
-  return who === session.value ? t("frame.event.self") : t("frame.event.session", { who });
+  return who === session.value ? t("frame.event.self") : t("frame.event.session", { who: named(who, claimed) });
 }
 
 /** Returns who controls a drive, where it is not this page; `null` where nothing else does. */
@@ -101,7 +104,8 @@ export function otherOwner(station: Station | undefined): string | null {
 /** The name of the controller that is connected; `null` where none is. An axis of this server names its page. */
 export function ownerName(station: Station | undefined): string | null {
   const axis = station && heldAxis(station.id);
-  if (axis) return own(axis.drive) ? t("owner.self") : t("owner.session", { who: axis.holder });
+  if (axis)
+    return own(axis.drive) ? t("owner.self") : t("owner.session", { who: named(axis.holder, axis.claimed_name) });
   const controller = station?.status?.controller ?? station?.info?.controller;
   // what was read before this server released the drive names this server
   if (!station || !controller?.connected || wasOwn(station.id, received.value - (station.age ?? 0) * 1000)) return null;

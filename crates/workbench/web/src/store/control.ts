@@ -25,6 +25,8 @@ export interface Axis {
   drive: string;
   lease: number;
   holder: string;
+  /** What that one is called by its own words; nothing verifies it. */
+  claimed_name: string | null;
   purpose: "speed" | "position";
   stop_by: StopBy;
   phase: "taking" | "off" | "enabled" | "moving" | "stopping" | "releasing";
@@ -65,11 +67,13 @@ export const session = signal<string | null>(null);
 export const epoch = signal(0);
 export const stopped = signal(false);
 /** The last STOP: who pressed it, and what it stopped. */
-export const lastStop = signal<{ epoch: number; by: string; drives: string[] } | null>(null);
+export const lastStop = signal<{ epoch: number; by: string; claimed_name: string | null; drives: string[] } | null>(
+  null,
+);
 /** What became of the last command of each drive. */
 export const said = signal<ReadonlyMap<string, Said>>(new Map());
 /** Who wants a drive that this page has. */
-export const wanted = signal<{ drive: string; by: string } | null>(null);
+export const wanted = signal<{ drive: string; by: string; claimed_name: string | null } | null>(null);
 /** Round trip that 99 of the last 100 beats keep to, in ms; nothing before there are ten. */
 export const trip = signal<number | null>(null);
 /** The last answer to a beat of this page: which one, whether it came in time, and when, by the clock of this page in ms. */
@@ -96,9 +100,9 @@ type Incoming =
   | { type: "refused"; n: number; kind: string; sentence: string; hint: string | null }
   | { type: "lease"; n: number; drive: string; lease: number }
   | { type: "axes"; axes: Axis[] }
-  | { type: "stopped"; epoch: number; by: string; drives: string[] }
+  | { type: "stopped"; epoch: number; by: string; claimed_name: string | null; drives: string[] }
   | { type: "reset"; epoch: number }
-  | { type: "wanted"; drive: string; by: string };
+  | { type: "wanted"; drive: string; by: string; claimed_name: string | null };
 
 let socket: WebSocket | null = null;
 let tries = 0;
@@ -248,7 +252,7 @@ export function halt(drive: string): void {
 
 /** Jogs while the button is held: until `letGo`. */
 export function hold(drive: string, speed: number): void {
-  const n = command("jog", drive, { t: performance.now(), speed });
+  const n = command("jog", drive, { t: performance.now(), speed, rtt: trip.value });
   held.value = { drive, n };
 }
 

@@ -4,6 +4,7 @@ import { Refused, request, type Server, type Shaft, type Station, type Stations,
 import { label } from "../parts/format";
 import { t } from "../text";
 import { runControl } from "./control";
+import { name } from "./name";
 import { noteFaults } from "./seen";
 import { type Incoming, Live } from "./socket";
 import {
@@ -47,7 +48,7 @@ export async function enter(): Promise<void> {
   try {
     if (token !== null) {
       const headers = { "Content-Type": "application/json" };
-      await request("session", { method: "POST", headers, body: JSON.stringify({ token }) });
+      await request("session", { method: "POST", headers, body: JSON.stringify({ token, name: name.value }) });
     }
     server.value = await request<Server>("server");
     access.value = { kind: "in" };

@@ -100,6 +100,8 @@ export interface Happening {
   drive: string | null;
   /** Who did it, as in the log. */
   who: string;
+  /** What that one is called by its own words; nothing verifies it. */
+  claimed_name?: string;
   text: string;
   /** Whether it was wanted and not done. */
   failed: boolean;

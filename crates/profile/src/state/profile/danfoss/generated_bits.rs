@@ -66,7 +66,7 @@ Bit { number: 15, name: "TIMER", on: "thermal timer exceeded", off: "timers fine
 pub static PROFIDRIVE_STATUS: [Bit; 16] = [
 Bit { number: 0, name: "CTRL_READY", on: "control ready", off: "control not ready", inverse: false },
 Bit { number: 1, name: "DRIVE_READY", on: "drive ready", off: "drive not ready", inverse: false },
-Bit { number: 2, name: "ENABLE", on: "enabled", off: "coasting, or OFF given", inverse: false },
+Bit { number: 2, name: "ENABLE", on: "enabled", off: "coasting, or OFF commanded", inverse: false },
 Bit { number: 3, name: "TRIP", on: "trip", off: "no trip", inverse: false },
 Bit { number: 4, name: "OFF2", on: "ON 2", off: "OFF 2", inverse: true },
 Bit { number: 5, name: "OFF3", on: "ON 3", off: "OFF 3", inverse: true },
@@ -86,7 +86,7 @@ Bit { number: 15, name: "TIMER", on: "thermal timer exceeded", off: "timers fine
 pub static VLT_2800_STATUS: [Bit; 16] = [
 Bit { number: 0, name: "CTRL_READY", on: "control ready", off: "control not ready", inverse: false },
 Bit { number: 1, name: "DRIVE_READY", on: "drive ready", off: "drive not ready", inverse: false },
-Bit { number: 2, name: "ENABLE", on: "enabled", off: "coasting, or OFF given", inverse: false },
+Bit { number: 2, name: "ENABLE", on: "enabled", off: "coasting, or OFF commanded", inverse: false },
 Bit { number: 3, name: "TRIP", on: "trip", off: "no trip", inverse: false },
 Bit { number: 4, name: "OFF2", on: "OFF 2", off: "ON 2", inverse: false },
 Bit { number: 5, name: "OFF3", on: "OFF 3", off: "ON 3", inverse: false },

@@ -8,7 +8,9 @@ import { faultText, foreign, label, sentence } from "../../parts/format";
 import { Nothing } from "../../parts/Nothing";
 import { otherOwner, owner } from "../../parts/Reason";
 import { Shaft } from "../../parts/Shaft";
+import { Who } from "../../parts/Who";
 import * as control from "../../store/control";
+import { named } from "../../store/name";
 import { perDrive } from "../../store/perDrive";
 import * as scope from "../../store/scope";
 import { aged, now, server, silent } from "../../store/store";
@@ -115,7 +117,7 @@ function obstacle(station: Station): string | null {
   if (control.own(station.id) !== undefined || control.leases.value.has(station.id)) return null;
   if (station.ip === null) return t("control.addressless");
   const other = control.axes.value.find((axis) => axis.drive === station.id);
-  if (other) return t("control.taken", { who: other.holder });
+  if (other) return t("control.taken", { who: named(other.holder, other.claimed_name) });
   const name = otherOwner(station);
   return name === null ? null : t("control.owned", { name });
 }
@@ -149,7 +151,8 @@ function Take({ station }: { station: Station }) {
   const other = control.axes.value.find((one) => one.drive === station.id);
   const waits = other !== undefined && axis === undefined && other.phase === "taking";
   if (axis !== undefined) {
-    const by = control.wanted.value?.drive === station.id ? control.wanted.value.by : null;
+    const { wanted } = control;
+    const by = wanted.value?.drive === station.id ? named(wanted.value.by, wanted.value.claimed_name) : null;
     return (
       <>
         <p>{t(axis.purpose === "speed" ? "control.held.speed" : "control.held.position")}</p>
@@ -157,7 +160,7 @@ function Take({ station }: { station: Station }) {
         {station.status?.on_loss?.action === "keeps-turning" && <OnLoss station={station} />}
         {by !== null && (
           <p class="warn" role="status">
-            {t("control.wanted", { who: by })}
+            <bdi>{t("control.wanted", { who: by })}</bdi>
           </p>
         )}
         <button type="button" onClick={() => control.release(station.id)}>
@@ -207,6 +210,7 @@ function Take({ station }: { station: Station }) {
         </label>
         <Check of={mode}>{t("control.mode")}</Check>
         <Check of={runs}>{t("control.runs")}</Check>
+        <Who />
       </details>
       {real &&
         (["see", "clear", "stop"] as const).map((line, place) => (
@@ -267,7 +271,11 @@ function Enable({ station }: { station: Station }) {
   const faults = station.status?.faults ?? [];
   return (
     <>
-      {other && <p>{t("control.taken", { who: other.holder })}</p>}
+      {other && (
+        <p>
+          <bdi>{t("control.taken", { who: named(other.holder, other.claimed_name) })}</bdi>
+        </p>
+      )}
       <p class={on ? "state live" : "muted"}>{t(`control.phase.${phase}`)}</p>
       {axis?.travel_ended && <p class="warn">{t("control.travel.ended")}</p>}
       {axis?.trouble && !expected && (
@@ -328,6 +336,7 @@ function jogRefusal(station: Station, slow: boolean): string | null {
   if (refused !== null) return refused;
   const speed = numberOf(jogSpeeds.of(station.id).value);
   if (speed === null || speed <= 0) return t("control.jog.speed");
+  if (control.trip.value === null) return t("control.measuring");
   return slow ? t("control.slow", { ms: Math.round(control.trip.value ?? 0) }) : null;
 }
 

@@ -4,6 +4,7 @@ import { type LogPage, type LogTopic, request, type Troubles } from "../../api";
 import { foreign, label, sentence } from "../../parts/format";
 import { Bars, Loading } from "../../parts/Loading";
 import { want } from "../../store/live";
+import { named } from "../../store/name";
 import { now, server, silent, stations, topics } from "../../store/store";
 import { t } from "../../text";
 import { type Record, rows } from "./rows";
@@ -116,7 +117,8 @@ function Around({ at }: { at: number }) {
 }
 
 function who(record: Record): string {
-  return record.who === "token" ? t("frame.event.program") : t("frame.event.session", { who: record.who });
+  const of = named(record.who, record.claimed_name);
+  return record.who === "token" ? t("frame.event.program") : t("frame.event.session", { who: of });
 }
 
 function day(iso: string): string {
@@ -159,7 +161,9 @@ function Records() {
           {rows(records.value).map(({ record, requested }, number) => (
             <tr key={`${record.time}${number}`} data-action={record.action}>
               <td class="number">{day(requested ?? record.time)}</td>
-              <td>{who(record)}</td>
+              <td>
+                <bdi>{who(record)}</bdi>
+              </td>
               <td>
                 <bdi>{foreign(record.name ?? record.drive ?? "\u2013")}</bdi>
               </td>

@@ -2,7 +2,16 @@ import { expect, test } from "vitest";
 import { type Record, rows } from "./rows";
 
 function record(time: string, action: string, result: string | null, more: Partial<Record> = {}): Record {
-  const of = { boot: "1", who: "1", drive: "a", name: "axis-1", serial: null, engine_us: null, epoch: null };
+  const of = {
+    boot: "1",
+    who: "1",
+    claimed_name: null,
+    drive: "a",
+    name: "axis-1",
+    serial: null,
+    engine_us: null,
+    epoch: null,
+  };
   return { time, ...of, action, value: null, changes: [], result, ...more };
 }
 

@@ -32,7 +32,7 @@ function LastChange({ of }: { of: string }) {
   const time = record.time.replace("T", " ").slice(0, 19);
   return (
     <p class="small">
-      <span class="muted">{t("parameters.last", { time, who: person(record.who) })}</span>{" "}
+      <span class="muted">{t("parameters.last", { time, who: person(record.who, record.claimed_name) })}</span>{" "}
       <bdi>{foreign(change, 200)}</bdi>
     </p>
   );
