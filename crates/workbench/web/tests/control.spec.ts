@@ -264,6 +264,8 @@ test("the first motion is slow, limits hold, and a move stops where STOP finds i
 test("a speed that is stored in the drive is within the highest speed of the session, or refused in words", async ({
   page,
 }) => {
+  // control is taken three times, and on a computer with much to do each time once more
+  test.setTimeout(120_000);
   // a page that has confirmed the direction, and a server that does not know
   let forward = false;
   await page.routeWebSocket("**/api/v1/control", (socket) => {
@@ -297,12 +299,12 @@ test("a speed that is stored in the drive is within the highest speed of the ses
       await page.getByRole("button", { name: "Release" }).click();
       await expect(page.getByText("Not under control")).toBeVisible();
     };
-    await homing();
+    await underControl(page, homing);
     await expect(said).toContainText("it waits until the direction of a first motion, at 10 rpm at most, is confirmed");
     await release();
     forward = true;
     // as delivered the axis is homed where it stands: nothing turns, whatever speed is stored
-    await homing();
+    await underControl(page, homing);
     await expect(page.getByText("Home position known")).toBeVisible();
     await tab("Task");
     await page.getByRole("button", { name: "Start the task" }).click();
@@ -322,7 +324,7 @@ test("a speed that is stored in the drive is within the highest speed of the ses
       const plan = await post(`drives/${encodeURIComponent(id)}/plans`, { changes, save: false });
       await post(`plans/${plan.id}/apply`, {});
     }, id);
-    await homing();
+    await underControl(page, homing);
     await expect(said).toContainText(/600 rpm, the speed that is stored in the drive, .*limit of 100 rpm/);
     await expect(said).toContainText("Store a lower speed in the drive, or take control with a higher limit");
     expect(Math.abs(await speed(page, server.origin, id))).toBeLessThan(0.5);

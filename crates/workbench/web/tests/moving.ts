@@ -64,7 +64,7 @@ export async function operate(page: Page): Promise<void> {
   });
   await page.getByRole("button", { name: "Take control" }).click();
   await expect(page.getByText(/This page has control/)).toBeVisible();
-  await page.getByRole("button", { name: "Enable" }).click();
+  await page.getByRole("button", { name: "Enable" }).click({ timeout: 10_000 });
   await expect(page.locator("main").getByText("Torque on, at rest")).toBeVisible();
 }
 
