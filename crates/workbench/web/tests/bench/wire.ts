@@ -128,6 +128,13 @@ export function changed(frames: readonly Frame[], to: string, since: number): nu
   return after === undefined ? null : after.time;
 }
 
+/** Returns whether a drive got the same data at two times: a motion that began after the first one had ended before the second. */
+export function same(frames: readonly Frame[], to: string, first: number, second: number): boolean {
+  const own = frames.filter((frame) => frame.to === to);
+  const [one, other] = [first, second].map((time) => own.findLast((frame) => frame.time < time));
+  return one !== undefined && other !== undefined && one.data.equals(other.data);
+}
+
 /** Returns which value so many parts in a hundred are at most. */
 export function percentile(values: readonly number[], percent: number): number {
   const sorted = [...values].sort((a, b) => a - b);
