@@ -305,6 +305,8 @@ test("a parameter of which nothing is known is one row with its octets, and the 
 });
 
 test("5,000 parameters are searched and scrolled by the keyboard alone", async ({ page, demo }) => {
+  // some hundred keys, one after the other
+  test.setTimeout(120_000);
   const wrong = watch(page);
   await synthetic(page);
   await page.goto(demo.url);
