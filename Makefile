@@ -1,4 +1,5 @@
-# The two commands of the README are `make demo` and `make test`.
+# The README begins with `serve --demo`, which is no target because its program prints the address to open, then `make demo` and
+# `make test`.
 CARGO ?= cargo
 
 .DEFAULT_GOAL := help

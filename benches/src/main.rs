@@ -1,6 +1,7 @@
 //! Comparison benchmarks: every figure beside its limit or a peer measured in the same run.
 //!
-//! `make bench` runs all; `make bench ARGS=round-trip` one section. The figures are of this machine at this moment: read the
+//! `make bench` runs all; `make bench ARGS=round-trip` one section. `ARGS=python` and `ARGS=workbench` are other programs, with a
+//! browser and without this one (`tools/bench`). The figures are of this machine at this moment: read the
 //! columns against each other.
 #![forbid(unsafe_code)]
 // A benchmark reports by panicking when what it measures does not work.

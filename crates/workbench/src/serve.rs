@@ -25,7 +25,7 @@ use tower_http::limit::RequestBodyLimitLayer;
 use tower_http::timeout::TimeoutLayer;
 
 use crate::access::{Attempts, Once, Peer, Places, Sessions, Tls, TlsError, Tokens, guard, secure};
-use crate::api::{large_router, nothing, router, while_it_runs};
+use crate::api::{large_router, nothing, of_a_simulation, router, while_it_runs};
 use crate::assets;
 use crate::audit::{Audit, Refusals};
 use crate::board::Board;
@@ -330,6 +330,7 @@ fn app(shared: Arc<Shared>) -> Router {
         .fallback(assets::serve)
         .layer(RequestBodyLimitLayer::new(BODY))
         .layer(from_fn_with_state(Arc::clone(&shared), while_it_runs))
+        .layer(from_fn_with_state(Arc::clone(&shared), of_a_simulation))
         .layer(in_time(REQUEST_TIME))
         .merge(large_router().layer(in_time(UPLOAD_TIME)))
         .layer(from_fn_with_state(Arc::clone(&shared), guard))

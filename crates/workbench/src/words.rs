@@ -41,6 +41,7 @@ fn words(action: &Action) -> String {
         Action::Choose(choice) => match choice {
             Choice::Mode => "the box \"Set the operating mode\" in \"Options\"".to_owned(),
             Choice::RunOn => "the box \"The drive may run on\" in \"Options\"".to_owned(),
+            Choice::Cycle => "an update time in the request".to_owned(),
             Choice::SpeedLimit => "a higher \"Highest speed\"".to_owned(),
             Choice::Relative => "\"By a distance from here\"".to_owned(),
             Choice::Save => "\"Save in the drive\"".to_owned(),

@@ -73,6 +73,8 @@ pub(super) struct PlantClock {
 
 const CONTROLS: &str = "this server controls an axis: release it first";
 const REPLACED: &str = "another plant was started since: look at it first";
+/// The part of the interface that only a simulation has.
+const OF_PLANTS: &str = "/api/v1/plant/";
 /// Parts of the interface that wait for drives.
 const OF_DRIVES: [&str; 4] = [
     "/api/v1/drives/",
@@ -100,6 +102,18 @@ pub(crate) async fn while_it_runs(
     next.run(request).await
 }
 
+/// Refuses everything of a plant where the drives are no simulation, whatever the request has in its body.
+pub(crate) async fn of_a_simulation(
+    State(shared): State<Arc<Shared>>,
+    request: Request,
+    next: Next,
+) -> Response {
+    if request.uri().path().starts_with(OF_PLANTS) && !shared.source.is_simulation() {
+        return no_simulation().into_response();
+    }
+    next.run(request).await
+}
+
 fn refused(status: StatusCode, detail: &str) -> Problem {
     Problem::new(status, "refused", detail)
 }
@@ -110,13 +124,9 @@ fn refused(status: StatusCode, detail: &str) -> Problem {
     (status = 404, description = "The drives are no simulation"),
 ))]
 pub(super) async fn check(
-    State(shared): State<Arc<Shared>>,
     wanted: Result<Json<PlantText>, JsonRejection>,
 ) -> Result<Json<PlantCheck>, Problem> {
     let Json(PlantText { text }) = wanted.map_err(|error| Problem::of_body(&error))?;
-    if !shared.source.is_simulation() {
-        return Err(no_simulation());
-    }
     let problem = text.parse::<PlantSource>().err();
     Ok(Json(PlantCheck {
         problem: problem.map(|error| PlantProblem {

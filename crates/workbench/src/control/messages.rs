@@ -41,6 +41,9 @@ pub(super) enum Request {
         /// How far the axis may go from where it is taken, in turns both ways; null for any way.
         #[serde(default)]
         travel: Option<f64>,
+        /// Update time of the cyclic connection, ms; null for one that a computer without a real-time system keeps.
+        #[serde(default)]
+        cycle_ms: Option<u16>,
         /// Puts the drive into the mode that this needs, and back afterwards.
         #[serde(default)]
         set_mode: bool,

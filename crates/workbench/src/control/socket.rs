@@ -299,12 +299,14 @@ impl Page {
                 purpose,
                 limit,
                 travel,
+                cycle_ms,
                 set_mode,
                 may_run_on,
                 checks,
                 stop_by,
             } => {
                 let common = Common {
+                    cycle: cycle_ms.map(|ms| Duration::from_millis(ms.into())),
                     set_mode,
                     may_run_on,
                     ..Common::default()

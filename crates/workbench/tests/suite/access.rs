@@ -90,6 +90,27 @@ fn a_view_session_changes_nothing_and_can_stop() {
     );
 }
 
+/// What belongs to a plant is not there, whatever is in the body: a body that is not valid is no way to find out that it is.
+#[test]
+fn a_server_that_is_no_simulation_has_no_plant() {
+    let addresses = vec!["127.0.0.1".parse().unwrap()];
+    let server = Running::start(Settings::new(Source::Addresses(addresses)));
+    let of_plants: Vec<_> = routes()
+        .into_iter()
+        .filter(|(_, path)| path.starts_with("/api/v1/plant/"))
+        .collect();
+    assert!(of_plants.len() >= 6, "{of_plants:?}");
+    let headers = Running::bearer(&server.control);
+    for (method, path) in of_plants {
+        let typed = format!("{headers}{JSON}");
+        for (headers, body) in [(&headers, ""), (&typed, "{"), (&typed, "{\"no\":1}")] {
+            let answer = server.ask(&method, &path, headers, body);
+            assert_eq!(answer.status, 404, "{method} {path} {body}: {answer:?}");
+            assert_eq!(answer.json()["kind"], "simulation", "{method} {path} {body}");
+        }
+    }
+}
+
 #[test]
 fn a_server_that_is_read_only_lets_nobody_change_anything() {
     let server = Running::start(Settings {

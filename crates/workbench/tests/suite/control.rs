@@ -695,6 +695,57 @@ fn a_server_that_ends_stops_its_axes() {
     assert!(begin.elapsed() < Duration::from_secs(10));
 }
 
+#[test]
+fn an_axis_is_taken_with_the_update_time_that_is_requested() {
+    let server = Running::demo();
+    let id = known(&server, "axis-1");
+    let mut hands = Hands::of(&server, &server.control);
+    // one that there is not, and one that this drive does not offer
+    let hint = "without an update time in the request one that it offers is used";
+    for (cycle, key, part) in [(3, "sentence", "3 ms"), (4, "hint", hint)] {
+        let take = json!({ "purpose": "speed", "limit": 300, "cycle_ms": cycle });
+        let number = hands.send("take", &id, &take);
+        let refused = hands.answer(number);
+        assert!(
+            refused[key].as_str().is_some_and(|text| text.contains(part)),
+            "{refused}"
+        );
+        // the place of the axis is given back behind the refusal
+        eventually(&server, "/api/v1/server", |report| {
+            report["controlled"] == json!([])
+        });
+    }
+    let path = format!("/api/v1/drives/{id}/telegram");
+    for (cycle, seconds) in [(json!(32), 0.032), (Value::Null, 0.016)] {
+        let number = hands.send(
+            "take",
+            &id,
+            &json!({ "purpose": "speed", "limit": 300, "cycle_ms": cycle }),
+        );
+        lease(&hands.answer(number));
+        let begin = Instant::now();
+        loop {
+            hands.beat(&Value::Null);
+            let telegram = server
+                .ask("GET", &path, &Running::bearer(&server.view), "")
+                .json();
+            let timing = &telegram["halves"][0]["timing"];
+            if timing["cycle"]
+                .as_f64()
+                .is_some_and(|is| (is - seconds).abs() < 1e-4)
+            {
+                break;
+            }
+            assert!(begin.elapsed() < Duration::from_secs(20), "{timing}");
+            std::thread::sleep(Duration::from_millis(30));
+        }
+        hands.send("release", &id, &json!({}));
+        eventually(&server, "/api/v1/server", |report| {
+            report["controlled"] == json!([])
+        });
+    }
+}
+
 /// An axis that homes by its switch, which is not there, at this speed.
 const HOMING: &str = "[[drive]]\nname = \"axis-1\"\nip = \"10.0.0.1/24\"\n\
     parameters = { \"HOME.MODE\" = 4, \"HOME.V\" = \"600rpm\", \"HOME.ACC\" = \"6000rpm/s\" }";

@@ -3,7 +3,7 @@ import { join } from "node:path";
 import { type Browser, chromium, type Page } from "@playwright/test";
 import { end, expect, idOf, idOfStation, pictures, rows, serve, test, watch } from "./bench";
 import { wire } from "./bench/wire";
-import { alone, enable, ends, enter, open, options, rest, speed, turning } from "./moving";
+import { alone, enable, ends, enter, open, operate, options, rest, speed, turning, underControl } from "./moving";
 
 test("a newcomer takes control, enables, jogs, and releases", async ({ page }) => {
   await alone(async (server) => {
@@ -11,34 +11,41 @@ test("a newcomer takes control, enables, jogs, and releases", async ({ page }) =
     const id = await open(page, server.url, "axis-1");
     const pad = page.getByRole("group", { name: /^Jog buttons/ });
     const place = await pad.boundingBox();
-    await enable(page);
-    expect(await pad.boundingBox()).toEqual(place);
-    // a telegram of speed has no position: the one that was read stays
-    const position = page.locator(".control-values .value").filter({ hasText: "Position" });
-    await expect(position).toContainText(/\d\.\d{3}/);
-    await expect(page.getByText("IN CONTROL")).toBeVisible();
-    await expect(page.getByRole("button", { name: "STOP axis-1" })).toBeVisible();
-    await turning(page, server.origin, id);
-    await expect(page.locator("main").getByText("Torque on, moving")).toBeVisible();
-    await page.screenshot({ path: join(pictures, "control-jog.png") });
-    await page.mouse.up();
-    await rest(page, server.origin, id, performance.now());
-    await expect(page.locator("main").getByText("Torque on, at rest")).toBeVisible();
-    // by a key, with the focus on the pad
-    await page.getByRole("button", { name: "+20 rpm" }).focus();
-    for (const other of ["Alt", "Control", "Meta"]) {
-      await page.keyboard.press(`${other}+ArrowLeft`, { delay: 50 });
-      expect(await page.evaluate(() => document.querySelectorAll(".jog[aria-pressed=true]").length)).toBe(0);
-    }
-    await page.keyboard.down("ArrowLeft");
-    await expect.poll(async () => speed(page, server.origin, id), { intervals: [5] }).toBeLessThan(-15);
-    await page.keyboard.up("ArrowLeft");
-    await rest(page, server.origin, id, performance.now());
-    await page.getByRole("button", { name: "Disable" }).click();
-    await expect(page.locator("main").getByText("Power stage off")).toBeVisible();
-    await page.getByRole("button", { name: "Release" }).click();
+    await underControl(page, async () => {
+      await enable(page);
+      expect(await pad.boundingBox()).toEqual(place);
+      // a telegram of speed has no position: the one that was read stays
+      const position = page.locator(".control-values .value").filter({ hasText: "Position" });
+      await expect(position).toContainText(/\d\.\d{3}/);
+      await expect(page.getByText("IN CONTROL")).toBeVisible();
+      await expect(page.getByRole("button", { name: "STOP axis-1" })).toBeVisible();
+      await turning(page, server.origin, id);
+      await expect(page.locator("main").getByText("Torque on, moving")).toBeVisible();
+      await page.mouse.up();
+      await rest(page, server.origin, id, performance.now());
+      await expect(page.locator("main").getByText("Torque on, at rest")).toBeVisible();
+      // by a key, with the focus on the pad
+      await page.getByRole("button", { name: "+20 rpm" }).focus();
+      for (const other of ["Alt", "Control", "Meta"]) {
+        await page.keyboard.press(`${other}+ArrowLeft`, { delay: 50 });
+        expect(await page.evaluate(() => document.querySelectorAll(".jog[aria-pressed=true]").length)).toBe(0);
+      }
+      await page.keyboard.down("ArrowLeft");
+      await expect.poll(async () => speed(page, server.origin, id), { intervals: [5] }).toBeLessThan(-15);
+      await page.keyboard.up("ArrowLeft");
+      await rest(page, server.origin, id, performance.now());
+      await page.getByRole("button", { name: "Disable" }).click();
+      await expect(page.locator("main").getByText("Power stage off")).toBeVisible();
+      await page.getByRole("button", { name: "Release" }).click({ timeout: 5000 });
+    });
     await expect(page.getByText("Not under control")).toBeVisible();
     await expect(page.getByText("IN CONTROL")).toHaveCount(0);
+    // the picture is last: nothing that is checked waits for it while the axis turns
+    await underControl(page, async () => {
+      await enable(page);
+      await turning(page, server.origin, id);
+      await page.screenshot({ path: join(pictures, "control-jog.png") });
+    });
     expect(wrong).toEqual([]);
   });
 });
@@ -251,6 +258,76 @@ test("the first motion is slow, limits hold, and a move stops where STOP finds i
     await expect(page.getByRole("alert").filter({ hasText: "It stops: axis-1" })).toBeVisible();
     const position = page.getByRole("region", { name: "Values" });
     await expect(position).not.toContainText("10.00");
+  });
+});
+
+test("a speed that is stored in the drive is within the highest speed of the session, or refused in words", async ({
+  page,
+}) => {
+  // control is taken three times, and on a computer with much to do each time once more
+  test.setTimeout(120_000);
+  // a page that has confirmed the direction, and a server that does not know
+  let forward = false;
+  await page.routeWebSocket("**/api/v1/control", (socket) => {
+    const server = socket.connectToServer();
+    socket.onMessage((message) => {
+      if (forward || !String(message).includes('"confirm"')) server.send(message);
+    });
+  });
+  await alone(async (server) => {
+    const id = await open(page, server.url, "axis-1");
+    await options(page);
+    await page.getByRole("textbox", { name: "Highest speed" }).fill("100");
+    await page.getByRole("combobox", { name: "Control mode" }).selectOption("position");
+    await page.getByRole("checkbox", { name: /Set the operating mode/ }).check();
+    await page.getByRole("textbox", { name: "Speed rpm", exact: true }).fill("5");
+    const said = page.locator(".control > [role=status]");
+    const tab = (name: string) => page.getByRole("tab", { name }).click();
+    const home = page.getByRole("button", { name: "Home", exact: true });
+    /** Takes the drive, jogs it as slowly as a first motion has to be, confirms the direction, and homes it. */
+    const homing = async () => {
+      await operate(page);
+      await tab("Jog");
+      await turning(page, server.origin, id, "+5 rpm", 3);
+      await page.mouse.up();
+      await rest(page, server.origin, id, performance.now());
+      await page.getByRole("button", { name: "Direction is right" }).click();
+      await tab("Home");
+      await home.click();
+    };
+    const release = async () => {
+      await page.getByRole("button", { name: "Release" }).click();
+      await expect(page.getByText("Not under control")).toBeVisible();
+    };
+    await underControl(page, homing);
+    await expect(said).toContainText("it waits until the direction of a first motion, at 10 rpm at most, is confirmed");
+    await release();
+    forward = true;
+    // as delivered the axis is homed where it stands: nothing turns, whatever speed is stored
+    await underControl(page, homing);
+    await expect(page.getByText("Home position known")).toBeVisible();
+    await tab("Task");
+    await page.getByRole("button", { name: "Start the task" }).click();
+    await expect(said).toContainText(/is stored in the drive and cannot be read now: .*limit of 100 rpm/);
+    await expect(said).toContainText("Set a limit of the drive itself that is as low");
+    await release();
+    await page.evaluate(async (id) => {
+      const post = async (path: string, body: unknown) => {
+        const headers = { "Content-Type": "application/json" };
+        const answer = await fetch(`/api/v1/${path}`, { method: "POST", headers, body: JSON.stringify(body) });
+        return (await answer.json()) as { id: number };
+      };
+      const changes = [
+        { parameter: "HOME.MODE", value: "4" },
+        { parameter: "HOME.V", value: "600rpm" },
+      ];
+      const plan = await post(`drives/${encodeURIComponent(id)}/plans`, { changes, save: false });
+      await post(`plans/${plan.id}/apply`, {});
+    }, id);
+    await underControl(page, homing);
+    await expect(said).toContainText(/600 rpm, the speed that is stored in the drive, .*limit of 100 rpm/);
+    await expect(said).toContainText("Store a lower speed in the drive, or take control with a higher limit");
+    expect(Math.abs(await speed(page, server.origin, id))).toBeLessThan(0.5);
   });
 });
 

@@ -108,6 +108,39 @@ test("values come with unit, age and the last minute", async ({ entered: page })
   expect(await boxes()).toEqual(places);
 });
 
+test("what is read last has its place before, so that no heading moves", async ({ entered: page }) => {
+  for (const [name, last] of [
+    ["axis-1", /differs? from default|as delivered/],
+    ["pump-1", "Parameter Edit"],
+  ] as const) {
+    let answer = () => {};
+    const held = new Promise<void>((resolve) => {
+      answer = resolve;
+    });
+    await page.route(/\/api\/v1\/drives\/[^/]+\/(changed|values)/, async (route) => {
+      await held;
+      await route.continue();
+    });
+    await page.goto(`/drives/${encodeURIComponent(await idOf(page, name))}/overview`);
+    await expect(page.getByText(/Read \d s ago/)).toBeVisible();
+    const headings = () =>
+      page
+        .locator("h2")
+        .evaluateAll((all) => all.map((one) => `${one.textContent} ${one.getBoundingClientRect().top}`));
+    const care = page.locator(".care");
+    await expect(care.locator(".bars")).toBeVisible();
+    // with the words of a wait that takes long
+    await expect(care).toContainText(`Waiting for the settings of ${name} ..`);
+    const still = (all: string[]) => all.map((one) => one.replace(/Read \d+ s ago/, ""));
+    const before = still(await headings());
+    answer();
+    await expect(care).toContainText(last);
+    await expect(care.locator(".bars")).toHaveCount(0);
+    expect(still(await headings()), name).toEqual(before);
+    await page.unrouteAll({ behavior: "wait" });
+  }
+});
+
 test("the frame has how regular the cyclic frames are, and values are those the drive has", async ({
   entered: page,
 }) => {

@@ -4,7 +4,8 @@ import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { fileURLToPath } from "node:url";
 import type { Page } from "@playwright/test";
-import { end, expect, idOf, program, rows, serve, test, watch } from "./bench";
+import { end, expect, idOf, inject, program, rows, serve, test, watch } from "./bench";
+import { packets } from "./bench/wire";
 
 const captures = fileURLToPath(new URL("../../../../captures", import.meta.url));
 
@@ -94,6 +95,98 @@ test("the byte map has the values of the program for the same octets", async ({ 
   // a drive without a connection says what it would need
   await go(page, "axis-2", "telegram");
   await expect(page.getByText("No cyclic frame of this drive was seen.")).toBeVisible();
+});
+
+/** A press that a controller turns at a constant speed, so that nothing but a load changes it. */
+const PRESS = `
+[[drive]]
+name = "press-1"
+ip = "192.168.77.21/24"
+load = { inertia = 1e-3, friction = 0.1 }
+
+[[controller]]
+drive = "press-1"
+telegram = 1
+step = [
+    { at = "0.3s", send = { STW1 = "0x047E" } },
+    { at = "0.5s", send = { STW1 = "0x047F" } },
+    { at = "0.6s", send = { NSOLL_A = "60rpm" } },
+]
+`;
+
+/** A field of a frame as `profidrive decode` prints it. */
+interface Field {
+  name: string;
+  value: string;
+  start: number;
+  end: number;
+  children?: Field[];
+}
+
+function fields(node: Field): Field[] {
+  return [node, ...(node.children ?? []).flatMap(fields)];
+}
+
+test("a load changes the speed in the telegram, at the octets and with the value of the same frame in a capture", async ({
+  page,
+}) => {
+  const folder = mkdtempSync(join(tmpdir(), "profidrive-load-"));
+  writeFileSync(join(folder, "press.toml"), PRESS);
+  const server = await serve("--plant", join(folder, "press.toml"), "--listen", "127.0.0.1:0");
+  const wrong = watch(page);
+  try {
+    await page.goto(server.url);
+    await expect(page.getByRole("row", { name: "press-1" })).toContainText("S4");
+    await page.goto(`${server.origin}/drives/${encodeURIComponent(await idOf(page, "press-1"))}/telegram`);
+    const input = page.locator("[data-direction=input]");
+    const speed = input.locator("[data-field=NIST_A] td").last();
+    await expect(speed).toHaveText("60.04 rpm");
+    // each frame that the page shows with another speed than that
+    await input.evaluate((section) => {
+      const seen: object[] = [];
+      Object.assign(window, { seen });
+      const look = () => {
+        const row = section.querySelector("[data-field=NIST_A]");
+        const text = (place: string) => row?.querySelector(`td:${place}`)?.textContent ?? "";
+        const value = text("last-child");
+        if (value !== "60.04 rpm") {
+          const octets = section.getAttribute("data-octets") ?? "";
+          seen.push({ octets, value, offset: Number(text("first-child")), hex: text("nth-of-type(2)") });
+        }
+      };
+      new MutationObserver(look).observe(section, { subtree: true, childList: true, characterData: true });
+    });
+    type Seen = { octets: string; value: string; offset: number; hex: string };
+    const seen = () => page.evaluate(() => (window as unknown as { seen: Seen[] }).seen);
+    // the drive holds its speed against the load soon: the frames between are few
+    await expect(async () => {
+      await inject(page, "press-1", "load=0Nm");
+      await expect(speed).toHaveText("60.04 rpm");
+      await inject(page, "press-1", "load=1.5Nm");
+      const slow = async () => (await seen()).filter(({ value }) => Number.parseFloat(value) < 50).length;
+      await expect.poll(slow, { timeout: 2000, intervals: [50] }).toBeGreaterThan(0);
+    }).toPass({ timeout: 30_000 });
+    const shown = (await seen()).find(({ value }) => Number.parseFloat(value) < 50) as Seen;
+    const octets = shown.octets.split(" ");
+    expect(octets.slice(shown.offset, shown.offset + 2).join(" ")).toBe(shown.hex);
+    // the same frame, among those of the last minute
+    const answer = await page.request.get(`${server.origin}/api/v1/traffic`);
+    const file = join(folder, "a.pcapng");
+    writeFileSync(file, await answer.body());
+    const frames = [...packets(readFileSync(file))].map(({ frame }) => frame.toString("hex"));
+    const place = frames.indexOf(octets.join("").toLowerCase());
+    expect(place).toBeGreaterThan(0);
+    const printed = execFileSync(program, ["decode", file, "--frame", String(place + 1), "--json"], {
+      encoding: "utf8",
+    });
+    const { tree } = JSON.parse(printed) as { tree: Field };
+    const found = fields(tree).find(({ name }) => name === "NIST_A");
+    expect(found).toMatchObject({ value: shown.value, start: shown.offset, end: shown.offset + 2 });
+    expect(wrong).toEqual([]);
+  } finally {
+    await end(server);
+    rmSync(folder, { recursive: true });
+  }
 });
 
 test("a record is read by its numbers, and what the drive refuses is said", async ({ page, demo }) => {

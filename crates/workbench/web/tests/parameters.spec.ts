@@ -1,6 +1,7 @@
 import { readFileSync } from "node:fs";
 import type { Page } from "@playwright/test";
 import { end, expect, idOf, type Running, rows, serve, test, watch } from "./bench";
+import { MANY, synthetic, unknown } from "./synthetic";
 
 async function open(page: Page, server: Running, name: string, screen: string): Promise<string> {
   await page.goto(server.url);
@@ -250,4 +251,118 @@ test("a narrow list of parameters ends with its last row", async ({ entered: pag
     });
     expect(gap, `${width}`).toBeLessThan(0.01);
   }
+});
+
+test("a parameter of which nothing is known is one row with its octets, and the others work as before", async ({
+  page,
+}) => {
+  await alone(async (server) => {
+    const wrong = watch(page);
+    await unknown(
+      page,
+      new Map([
+        [4711, { text: "305419896", value: 305_419_896, raw: 305_419_896, hex: "12 34 56 78" }],
+        [4712, { text: "DE AD BE EF", value: "DE AD BE EF", raw: null, hex: "DE AD BE EF", format: 0x7f }],
+      ]),
+    );
+    await open(page, server, "axis-1", "parameters");
+    const search = page.getByRole("searchbox");
+    await search.fill("471");
+    const of = (number: number) => page.locator(`[data-key="${number}"]`);
+    await expect(of(4711)).toHaveCount(1);
+    await expect(of(4711)).toContainText("305419896 (0x12345678)");
+    await expect(of(4712)).toHaveCount(1);
+    await expect(of(4712)).toContainText("cannot decode 0xDEADBEEF");
+    // none of their words is cut, and nothing can be typed into them
+    for (const number of [4711, 4712]) {
+      await expect(of(number).getByRole("textbox")).toHaveCount(0);
+      const cut = await of(number)
+        .locator("td")
+        .evaluateAll((all) =>
+          all
+            .filter((one) => one.scrollWidth > one.clientWidth)
+            .map((one) => `${one.textContent} ${one.scrollWidth} ${one.clientWidth}`),
+        );
+      expect(cut, `${number}`).toEqual([]);
+    }
+    await of(4711).getByRole("button").last().click();
+    await expect(page.locator(".details").getByRole("heading", { name: "4711" })).toBeVisible();
+    // in one view with others, which are read, edited and written
+    await search.fill("");
+    await page.getByRole("region", { name: "Parameters" }).focus();
+    await page.keyboard.press("End");
+    await expect(of(4712)).toBeVisible();
+    await expect(page.locator("[data-key] td bdi").filter({ hasText: /\d/ }).first()).toBeVisible();
+    await search.fill("DRV.ACC");
+    const field = page.getByRole("textbox", { name: "Value of DRV.ACC", exact: true });
+    await expect(field).toHaveValue("3000");
+    await field.fill("4000");
+    const review = page.getByRole("region", { name: "Changes" });
+    await review.getByRole("button", { name: "Apply 1" }).click();
+    await expect(review).toContainText("written and verified");
+    expect(wrong).toEqual([]);
+  });
+});
+
+test("5,000 parameters are searched and scrolled by the keyboard alone", async ({ page, demo }) => {
+  // some hundred keys, one after the other
+  test.setTimeout(120_000);
+  const wrong = watch(page);
+  await synthetic(page);
+  await page.goto(demo.url);
+  await rows(page);
+  await page.goto(`/drives/${encodeURIComponent(await idOf(page, "axis-1"))}/parameters`);
+  const count = page.locator(".parameters .title > .muted");
+  await expect(count).toHaveText(`${MANY} of ${MANY}`);
+  const rowsMade = () => page.locator("[data-key]").count();
+  const row = (name: string) => page.getByRole("row", { name });
+  await page.keyboard.press("/");
+  await page.keyboard.type("SYN.4321");
+  await expect(count).toHaveText(`1 of ${MANY}`);
+  await expect(row("SYN.4321 p24321").getByRole("textbox")).toHaveValue(String(4321 * 3));
+  await page.keyboard.press("Control+a");
+  await page.keyboard.press("Delete");
+  await expect(count).toHaveText(`${MANY} of ${MANY}`);
+  // by the tab key to the list, which scrolls by its keys
+  const list = page.getByRole("region", { name: "Parameters" });
+  for (let press = 0; press < 10; press += 1) {
+    if (await list.evaluate((one) => one === document.activeElement)) break;
+    await page.keyboard.press("Tab");
+  }
+  await expect(list).toBeFocused();
+  await page.keyboard.press("End");
+  await expect(row("SYN.5000")).toBeInViewport({ ratio: 0.9 });
+  await expect(row("SYN.5000").getByRole("textbox")).toHaveValue(String(MANY * 3));
+  // rows out of sight are not made
+  expect(await rowsMade()).toBeLessThan(60);
+  await page.keyboard.press("Home");
+  await expect(row("SYN.0001")).toBeInViewport({ ratio: 0.9 });
+  const top = () => list.evaluate((one) => one.scrollTop);
+  const before = await top();
+  await page.keyboard.press("PageDown");
+  await expect.poll(top).toBeGreaterThan(before + 200);
+  // the row that is seen first is read, and so is each that is reached with the tab key
+  const place = Math.ceil((await top()) / 28) + 2;
+  const name = `SYN.${String(place).padStart(4, "0")}`;
+  await expect(row(name).getByRole("textbox")).toHaveValue(String(place * 3));
+  await page.keyboard.press("Tab");
+  const key = () => page.evaluate(() => document.activeElement?.closest("[data-key]")?.getAttribute("data-key"));
+  expect(await key()).not.toBeUndefined();
+  // further than all rows that are made at once: the list follows the focus, and no row is left out
+  const seen: number[] = [];
+  for (let press = 0; press < 3 * 50; press += 1) {
+    const at = Number((await key())?.slice(1));
+    if (at !== seen.at(-1)) seen.push(at);
+    await page.keyboard.press("Tab");
+  }
+  expect(seen.length).toBeGreaterThan(45);
+  expect(seen).toEqual(seen.map((_, step) => (seen[0] ?? 0) + step));
+  // the row with the focus goes out of sight and keeps it: the next key goes on from there
+  const focused = await key();
+  await page.keyboard.press("PageDown");
+  await page.keyboard.press("PageDown");
+  await page.keyboard.press("PageDown");
+  await expect.poll(key).toBe(focused);
+  expect(wrong).toEqual([]);
+  await page.evaluate(() => fetch("/api/v1/session", { method: "DELETE" }));
 });

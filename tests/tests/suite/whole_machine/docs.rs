@@ -31,9 +31,11 @@ const ON_THE_CLOCK: [&str; 7] = [
 ];
 
 /// What is done instead of a command, each for its reason.
-const INSTEAD: [(&str, &str); 4] = [
+const INSTEAD: [(&str, &str); 5] = [
     // this test is a part of it
     ("make test", ":"),
+    // serves until Ctrl-C; each test of the page starts it
+    ("cargo run -p profidrive-cli -- serve --demo", ":"),
     // what the Makefile runs, built already
     ("make demo", "\"$BUILT\" demo --fast"),
     // what this test has built is where README says

@@ -312,6 +312,7 @@ export const en = {
   "parameters.volatile": "not saved",
   "parameters.nothing": "No matching parameters.",
   "parameters.value": "Value of {name}",
+  "parameters.undecoded": "cannot decode {octets}",
   "parameters.owner": "{name} controls this drive: what is written counts for its motion at once.",
   "parameters.view": "This session is view-only: it changes no value.",
   "plan.title": "Changes",

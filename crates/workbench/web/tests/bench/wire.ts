@@ -16,12 +16,12 @@ export interface Wire {
   end(): void;
 }
 
-/** Puts so many virtual drives on a cable: axis-1, axis-2, .. */
-export function wire(count: number): Wire {
+/** Puts so many virtual drives on a cable, axis-1, axis-2, .., whose shortest update time is so many ms. */
+export function wire(count: number, least = 4): Wire {
   const file = join(pictures, "drives.toml");
   const rows = Array.from({ length: count }, (_, place) => {
     const number = place + 1;
-    return `[[drive]]\nname = "axis-${number}"\nip = "192.168.98.${number + 10}/24"\n`;
+    return `[[drive]]\nname = "axis-${number}"\nip = "192.168.98.${number + 10}/24"\nmin-cycle = "${least}ms"\n`;
   });
   writeFileSync(file, rows.join("\n"));
   ip("link", "add", "bench-here", "type", "veth", "peer", "name", "bench-there");
@@ -81,9 +81,8 @@ export async function record(): Promise<{ frames(): Promise<Frame[]> }> {
   };
 }
 
-/** Reads a pcapng file of this computer: little endian, one interface. */
-function parse(file: Buffer): Frame[] {
-  const frames: Frame[] = [];
+/** Reads the frames of a pcapng file of this computer, little endian, one interface: when they were on the cable (ms since 1970). */
+export function* packets(file: Buffer): Generator<{ time: number; frame: Buffer }> {
   let unit = 1e3;
   for (let at = 0; at + 12 <= file.length; ) {
     const [type, length] = [file.readUInt32LE(at), file.readUInt32LE(at + 4)];
@@ -98,19 +97,25 @@ function parse(file: Buffer): Frame[] {
       }
     } else if (type === 6) {
       const ticks = (BigInt(file.readUInt32LE(at + 12)) << 32n) | BigInt(file.readUInt32LE(at + 16));
-      const frame = file.subarray(at + 28, at + 28 + file.readUInt32LE(at + 20));
-      const tagged = frame.readUInt16BE(12) === 0x8100 ? 4 : 0;
-      const id = frame.readUInt16BE(14 + tagged);
-      // cyclic data of class 1, and not discovery or alarms
-      if (id >= 0x8000 && id < 0xfc00) {
-        frames.push({
-          time: Number(ticks) / unit,
-          to: frame.subarray(0, 6).toString("hex"),
-          data: frame.subarray(16 + tagged, frame.length - 4),
-        });
-      }
+      yield { time: Number(ticks) / unit, frame: file.subarray(at + 28, at + 28 + file.readUInt32LE(at + 20)) };
     }
     at += length;
+  }
+}
+
+function parse(file: Buffer): Frame[] {
+  const frames: Frame[] = [];
+  for (const { time, frame } of packets(file)) {
+    const tagged = frame.readUInt16BE(12) === 0x8100 ? 4 : 0;
+    const id = frame.readUInt16BE(14 + tagged);
+    // cyclic data of class 1, and not discovery or alarms
+    if (id >= 0x8000 && id < 0xfc00) {
+      frames.push({
+        time,
+        to: frame.subarray(0, 6).toString("hex"),
+        data: frame.subarray(16 + tagged, frame.length - 4),
+      });
+    }
   }
   return frames;
 }
@@ -121,6 +126,13 @@ export function changed(frames: readonly Frame[], to: string, since: number): nu
   const before = own.findLast((frame) => frame.time < since);
   const after = own.find((frame) => frame.time >= since && before !== undefined && !frame.data.equals(before.data));
   return after === undefined ? null : after.time;
+}
+
+/** Returns whether a drive got the same data at two times: a motion that began after the first one had ended before the second. */
+export function same(frames: readonly Frame[], to: string, first: number, second: number): boolean {
+  const own = frames.filter((frame) => frame.to === to);
+  const [one, other] = [first, second].map((time) => own.findLast((frame) => frame.time < time));
+  return one !== undefined && other !== undefined && one.data.equals(other.data);
 }
 
 /** Returns which value so many parts in a hundred are at most. */

@@ -188,6 +188,7 @@ function Values({ station }: { station: Station }) {
   );
 }
 
+/** Each row has its place before it is read, and without a text: what stands below does not move. */
 function Identity({ station }: { station: Station }) {
   const identity = station.info?.identity;
   const rows: [string, string | undefined][] = [
@@ -204,16 +205,14 @@ function Identity({ station }: { station: Station }) {
     <section>
       <h2>{t("overview.identity")}</h2>
       <dl class="pairs">
-        {rows
-          .filter(([, text]) => text?.trim())
-          .map(([name, text]) => (
-            <div key={name}>
-              <dt>{name}</dt>
-              <dd>
-                <bdi>{foreign(text ?? "")}</bdi>
-              </dd>
-            </div>
-          ))}
+        {rows.map(([name, text]) => (
+          <div key={name}>
+            <dt>{name}</dt>
+            <dd>
+              <bdi>{foreign(text?.trim() || "\u2013")}</bdi>
+            </dd>
+          </div>
+        ))}
       </dl>
     </section>
   );
@@ -273,7 +272,7 @@ function Care({ station }: { station: Station }) {
   if (known === undefined && !readable) return null;
   if (known === undefined) {
     return (
-      <section>
+      <section class="care">
         <h2>{t("overview.care")}</h2>
         <Loading key={station.id} what={t("loading.care", { name: label(station) })} count={2} />
       </section>
@@ -281,7 +280,7 @@ function Care({ station }: { station: Station }) {
   }
   const { backup } = known;
   return (
-    <section>
+    <section class="care">
       <h2>{t("overview.care")}</h2>
       <dl class="pairs">
         <div>

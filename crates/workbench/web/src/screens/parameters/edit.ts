@@ -79,8 +79,14 @@ export function noteWritten(before: ReadonlySet<string>, done: Job): ReadonlySet
 /** Puts the parameters first that are called exactly like this: others have the name as a common one, or in their text. */
 export function exactFirst(all: readonly Line[], text: string): Line[] {
   const name = text.trim().toLowerCase();
-  const exact = ({ key, of }: Line) => [key, of.number, of.name].some((one) => one.toLowerCase() === name);
-  return [...all.filter(exact), ...all.filter((line) => !exact(line))];
+  if (name === "") return [...all];
+  const [exact, others]: [Line[], Line[]] = [[], []];
+  for (const line of all) {
+    const { key, of } = line;
+    const is = [key, of.number, of.name].some((one) => one.length === name.length && one.toLowerCase() === name);
+    (is ? exact : others).push(line);
+  }
+  return [...exact, ...others];
 }
 
 function linesOf(list: List): Line[] {

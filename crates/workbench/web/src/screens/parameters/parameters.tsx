@@ -1,6 +1,7 @@
-import { effect, signal } from "@preact/signals";
+import { computed, effect, signal } from "@preact/signals";
 import { useEffect, useRef, useState } from "preact/hooks";
 import { useLocation } from "preact-iso";
+import type { Value } from "../../api";
 import { selected, selectedId } from "../../app/selected";
 import { foreign, label, sentence } from "../../parts/format";
 import { groupOf, groups } from "../../parts/group";
@@ -34,6 +35,9 @@ const chosen = signal<string | null>(null);
 const ONLY = ["all", "favourites", "edited", "unsaved", "changed"] as const;
 const only = signal<(typeof ONLY)[number]>("all");
 const group = signal<string | null>(null);
+
+/** The groups of thousands of parameters, which a key of a search does not change. */
+const offered = computed(() => groups((edit.lines.value ?? []).map(({ of }) => of)));
 
 /** In the list of groups, what selects all: no group is called so. */
 const ALL = " ";
@@ -103,6 +107,19 @@ function Editor({ line, may }: { line: edit.Line; may: boolean }) {
   );
 }
 
+/** Whether no table describes a parameter: the drive has reported its number. */
+function isUnknown({ of }: edit.Line): boolean {
+  return of.name === "" && of.source === "";
+}
+
+/** Returns a value as it is shown: of an unknown parameter with its octets, or with these alone where it is not even a number. */
+function shown(line: edit.Line, value: Value): string {
+  const text = value.text ?? "";
+  if (!isUnknown(line) || !value.hex) return text;
+  const octets = `0x${value.hex.replaceAll(" ", "")}`;
+  return text === value.hex ? t("parameters.undecoded", { octets }) : `${text} (${octets})`;
+}
+
 function Row({ line }: { line: edit.Line }) {
   const read = edit.values.value.get(line.key);
   const may = server.value?.role === "control" && line.of.access !== "read";
@@ -110,6 +127,7 @@ function Row({ line }: { line: edit.Line }) {
   const edited = edit.edits.value.has(line.key);
   const error = read?.value.error;
   const meaning = read?.value.meaning;
+  const text = read === undefined ? "\u2013" : foreign(shown(line, read.value));
   return (
     <tr
       class={`parameter ${old ? "stale" : ""} ${edited ? "edited" : ""} ${chosen.value === line.key ? "chosen" : ""}`}
@@ -141,7 +159,7 @@ function Row({ line }: { line: edit.Line }) {
         </button>
       </th>
       <td class="number muted">{line.of.number}</td>
-      <td>
+      <td colSpan={isUnknown(line) ? 2 : 1}>
         {error ? (
           <span class="fault" title={error.meaning}>
             {foreign(error.meaning)}
@@ -149,15 +167,18 @@ function Row({ line }: { line: edit.Line }) {
         ) : may ? (
           <Editor line={line} may={silent.value === null} />
         ) : (
-          <bdi class="number" title={meaning ?? ""}>
-            {read === undefined ? "\u2013" : foreign(read.value.text ?? "")}
+          <bdi class="number" title={meaning ?? text}>
+            {text}
             {meaning && ` (${foreign(meaning)})`}
           </bdi>
         )}
       </td>
-      <td class="unit" title={line.of.unit}>
-        {line.of.unit || read?.value.unit}
-      </td>
+      {/* without a unit, which nobody knows, there is room for both forms */}
+      {!isUnknown(line) && (
+        <td class="unit" title={line.of.unit}>
+          {line.of.unit || read?.value.unit}
+        </td>
+      )}
       <td class="number spare">{line.of.default ?? ""}</td>
       <td class="number spare">{limits(line)}</td>
       <td class="muted small">
@@ -190,10 +211,26 @@ const COLUMNS = ["name", "number", "present", "unit", "default", "limits", "acce
 
 function Table({ rows }: { rows: readonly edit.Line[] }) {
   const [view, setView] = useState({ top: 0, height: 448 });
+  const [focused, setFocused] = useState<string | null>(null);
   const element = useRef<HTMLElement>(null);
   const first = Math.max(0, Math.min(rows.length, Math.floor(view.top / row.value)) - BESIDE);
   const last = Math.min(rows.length, Math.ceil((view.top + view.height) / row.value) + BESIDE);
   const seen = rows.slice(first, last);
+  // the row with the focus is made out of sight too: a key that scrolls must not take the place of the next key
+  const kept = focused === null ? -1 : rows.findIndex(({ key }) => key === focused);
+  const apart = kept >= 0 && (kept < first || kept >= last) ? rows[kept] : undefined;
+  // one list, so that a row stays the same one in its other place
+  const made = seen.map((line) => <Row key={line.key} line={line} />);
+  const from = apart && kept < first ? kept : first;
+  const to = apart && kept >= last ? kept + 1 : last;
+  if (apart) {
+    const gap = <Space key=" between" rows={kept < first ? first - kept - 1 : kept - last} />;
+    const own = <Row key={apart.key} line={apart} />;
+    if (kept < first) made.unshift(own, gap);
+    else made.push(gap, own);
+  }
+  made.unshift(<Space key=" above" rows={from} />);
+  made.push(<Space key=" below" rows={rows.length - to} />);
   const keys = seen.filter((line) => line.of.access !== "command").map((line) => line.key);
   const wanted = keys.join(",");
   useEffect(() => {
@@ -232,6 +269,10 @@ function Table({ rows }: { rows: readonly edit.Line[] }) {
       tabIndex={0}
       aria-label={t("parameters.title")}
       ref={element}
+      onFocusIn={({ target }) => {
+        setFocused(target instanceof Element ? (target.closest<HTMLElement>("[data-key]")?.dataset.key ?? null) : null);
+      }}
+      onFocusOut={() => setFocused(null)}
       onScroll={(event) => setView({ top: event.currentTarget.scrollTop, height: event.currentTarget.clientHeight })}
     >
       <table aria-rowcount={rows.length + 1}>
@@ -250,11 +291,7 @@ function Table({ rows }: { rows: readonly edit.Line[] }) {
           </tr>
         </thead>
         <tbody>
-          <Space rows={first} />
-          {seen.map((line) => (
-            <Row key={line.key} line={line} />
-          ))}
-          <Space rows={rows.length - last} />
+          {made}
           {rows.length === 0 && (
             <tr>
               <td class="empty" colSpan={5}>
@@ -359,7 +396,7 @@ export function Parameters() {
             }}
           >
             <option value={ALL}>{t("parameters.group.all")}</option>
-            {groups((all ?? []).map(({ of }) => of)).map((one) => (
+            {offered.value.map((one) => (
               <option key={one} value={one}>
                 {one === "" ? t("parameters.group.other") : foreign(one)}
               </option>
