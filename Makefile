@@ -9,7 +9,7 @@ CARGO ?= cargo
 TARGET ?= $(shell rustc -vV | sed -n 's/^host: //p')
 
 # the longest tests wait for drives on a wire, not for the processor
-THREADS ?= $(shell echo $$(( $$(nproc) + 1 )))
+THREADS ?= $(shell echo $$(( $$(nproc) + 2 )))
 
 # a property test tries the same cases in every run, so that it fails for a change, not by chance; `make properties`
 # tries others

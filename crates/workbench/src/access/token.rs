@@ -99,7 +99,7 @@ impl Once {
     }
 }
 
-/// Wrong tokens in a second that are answered as such; more are told to wait.
+/// Wrong tokens in a second that are answered as such; the rest have to wait.
 const RATE: u32 = 10;
 
 /// The bound on wrong tokens, of all clients together.
