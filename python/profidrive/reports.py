@@ -1518,11 +1518,14 @@ class ScanReport:
 
     stations: tuple[Scanned, ...]
     """The stations that answered."""
+    more: bool
+    """Whether more stations answered than one search takes; those are missing here."""
 
     @classmethod
     def _of(cls, data: Mapping[str, Any]) -> ScanReport:
         return cls(
             tuple(Scanned._of(item) for item in data["stations"]),
+            data["more"],
         )
 
     def __len__(self) -> int:

@@ -89,7 +89,7 @@ impl From<SlaveId> for Link {
 ///     client.handle_timeout(wake);
 ///     while client.poll_transmit(wake, &mut buffer).is_some() {}
 /// }
-/// assert!(client.take_stations(id).unwrap().is_empty());
+/// assert!(client.take_stations(id).unwrap().stations.is_empty());
 /// ```
 #[derive(Debug)]
 pub struct Client {
@@ -99,12 +99,22 @@ pub struct Client {
     connections: HashMap<ArId, Connection>,
     axes: Vec<AxisLink>,
     stations: HashMap<DcpId, Vec<Station>>,
-    identified: VecDeque<DcpId>,
+    /// Requests whose time is over, and whether more stations answered than were taken.
+    identified: VecDeque<(DcpId, bool)>,
     dcp: HashMap<DcpId, Result<DcpReply, DcpError>>,
     records: HashMap<CallId, Result<Vec<u8>, ServiceError>>,
     /// When all axes were stepped last.
     stepped: Instant,
     news: News,
+}
+
+/// The stations that answered a search.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Discovered {
+    /// Those that were taken.
+    pub stations: Vec<Station>,
+    /// Whether more stations answered than one search takes: who they are is not known.
+    pub more: bool,
 }
 
 /// What callers may have to look at.
@@ -240,10 +250,11 @@ impl Client {
     }
 
     /// Returns the stations that answered an Identify request, once its time is over.
-    pub fn take_stations(&mut self, id: DcpId) -> Option<Vec<Station>> {
-        let position = self.identified.iter().position(|done| *done == id)?;
-        self.identified.remove(position);
-        Some(self.stations.remove(&id).unwrap_or_default())
+    pub fn take_stations(&mut self, id: DcpId) -> Option<Discovered> {
+        let position = self.identified.iter().position(|(done, _)| *done == id)?;
+        let (_, more) = self.identified.remove(position)?;
+        let stations = self.stations.remove(&id).unwrap_or_default();
+        Some(Discovered { stations, more })
     }
 
     /// Returns the stations that answered so far, in the order of their answers.
@@ -254,7 +265,7 @@ impl Client {
 
     /// Returns the stations that answered so far, for a request that was cancelled.
     pub fn take_stations_so_far(&mut self, id: DcpId) -> Vec<Station> {
-        self.identified.retain(|done| *done != id);
+        self.identified.retain(|(done, _)| *done != id);
         self.stations.remove(&id).unwrap_or_default()
     }
 
@@ -569,13 +580,13 @@ impl Client {
     fn take(&mut self, event: Event) {
         match event {
             Event::Identified { id, station } => self.stations.entry(id).or_default().push(station),
-            Event::IdentifyDone { id, .. } => {
+            Event::IdentifyDone { id, more, .. } => {
                 if self.identified.len() >= MAX_RESULTS
-                    && let Some(old) = self.identified.pop_front()
+                    && let Some((old, _)) = self.identified.pop_front()
                 {
                     self.stations.remove(&old);
                 }
-                self.identified.push_back(id);
+                self.identified.push_back((id, more));
             }
             Event::DcpDone { id, result } => {
                 bound(&mut self.dcp);

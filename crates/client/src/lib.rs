@@ -48,7 +48,7 @@ pub use action::{Action, Advice, AdvicePart, Choice};
 pub use address::{DriveAddress, DriveAddressError, LineAddress, Parity};
 pub use authority::{AtWork, Authority, LocalControl};
 pub use bound::{BoundedDrive, SpeedBound};
-pub use client::{AxisView, Client, Connection, Link};
+pub use client::{AxisView, Client, Connection, Discovered, Link};
 pub use drive::Drive;
 pub use engine::{Driver, Engine, Wait, Waiters, Wire, World};
 pub use error::{

@@ -64,6 +64,17 @@ pub enum DriveError {
         /// Who answered, by name or address.
         answered: Vec<String>,
     },
+    /// More stations answered than one search takes: drives that a part of a selector means may be among those that are not
+    /// known.
+    #[error(
+        "more than {taken} stations answered, and one search takes no more: `{term}` may mean drives that were not found"
+    )]
+    MoreStations {
+        /// The parts: patterns, models, vendors or `all`.
+        term: String,
+        /// Stations that were taken.
+        taken: usize,
+    },
     /// A station without an IP address: it has a name and can be given an address, no more.
     #[error("{drive} has no IP address")]
     NoAddress {
@@ -88,6 +99,7 @@ impl DriveError {
             Self::Open(error) => error.kind(),
             Self::Client(error) => error.kind(),
             Self::Far { error, .. } => error.kind(),
+            Self::MoreStations { .. } => ErrorKind::Partial,
             Self::Subnet(_) | Self::NoneFits { .. } | Self::NoAddress { .. } => ErrorKind::Unreachable,
             #[cfg(feature = "gsdml")]
             Self::Description(error) => error.kind(),

@@ -4,9 +4,10 @@ use std::net::Ipv4Addr;
 use std::sync::Arc;
 
 use client::{Action, Advice, AtWork, Choice, Error, ErrorKind};
-use network::system::{Error as SystemError, PortHolder};
+use network::system::{Error as SystemError, NeighbourTable, PortHolder};
 use profile::notation::setting::Cause;
 use profinet::RPC_PORT;
+use profinet::controller::{LostCause, ServiceError};
 
 use crate::addressing::AddressingError;
 use crate::carrier::CarrierError;
@@ -143,6 +144,30 @@ fn carrier(error: &Error) -> Option<&CarrierError> {
     }
 }
 
+/// Whether an answer is missing to what went by IP: the kernel may have had no room for the address.
+const fn is_silence(error: &Error) -> bool {
+    let cause = match error {
+        Error::Connect {
+            cause: LostCause::Service(cause),
+            ..
+        } => cause,
+        Error::Record { error: cause, .. } => cause,
+        _ => return false,
+    };
+    matches!(cause, ServiceError::Timeout { .. })
+}
+
+/// Names the table of the kernel that is full.
+fn of_table(table: Option<NeighbourTable>) -> Advice {
+    words(table.map(|table| {
+        let NeighbourTable { held, most } = table;
+        let remedy = table.enlarged_for(held);
+        format!(
+            "the table of this computer for the addresses of stations is full ({held} of {most}): {remedy}"
+        )
+    }))
+}
+
 impl Explained for Error {
     fn kind(&self) -> ErrorKind {
         Self::kind(self)
@@ -163,6 +188,10 @@ impl Explained for Error {
                 let holders = PortHolder::named(RPC_PORT, Ipv4Addr::UNSPECIFIED);
                 let named = words(holders.map(|holders| format!("it is held by {holders}")));
                 Some(named.then(Self::advice(self).unwrap_or_default()))
+            }
+            error if is_silence(error) => {
+                let table = NeighbourTable::of_kernel().filter(NeighbourTable::is_full);
+                Some(Self::advice(self).unwrap_or_default().then(of_table(table)))
             }
             _ => Self::advice(self),
         };
@@ -236,6 +265,7 @@ impl Explained for DriveError {
     fn advice(&self) -> Advice {
         match self {
             Self::Far { subnets, .. } => Advice::from(subnets.clone()),
+            Self::MoreStations { .. } => "select the others by their names or IP addresses".into(),
             #[cfg(feature = "gsdml")]
             Self::Description(crate::description::DescriptionError::UnknownTelegrams { .. }) => {
                 "{choose model} takes it for one of the known drives".into()

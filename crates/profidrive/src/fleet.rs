@@ -34,7 +34,7 @@ mod write;
 use std::cmp::Ordering;
 use std::time::Duration;
 
-use client::{Drive, DriveAddress, Error, Session, StopWay};
+use client::{Discovered, Drive, DriveAddress, Error, Session, StopWay};
 use futures::channel::mpsc;
 use futures::{StreamExt, stream};
 use profinet::controller::Station;
@@ -120,7 +120,7 @@ impl Opening {
         let answered = if searched {
             network.scan(SEARCH).await?
         } else {
-            Vec::new()
+            Discovered::default()
         };
         let wanted = wanted(selector, &answered);
         let session: &Session = network;
@@ -203,7 +203,7 @@ pub async fn stop(
     let mut answered = Vec::new();
     let mut search = (**network).clone();
     let searching = async {
-        let mut searched = Ok(());
+        let mut searched = Ok(false);
         if !groups.is_empty() {
             let each = |station: &Station| {
                 answered.push(label(station));
@@ -218,6 +218,10 @@ pub async fn stop(
                 }
             };
             searched = search.scan_quickly(each).await;
+        }
+        if matches!(searched, Ok(true)) {
+            let groups = groups.iter().filter_map(|term| term.group());
+            send(more_than(groups, answered.len()));
         }
         for (term, _) in groups.iter().zip(&fitting).filter(|(_, count)| **count == 0) {
             if let Term::Group(group) = term {
@@ -321,8 +325,9 @@ pub(crate) fn of_many(session: &Session) -> Session {
     session
 }
 
-/// Returns what is to be found, each once.
-fn wanted(selector: &Selector, answered: &[Station]) -> Vec<Wanted> {
+/// Returns what is to be found, each once, and with the groups of a search that was not complete that this is so.
+fn wanted(selector: &Selector, found: &Discovered) -> Vec<Wanted> {
+    let answered = &found.stations[..];
     let mut taken: Vec<&Station> = Vec::new();
     let mut wanted = Vec::new();
     for term in selector.terms() {
@@ -342,7 +347,21 @@ fn wanted(selector: &Selector, answered: &[Station]) -> Vec<Wanted> {
         wanted.extend(fitting.iter().map(|station| of_station(station, answered)));
         taken.extend(fitting);
     }
+    if found.more {
+        let groups = selector.terms().iter().filter_map(Term::group);
+        wanted.push(more_than(groups, answered.len()));
+    }
     wanted
+}
+
+/// Drives that no one has found must not be passed over in silence: neither a stop nor a write has reached them.
+fn more_than<'g>(groups: impl Iterator<Item = &'g Group>, taken: usize) -> Wanted {
+    let groups: Vec<String> = groups.map(ToString::to_string).collect();
+    let term = groups.join(",");
+    Wanted::Nothing {
+        name: term.clone(),
+        error: DriveError::MoreStations { term, taken },
+    }
 }
 
 fn none_of(group: &Group, answered: Vec<String>) -> Wanted {
@@ -418,7 +437,43 @@ fn natural(a: &str, b: &str) -> Ordering {
 
 #[cfg(test)]
 mod tests {
+    use client::ErrorKind;
+    use profinet::IpSuite;
+
     use super::*;
+
+    /// Without an error it would seem that all drives were reached.
+    #[test]
+    fn a_search_that_was_not_complete_is_an_error_of_its_groups() {
+        let station = Station {
+            name: "akd-1".into(),
+            ip: IpSuite {
+                address: [192, 168, 0, 11].into(),
+                ..IpSuite::NONE
+            },
+            ..Station::default()
+        };
+        let mut found = Discovered {
+            stations: vec![station],
+            more: true,
+        };
+        let selector: Selector = "akd-*,192.168.0.11,all".parse().unwrap();
+        let errors = |found: &Discovered| -> Vec<(String, DriveError)> {
+            let wanted = wanted(&selector, found).into_iter();
+            let nothing = wanted.filter_map(|wanted| match wanted {
+                Wanted::Nothing { name, error } => Some((name, error)),
+                _ => None,
+            });
+            nothing.collect()
+        };
+        let of_incomplete = errors(&found);
+        let [(name, error @ DriveError::MoreStations { taken: 1, .. })] = of_incomplete.as_slice() else {
+            panic!("{of_incomplete:?}");
+        };
+        assert_eq!((name.as_str(), error.kind()), ("akd-*,all", ErrorKind::Partial));
+        found.more = false;
+        assert!(errors(&found).is_empty());
+    }
 
     #[test]
     fn names_are_sorted_as_people_count() {

@@ -32,6 +32,7 @@ use std::time::Duration;
 
 use client::{Drive, Error, ErrorKind, Session};
 use futures::{StreamExt, stream};
+use network::system::NeighbourTable;
 use profinet::controller::Station as Answer;
 use profinet::wire::dcp::role;
 use profinet::{Instant, MacAddress};
@@ -51,8 +52,10 @@ const MISSED: u8 = 3;
 /// # Errors
 /// When the medium fails or the caller requests a stop.
 pub async fn discover(network: &mut Caller, time: Duration) -> Result<Reported<ScanReport>, Error> {
-    let answers = network.scan(time).await?;
-    Ok(reported(of_answers(network, &answers)))
+    let found = network.scan(time).await?;
+    let mut report = of_answers(network, &found.stations);
+    report.more = found.more;
+    Ok(reported(report))
 }
 
 /// Finds all stations as [`discover`], then reads who each of them is, all at the same time: its firmware, its serial number,
@@ -66,8 +69,10 @@ pub async fn survey(
     time: Duration,
     progress: &mut (dyn FnMut(usize, usize) + Send),
 ) -> Result<Reported<ScanReport>, Error> {
-    let answers = network.scan(time).await?;
-    described(network, &answers, &answers, progress).await
+    let found = network.scan(time).await?;
+    let mut read = described(network, &found.stations, &found.stations, progress).await?;
+    read.report.more = found.more;
+    Ok(read)
 }
 
 /// Reads who each of the stations is that are meant among all that answered: see [`survey`].
@@ -135,6 +140,30 @@ pub(crate) async fn described(
     }
     drop(reading);
     Ok(reported(report))
+}
+
+/// Returns what is to be known where the kernel has no room for the addresses of all stations that were found: some of them
+/// cannot be read.
+#[must_use]
+pub fn crowded(network: &Caller, report: &ScanReport) -> Option<String> {
+    let Transport::Packet(_) = network.transport() else {
+        return None;
+    };
+    let stations = report.stations.iter().filter(|one| one.station.ip.is_some());
+    too_many(NeighbourTable::of_kernel()?, stations.count())
+}
+
+fn too_many(table: NeighbourTable, stations: usize) -> Option<String> {
+    let NeighbourTable { held, most } = table;
+    let found = match stations > most {
+        true => format!("{stations} stations have one"),
+        false if table.is_full() => format!("{held} are in use"),
+        false => return None,
+    };
+    let remedy = table.enlarged_for(stations);
+    Some(format!(
+        "this computer has room for the addresses of {most} stations, and {found}: some do not answer; {remedy} makes room"
+    ))
 }
 
 fn reported(report: ScanReport) -> Reported<ScanReport> {
@@ -211,7 +240,7 @@ impl Watch {
     /// When the medium fails or the caller requests a stop.
     pub async fn next(&mut self, network: &mut Caller, time: Duration) -> Result<Vec<StationChange>, Error> {
         let begin = *self.begin.get_or_insert(network.now());
-        let answers = network.scan(time).await?;
+        let answers = network.scan(time).await?.stations;
         Ok(self.compare(answers, network.now() - begin))
     }
 
@@ -251,6 +280,20 @@ impl Watch {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn more_stations_than_the_kernel_has_room_for_are_reported_with_the_setting() {
+        let of = |held, stations| too_many(NeighbourTable { held, most: 1024 }, stations);
+        assert_eq!(of(0, 1024), None);
+        assert_eq!(
+            of(0, 2000).as_deref(),
+            Some(
+                "this computer has room for the addresses of 1024 stations, and 2000 stations have one: some do not answer; \
+                 sysctl -w net.ipv4.neigh.default.gc_thresh3=4096 makes room"
+            )
+        );
+        assert!(of(1024, 3).is_some_and(|text| text.contains("1024 are in use")));
+    }
 
     #[test]
     fn an_answer_that_is_lost_is_not_a_station_that_went() {

@@ -191,6 +191,14 @@ impl From<DriveAddress> for Selector {
 }
 
 impl Term {
+    /// Returns the group that it is.
+    pub(crate) const fn group(&self) -> Option<&Group> {
+        match self {
+            Self::Group(group) => Some(group),
+            Self::Address(_) => None,
+        }
+    }
+
     /// Returns true for a station that answered and is meant.
     pub(crate) fn means(&self, station: &Station) -> bool {
         match self {

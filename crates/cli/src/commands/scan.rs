@@ -1,10 +1,12 @@
 //! `profidrive scan`
 
+use std::collections::HashMap;
+
 use client::{ErrorKind, Wait};
 use profidrive::report::{
     Change, Identity, InfoReport, Neighbour, ScanReport, Scanned, Station, StationChange,
 };
-use profidrive::{Network, Reported, scan};
+use profidrive::{Network, Reported, listed, scan};
 
 use crate::args::{Interface, Scan};
 use crate::cache;
@@ -40,6 +42,7 @@ pub fn run(args: &Scan, interface: &Interface, output: &Output) -> Result<(), Fa
     spinner.finish_and_clear();
     bar.finish_and_clear();
     let Reported { report, outcome } = found?;
+    let crowded = scan::crowded(&network, &report);
     network.close().wait()?;
     cache::remember(report.stations.iter().map(|one| &one.station));
     if args.csv {
@@ -51,27 +54,60 @@ pub fn run(args: &Scan, interface: &Interface, output: &Output) -> Result<(), Fa
         for duplicate in report.duplicates() {
             output.warn(&duplicate.to_string());
         }
-        for Scanned {
-            station,
-            unread,
-            info,
-            ..
-        } in &report.stations
-        {
-            match (unread, info) {
-                (Some(unread), None) => {
-                    output.say(&format!("{} could not be read: {unread}", label(station)));
-                }
-                (Some(unread), Some(_)) => {
-                    output.warn(&format!("{} was read in part: {unread}", label(station)));
-                }
-                (None, _) => {}
+        if let Some(incomplete) = report.incomplete() {
+            output.warn(&incomplete);
+        }
+        for (unread, read_in_part) in unread(&report.stations) {
+            match read_in_part {
+                false => output.say(&unread),
+                true => output.warn(&unread),
             }
+        }
+        if let Some(crowded) = crowded.filter(|_| !args.quick) {
+            output.warn(&crowded);
         }
     }
     outcome.kind().map_or(Ok(()), |kind| {
         Err(Failure::new(kind, "no station answered").hint("check cable, interface and power"))
     })
+}
+
+/// Returns what could not be read and whether the rest of the station was: a line for each reason, which many stations may have.
+fn unread(stations: &[Scanned]) -> Vec<(String, bool)> {
+    let mut reasons: Vec<(&str, bool, Vec<&str>)> = Vec::new();
+    let mut places = HashMap::new();
+    for one in stations {
+        let Some(unread) = &one.unread else { continue };
+        let label = label(&one.station);
+        let own = unread
+            .strip_prefix(label)
+            .and_then(|rest| rest.strip_prefix(": "));
+        let (reason, in_part) = (own.unwrap_or(unread), one.info.is_some());
+        let place = *places.entry((reason, in_part)).or_insert_with(|| {
+            reasons.push((reason, in_part, Vec::new()));
+            reasons.len() - 1
+        });
+        if let Some((_, _, labels)) = reasons.get_mut(place) {
+            labels.push(label);
+        }
+    }
+    let line = |(reason, in_part, labels): (&str, bool, Vec<&str>)| {
+        let what = match (in_part, labels.len()) {
+            (false, _) => "could not be read",
+            (true, 1) => "was read in part",
+            (true, _) => "were read in part",
+        };
+        let text = match labels.as_slice() {
+            [label] => format!("{label} {what}: {reason}"),
+            several => format!(
+                "{} stations {what}: {reason}; they are {}",
+                several.len(),
+                listed(several)
+            ),
+        };
+        (text, in_part)
+    };
+    reasons.into_iter().map(line).collect()
 }
 
 /// Prints which stations come and go until the person ends it.
@@ -266,4 +302,38 @@ fn csv(report: &ScanReport) -> Result<String, Failure> {
     }
     let text = file.into_inner().map_err(|error| lost(&error))?;
     String::from_utf8(text).map_err(|error| lost(&error))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn stations_that_fail_for_one_reason_share_a_line() {
+        let stations: Vec<(Station, Vec<_>)> = (1..=12_u8)
+            .map(|number| {
+                let station = profinet::controller::Station {
+                    name: format!("akd-{number}"),
+                    ..Default::default()
+                };
+                (Station::from(&station), Vec::new())
+            })
+            .collect();
+        let mut report = ScanReport::new(stations);
+        for (at, one) in report.stations.iter_mut().enumerate().skip(1) {
+            let reason = if at == 1 {
+                "no such record"
+            } else {
+                "connect: no answer in time"
+            };
+            one.unread = Some(format!("akd-{}: {reason}", at + 1));
+        }
+        let lines = unread(&report.stations);
+        let [(alone, false), (together, false)] = lines.as_slice() else {
+            panic!("{lines:?}");
+        };
+        assert_eq!(alone, "akd-2 could not be read: no such record");
+        let start = "10 stations could not be read: connect: no answer in time; they are akd-3, akd-4, ";
+        assert!(together.starts_with(start), "{together}");
+    }
 }

@@ -7,7 +7,7 @@ use profinet::wire::dcp::DcpOption;
 use profinet::{Instant, IpSuite, MacAddress};
 
 use super::Session;
-use crate::{Client, Drive, DriveAddress, Error};
+use crate::{Client, Discovered, Drive, DriveAddress, Error};
 
 /// Longer than any DCP request may take with its repetitions.
 const DCP_LIMIT: Duration = Duration::from_secs(30);
@@ -35,7 +35,7 @@ impl Session {
     ///
     /// # Errors
     /// When the medium fails or the caller requests a stop.
-    pub async fn scan(&mut self, time: Duration) -> Result<Vec<Station>, Error> {
+    pub async fn scan(&mut self, time: Duration) -> Result<Discovered, Error> {
         let factor = u16::try_from(time.as_millis() / 20)
             .unwrap_or(u16::MAX)
             .clamp(1, 6400);
@@ -52,16 +52,17 @@ impl Session {
     }
 
     /// Reports each station to `report` as soon as it answers, most of them within 100 ms: for what cannot wait until all have
-    /// answered.
+    /// answered. Returns true where more stations answered than one search takes: those are not reported.
     ///
     /// # Errors
     /// When the medium fails or the caller requests a stop.
-    pub async fn scan_quickly(&mut self, report: impl FnMut(&Station)) -> Result<(), Error> {
+    pub async fn scan_quickly(&mut self, report: impl FnMut(&Station)) -> Result<bool, Error> {
         let quick = IdentifyOptions {
             delay_factor: 10,
             ..IdentifyOptions::MANY
         };
-        self.identify_each(Filter::all(), quick, report).await.map(|_| ())
+        let found = self.identify_each(Filter::all(), quick, report).await?;
+        Ok(found.more)
     }
 
     /// Sends one Identify request, without a repetition, and returns who answered within `time`, each with the time until its
@@ -93,7 +94,8 @@ impl Session {
                     if count > known {
                         return Some((count, None));
                     }
-                    client.take_stations(id).map(|all| (all.len(), Some(all)))
+                    let all = client.take_stations(id)?.stations;
+                    Some((all.len(), Some(all)))
                 })
                 .await?;
             let (count, all) = answered.unwrap_or((known, None));
@@ -109,7 +111,7 @@ impl Session {
         }
     }
 
-    async fn identify(&mut self, filter: Filter, options: IdentifyOptions) -> Result<Vec<Station>, Error> {
+    async fn identify(&mut self, filter: Filter, options: IdentifyOptions) -> Result<Discovered, Error> {
         self.identify_each(filter, options, |_| ()).await
     }
 
@@ -118,12 +120,12 @@ impl Session {
         filter: Filter,
         options: IdentifyOptions,
         mut report: impl FnMut(&Station),
-    ) -> Result<Vec<Station>, Error> {
+    ) -> Result<Discovered, Error> {
         let now = self.now();
         let id = self.client().controller().identify_with(now, filter, options)?;
         let limit = Duration::from_millis(10) * u32::from(options.delay_factor) + options.margin + DCP_LIMIT;
         let mut reported = 0;
-        let mut stations = self
+        let mut found = self
             .wait(limit, |client| {
                 let so_far = client.stations_so_far(id);
                 so_far.iter().skip(reported).for_each(&mut report);
@@ -132,8 +134,10 @@ impl Session {
             })
             .await?
             .unwrap_or_default();
-        stations.sort_by(|a, b| (&a.name, a.ip.address, a.mac).cmp(&(&b.name, b.ip.address, b.mac)));
-        Ok(stations)
+        found
+            .stations
+            .sort_by(|a, b| (&a.name, a.ip.address, a.mac).cmp(&(&b.name, b.ip.address, b.mac)));
+        Ok(found)
     }
 
     /// Identifies the station of a filter that fits only one: ends soon after the first answer.
@@ -147,7 +151,7 @@ impl Session {
             .wait(DCP_LIMIT, |client| {
                 (!client.stations_so_far(id).is_empty())
                     .then(Vec::new)
-                    .or_else(|| client.take_stations(id))
+                    .or_else(|| Some(client.take_stations(id)?.stations))
             })
             .await?;
         if !self.client().stations_so_far(id).is_empty() {
@@ -178,7 +182,7 @@ impl Session {
         let answers = match drive {
             DriveAddress::Name(_) => self.identify_one(filter).await?,
             DriveAddress::Mac(mac) => self.ask_station(*mac).await?,
-            _ => self.identify(filter, IdentifyOptions::MANY).await?,
+            _ => self.identify(filter, IdentifyOptions::MANY).await?.stations,
         };
         let fits = |station: &&Station| match drive {
             DriveAddress::Name(name) => station.name == *name,
@@ -189,7 +193,9 @@ impl Session {
         let answered = match drive {
             // one that answers too late, or not to what was asked of it alone, may be among all
             DriveAddress::Name(_) | DriveAddress::Mac(_) if !answers.iter().any(|station| fits(&station)) => {
-                self.identify(Filter::all(), IdentifyOptions::MANY).await?
+                self.identify(Filter::all(), IdentifyOptions::MANY)
+                    .await?
+                    .stations
             }
             _ => answers,
         };
@@ -231,6 +237,7 @@ impl Session {
         }
         let answers = self.identify(Filter::all(), IdentifyOptions::MANY).await?;
         let same = answers
+            .stations
             .iter()
             .filter(|station| station.ip.address == drive.station.ip.address);
         Ok(same.map(|station| station.mac).collect())

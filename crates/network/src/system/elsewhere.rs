@@ -13,7 +13,7 @@ use serialport::SerialPort;
 use super::diagnosis::{Link, Permissions, PortHolder};
 use super::stop::SAME_SIGNAL;
 use super::udp::Ports;
-use super::{Calls, Error, InterfaceInfo, Rank, Stop, ThreadTime};
+use super::{Calls, Error, InterfaceInfo, NeighbourTable, Rank, Stop, ThreadTime};
 
 /// How long to sleep between two looks.
 const NAP: Duration = Duration::from_millis(1);
@@ -32,6 +32,12 @@ pub fn now() -> Instant {
 /// Returns nothing: not available in the standard library.
 #[must_use]
 pub const fn free_memory() -> Option<u64> {
+    None
+}
+
+/// Returns nothing: not available in the standard library.
+#[must_use]
+pub const fn neighbour_table() -> Option<NeighbourTable> {
     None
 }
 

@@ -6,7 +6,7 @@
 //! | a client without permission for raw sockets: records only, no discovery, no cyclic data | [`UdpMedium`] |
 //! | what interfaces there are | [`InterfaceInfo`] |
 //! | Ctrl-C | [`Stop`] |
-//! | what decides how well this computer works as a controller | [`Permissions`], [`Link`], [`PortHolder`], [`lateness`] |
+//! | what decides how well this computer works as a controller | [`Permissions`], [`Link`], [`PortHolder`], [`NeighbourTable`], [`lateness`] |
 //! | frames that are on time while other programs compute | [`First`] |
 //! | a folder that one program uses at a time | [`FolderLock`] |
 
@@ -23,6 +23,7 @@ mod interface;
 pub(crate) mod linux;
 mod lock;
 pub(crate) mod medium;
+mod neighbours;
 mod stop;
 #[cfg_attr(not(all(feature = "raw-ethernet", target_os = "linux")), allow(dead_code))]
 pub(crate) mod udp;
@@ -40,6 +41,7 @@ pub use first::First;
 pub use interface::InterfaceInfo;
 pub use lock::{FolderLock, LockError};
 pub use medium::{ServerPort, UdpMedium};
+pub use neighbours::NeighbourTable;
 pub use os::{free_memory, now, thread_time};
 pub(crate) use os::{wait_for_octets, wait_for_room};
 pub(crate) use stop::Calls;

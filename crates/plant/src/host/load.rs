@@ -12,6 +12,10 @@ use crate::text::count;
 
 /// A thread that is busy for this share of its time has no room for more drives.
 const FULL: f64 = 0.9;
+/// Fewer frames do not show what one of them costs.
+const FEW_FRAMES: u64 = 100;
+/// Keeps a whole number of drives whole.
+const ROUNDING: f64 = 1e-6;
 
 /// What a simulation on a network does at one moment, and what it has done since its start.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -24,6 +28,8 @@ pub struct Load {
     pub exchanging: usize,
     /// Shortest and longest time between two input frames of those.
     pub cycles: Option<(Duration, Duration)>,
+    /// Cycles that those have in a second, all together.
+    pub cycle_rate: f64,
     /// Connections of controllers on which the exchange of data began, since the start.
     pub connections: u64,
     /// Connections of controllers that ended, since the start.
@@ -76,27 +82,86 @@ impl Load {
         share(self.processor?.ran, self.time)
     }
 
-    /// Returns how many drives would fit, when these came too late because their thread had too much to do.
-    #[must_use]
-    pub fn overload(&self) -> Option<Overload> {
-        let busy = self.processor?;
-        let used = share(busy.ran, self.time)?;
-        let waited = share(busy.waited, self.time)?;
-        let full = self.lateness.late > 0 && self.exchanging > 0 && used + waited >= FULL;
-        // what waits for a processor has work to do too
-        let fit = self.exchanging as f64 * FULL * used / (used + waited);
-        full.then_some(Overload {
-            used,
-            waited,
-            late: self.lateness.late,
-            exchanging: self.exchanging,
-            fit: fit as usize,
-        })
+    /// Returns true where work was late or frames were lost.
+    fn is_troubled(&self) -> bool {
+        self.lateness.late > 0 || self.frames.missed > 0
+    }
+
+    /// Returns the processor time of one frame; `None` where there were too few of them.
+    fn cost(&self) -> Option<f64> {
+        let frames = self.frames.received.saturating_add(self.frames.sent);
+        let ran = self.processor?.ran.as_secs_f64();
+        (frames >= FEW_FRAMES && ran > 0.0).then(|| ran / frames as f64)
     }
 }
 
+/// Returns a share of the time of one thread. The kernel counts processor time in steps, so a busy thread may seem to have
+/// more than all of it.
 fn share(part: Duration, whole: Duration) -> Option<f64> {
-    (!whole.is_zero()).then(|| part.as_secs_f64() / whole.as_secs_f64())
+    (!whole.is_zero()).then(|| (part.as_secs_f64() / whole.as_secs_f64()).min(1.0))
+}
+
+/// Finds out whether the processor has time for the drives, from one window of time to the next.
+#[derive(Debug, Default)]
+pub(super) struct Judge {
+    /// Frames and processor time of one frame, from the busiest window in which nothing was late.
+    quiet: Option<(u64, f64)>,
+    /// Drives that exchanged data and their cycles in a second: most of them since nothing was late. While there is too much
+    /// to do, connections end, but their controllers go on trying.
+    wanted: (usize, f64),
+}
+
+impl Judge {
+    /// Takes what happened in a window; returns what is to be known where the drives came too late because their thread had
+    /// too much to do.
+    pub fn take(&mut self, passed: &Load) -> Option<Overload> {
+        let troubled = passed.is_troubled();
+        if !troubled || passed.cycle_rate > self.wanted.1 {
+            self.wanted = (passed.exchanging, passed.cycle_rate);
+        }
+        if !troubled {
+            self.learn(passed);
+            return None;
+        }
+        let busy = passed.processor?;
+        let used = share(busy.ran, passed.time)?;
+        let waited = share(busy.waited, passed.time)?;
+        if used + waited < FULL {
+            return None;
+        }
+        let (drives, rate) = self.wanted;
+        // what waits for a processor has work to do too
+        let room = FULL * used / (used + waited);
+        let cost = self.quiet.map(|(_, cost)| cost).or_else(|| passed.cost());
+        let fit = cost.filter(|_| drives > 0).map(|cost| {
+            // each cycle is a frame in and a frame out
+            let of_drive = cost * 2.0 * rate / drives as f64;
+            // with the thread full, no more fit than their part of what it should have had
+            ((room / of_drive).min(drives as f64 * room) + ROUNDING) as usize
+        });
+        Some(Overload {
+            used,
+            waited,
+            late: passed.lateness.late,
+            lost: passed.frames.missed,
+            drives: if drives > 0 { drives } else { passed.drives },
+            exchanging: passed.exchanging,
+            fit,
+        })
+    }
+
+    /// Takes the processor time of a frame from a window of cyclic data alone: beginning a connection costs more.
+    fn learn(&mut self, passed: &Load) {
+        let cyclic = passed.exchanging > 0 && passed.connections == 0 && passed.disconnections == 0;
+        let Some(cost) = passed.cost().filter(|_| cyclic) else {
+            return;
+        };
+        let frames = passed.frames.received.saturating_add(passed.frames.sent);
+        // with more to do at once, a frame costs less
+        if self.quiet.is_none_or(|(most, _)| frames >= most) {
+            self.quiet = Some((frames, cost));
+        }
+    }
 }
 
 impl fmt::Display for Load {
@@ -138,30 +203,49 @@ pub struct Overload {
     pub waited: f64,
     /// Deadlines met more than 1 ms late.
     pub late: u64,
-    /// Drives that exchange data.
+    /// Received frames that were lost.
+    pub lost: u64,
+    /// Drives that are too many: those that exchanged data before the processor was too slow, else all.
+    pub drives: usize,
+    /// Drives that still exchange data.
     pub exchanging: usize,
-    /// Drives that would fit, at the same cycles and beside the same programs.
-    pub fit: usize,
+    /// Drives that would fit, at the same cycles and beside the same programs; `None` where that is not known.
+    pub fit: Option<usize>,
 }
 
 impl fmt::Display for Overload {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self {
-            used,
-            waited,
-            late,
-            exchanging,
-            fit,
-        } = self;
-        write!(
-            f,
-            "the processor is too slow for {exchanging} drives: {late} times late; it worked for them for {:.0} % of the time",
-            used * 100.0
-        )?;
-        if *waited > 0.05 {
-            write!(f, " and for other programs for {:.0} %", waited * 100.0)?;
+        write!(f, "the processor is too slow for {}: ", count(self.drives))?;
+        match self.late {
+            0 => {}
+            1 => f.write_str("late once, ")?,
+            late => write!(f, "late {late} times, ")?,
         }
-        write!(f, "; at these cycles about {fit} drives fit")
+        match self.lost {
+            0 => {}
+            1 => f.write_str("1 frame lost, ")?,
+            lost => write!(f, "{lost} frames lost, ")?,
+        }
+        let verb = if self.exchanging == 1 {
+            "exchanges"
+        } else {
+            "exchange"
+        };
+        write!(f, "{} still {verb} data; ", self.exchanging)?;
+        write!(f, "the drives used {:.0} % of a processor", self.used * 100.0)?;
+        if self.waited > 0.05 {
+            write!(
+                f,
+                " and waited for other programs for {:.0} % of the time",
+                self.waited * 100.0
+            )?;
+        }
+        match self.fit {
+            None => Ok(()),
+            Some(0) => f.write_str("; at these cycles not even one drive fits"),
+            Some(1) => f.write_str("; at these cycles about 1 drive fits"),
+            Some(fit) => write!(f, "; at these cycles about {fit} drives fit"),
+        }
     }
 }
 
@@ -215,6 +299,10 @@ impl Tally {
         let ends = self.cycles.first_key_value().zip(self.cycles.last_key_value());
         load.cycles = ends.map(|((shortest, _), (longest, _))| (*shortest, *longest));
         load.exchanging = self.cycles.values().sum();
+        let rates = self.cycles.iter().filter(|(cycle, _)| !cycle.is_zero());
+        load.cycle_rate = rates
+            .map(|(cycle, drives)| *drives as f64 / cycle.as_secs_f64())
+            .sum();
         load.connections = self.connections;
         load.disconnections = self.disconnections;
         load.faults = self.faults;
@@ -232,6 +320,7 @@ mod tests {
             time: SECOND,
             drives: 2_000,
             exchanging: 1_000,
+            cycle_rate: 62_500.0,
             cycles: Some((Duration::from_millis(16), Duration::from_millis(16))),
             frames: PacketStatistics {
                 received: 62_500,
@@ -270,17 +359,109 @@ mod tests {
         assert_eq!(between.exchanging, 1_000);
     }
 
+    /// A window in which so many frames of each direction came, one of them costs `cost` microseconds.
+    fn window(frames: u64, cost: u64, late: u64) -> Load {
+        Load {
+            frames: PacketStatistics {
+                received: frames,
+                sent: frames,
+                ..PacketStatistics::default()
+            },
+            ..load(2 * frames * cost / 1000, 0, late)
+        }
+    }
+
     #[test]
     fn too_many_drives_are_reported_with_the_number_that_fits() {
-        assert_eq!(load(300, 10, 40).overload(), None, "late for another reason");
-        assert_eq!(load(990, 10, 0).overload(), None, "busy and never late");
-        assert_eq!(load(1_000, 0, 40).overload().unwrap().fit, 900);
-        let shared = load(600, 400, 40).overload().unwrap();
+        let judged = |load: Load| Judge::default().take(&load);
+        assert_eq!(judged(load(300, 10, 40)), None, "late for another reason");
+        assert_eq!(judged(load(990, 10, 0)), None, "busy and never late");
+        // twice too many from the start on: half of the frames are served
+        let twice = judged(window(31_250, 16, 40)).unwrap();
+        assert_eq!((twice.drives, twice.fit), (1_000, Some(450)));
+        let shared = judged(load(600, 400, 40)).unwrap();
         assert_eq!(
             shared.to_string(),
-            "the processor is too slow for 1000 drives: 40 times late; it worked for them for 60 % of the time and for \
-             other programs for 40 %; at these cycles about 540 drives fit"
+            "the processor is too slow for 1000 drives: late 40 times, 1000 still exchange data; the drives used 60 % of a \
+             processor and waited for other programs for 40 % of the time; at these cycles about 540 drives fit"
         );
+    }
+
+    #[test]
+    fn what_fits_follows_from_the_cost_of_quiet_times_and_not_from_the_drives_that_are_left() {
+        let mut judge = Judge::default();
+        // 500 drives, then 1000 of them: 12 us for each frame do not fit into a second
+        let half = Load {
+            exchanging: 500,
+            cycle_rate: 31_250.0,
+            ..window(31_250, 12, 0)
+        };
+        assert_eq!(judge.take(&half), None);
+        let all = judge.take(&Load {
+            connections: 500,
+            ..window(40_000, 13, 900)
+        });
+        assert_eq!(all.unwrap().fit, Some(600));
+        // all connections but eight have ended
+        let left = Load {
+            exchanging: 8,
+            cycle_rate: 500.0,
+            ..window(20_000, 25, 900)
+        };
+        let left = judge.take(&left).unwrap();
+        assert_eq!((left.drives, left.exchanging, left.fit), (1_000, 8, Some(600)));
+        // nothing is late any more: what was wanted then is over
+        let few = Load {
+            exchanging: 8,
+            cycle_rate: 500.0,
+            ..window(500, 12, 0)
+        };
+        assert_eq!(judge.take(&few), None);
+        let other = judge.take(&Load {
+            processor: Some(ThreadTime {
+                ran: SECOND / 10,
+                waited: SECOND,
+            }),
+            lateness: Lateness {
+                late: 1,
+                longest: SECOND,
+            },
+            ..few
+        });
+        let other = other.unwrap();
+        assert_eq!(other.drives, 8);
+        assert!(
+            other.to_string().contains("8 drives: late once, 8 still"),
+            "{other}"
+        );
+    }
+
+    #[test]
+    fn frames_that_are_lost_without_a_connection_are_an_overload() {
+        let mut starved = window(100, 40, 0);
+        (starved.exchanging, starved.cycle_rate) = (0, 0.0);
+        starved.frames.missed = 14_166;
+        starved.processor = Some(ThreadTime {
+            ran: SECOND / 20,
+            waited: SECOND,
+        });
+        let never = Judge::default().take(&starved).unwrap();
+        assert_eq!((never.drives, never.fit), (2_000, None));
+        assert_eq!(
+            never.to_string(),
+            "the processor is too slow for 2000 drives: 14166 frames lost, 0 still exchange data; the drives used 5 % of a \
+             processor and waited for other programs for 100 % of the time"
+        );
+        let mut judge = Judge::default();
+        assert_eq!(judge.take(&window(62_500, 4, 0)), None);
+        let starved = judge.take(&starved).unwrap();
+        assert_eq!((starved.drives, starved.exchanging), (1_000, 0));
+        assert!(starved.fit.is_some_and(|fit| fit < 50), "{starved}");
+    }
+
+    #[test]
+    fn no_thread_has_more_than_its_time() {
+        assert_eq!(load(1_360, 0, 0).used(), Some(1.0));
     }
 
     #[test]
@@ -293,6 +474,7 @@ mod tests {
         }
         tally.fill(&mut load);
         assert_eq!((load.exchanging, load.cycles), (3, Some((fast, slow))));
+        assert_eq!(load.cycle_rate, 1_125.0);
         tally.change(Some(fast), None);
         tally.change(Some(slow), Some(slow));
         tally.fill(&mut load);

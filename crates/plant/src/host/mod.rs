@@ -56,7 +56,7 @@ use description::description_of;
 use duplicate_check::{DuplicateCheck, Wanted};
 use expected::Expected;
 use fleet::Plan;
-use load::Tally;
+use load::{Judge, Tally};
 use persistence::Persistence;
 
 /// How long to sleep while nothing happens.
@@ -214,6 +214,7 @@ pub struct Host {
     /// Time between two reports of the load, and when the next is due.
     load: Option<(Duration, Instant)>,
     reported: Load,
+    judge: Judge,
     /// Not before this time is there another warning of too many drives.
     next_warning: Instant,
     /// When to look again for the interface that went away.
@@ -268,6 +269,7 @@ impl Host {
             tally: Tally::default(),
             load: config.load_every.map(|every| (every, start + every)),
             reported: Load::default(),
+            judge: Judge::default(),
             next_warning: start,
             next_try: None,
             _state: state,
@@ -469,12 +471,13 @@ impl Host {
 
     fn report_load(&mut self) {
         let at = now();
-        let Some((every, due)) = self.load.filter(|(_, due)| *due <= at) else {
+        let Some((every, _)) = self.load.filter(|(_, due)| *due <= at) else {
             return;
         };
-        // after a time in which this process did not run one report is enough
-        self.load = Some((every, (due + every).max(at)));
-        if let Some(overload) = self.send_load(at).overload()
+        // a report that comes at once after a late one would judge a moment in which everything is made up for
+        self.load = Some((every, at + every));
+        let passed = self.send_load(at);
+        if let Some(overload) = self.judge.take(&passed)
             && at >= self.next_warning
         {
             self.next_warning = at + BETWEEN_WARNINGS;

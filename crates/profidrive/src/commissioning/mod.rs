@@ -137,7 +137,7 @@ pub async fn plan_with(
     progress: impl Fn(crate::Step) + Sync,
 ) -> Result<Vec<Planned>, DriveError> {
     progress(crate::Step::of(Part::Searching));
-    let answered = network.scan(SEARCH).await?;
+    let answered = network.scan(SEARCH).await?.stations;
     let mut planned: Vec<Planned> = machine.drives.iter().map(Planned::of).collect();
     for one in &mut planned {
         one.unfinished =

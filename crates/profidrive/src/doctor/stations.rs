@@ -2,12 +2,13 @@
 
 use std::time::Duration;
 
-use client::{Action, Advice, Drive, Error};
+use client::{Action, Advice, Discovered, Drive, Error};
+use network::system::NeighbourTable;
 use profinet::controller::Station as Answer;
 use profinet::wire::dcp::role;
 
 use super::{links, unless_stopped};
-use crate::open::Caller;
+use crate::open::{Caller, Transport};
 use crate::report::{Check, DoctorReport, Finding, Remark, Scanned, Severity, Shared, Wording};
 use crate::{Part, Selector, Step, scan};
 
@@ -22,8 +23,11 @@ pub(super) async fn examine(
     progress: &mut (dyn FnMut(Step) + Send),
 ) -> Result<(), Error> {
     progress(Step::of(Part::Searching));
-    let mut answers = match unless_stopped(network.scan(SEARCH).await)? {
-        Ok(answers) => answers,
+    let Discovered {
+        stations: mut answers,
+        more,
+    } = match unless_stopped(network.scan(SEARCH).await)? {
+        Ok(found) => found,
         Err(error) => {
             let found = format!("the search failed: {error}");
             let finding = Finding::new(Check::Stations, Severity::Error, found);
@@ -35,6 +39,24 @@ pub(super) async fn examine(
     let measured = links::measure(network, &mut answers, progress).await?;
     let stations = scan::of_answers(network, &answers);
     report.findings.push(answered(&answers, wording));
+    if more {
+        let found = format!("more than {} stations answered", answers.len());
+        let finding = Finding::new(Check::Stations, Severity::Warning, found);
+        let why =
+            "one search takes no more: the others are not examined, and `all` and patterns do not reach them";
+        let advice = Advice::from("select the others by their names or IP addresses");
+        report
+            .findings
+            .push(finding.because(why).remedied(&advice, wording));
+    }
+    let table = match network.transport() {
+        Transport::Packet(_) => NeighbourTable::of_kernel(),
+        _ => None,
+    };
+    let with_address = answers.iter().filter(|answer| answer.ip.is_set()).count();
+    report
+        .findings
+        .extend(table.map(|table| room(table, with_address, wording)));
     let missing = selector.map_or_else(Vec::new, |selector| selector.without(&answers));
     for term in missing {
         let finding = Finding::new(Check::Stations, Severity::Error, "no station answers");
@@ -99,6 +121,26 @@ fn answered(answers: &[Answer], wording: &dyn Wording) -> Finding {
             format!("{count} stations answered"),
         ),
     }
+}
+
+/// Whether the kernel can remember the Ethernet addresses of so many stations at the same time.
+fn room(table: NeighbourTable, stations: usize, wording: &dyn Wording) -> Finding {
+    let most = table.most;
+    if stations <= most && !table.is_full() {
+        let found = format!("the kernel has room for {most} addresses");
+        return Finding::new(Check::ArpTable, Severity::Ok, found);
+    }
+    let found = if stations > most {
+        format!("the kernel has room for {most} addresses, and {stations} stations have one")
+    } else {
+        format!(
+            "the kernel has room for {most} addresses, and {} are in use",
+            table.held
+        )
+    };
+    Finding::new(Check::ArpTable, Severity::Warning, found)
+        .because("a station whose address finds no room there does not answer to any record")
+        .remedied(&table.enlarged_for(stations).into(), wording)
 }
 
 /// What keeps a station from being read, and who its neighbours are.
@@ -170,4 +212,28 @@ fn of_station(scanned: &Scanned, wording: &dyn Wording) -> Vec<Finding> {
         findings.push(finding.about(label()));
     }
     findings
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::PlainWording;
+
+    #[test]
+    fn a_table_of_the_kernel_that_is_too_small_is_a_warning_with_the_setting() {
+        let of = |held, stations| room(NeighbourTable { held, most: 1024 }, stations, &PlainWording);
+        assert_eq!(of(10, 1024).severity, Severity::Ok);
+        let small = of(10, 1100);
+        assert_eq!(small.severity, Severity::Warning);
+        assert_eq!(
+            small.found,
+            "the kernel has room for 1024 addresses, and 1100 stations have one"
+        );
+        let remedy = small.remedy.unwrap();
+        assert!(
+            remedy.contains("net.ipv4.neigh.default.gc_thresh3=4096"),
+            "{remedy}"
+        );
+        assert!(of(1020, 40).found.ends_with("and 1020 are in use"));
+    }
 }

@@ -96,6 +96,8 @@ pub enum Check {
     Mtu,
     /// The IP address of this computer.
     Address,
+    /// Room of the kernel for the Ethernet addresses of stations.
+    ArpTable,
     /// UDP port 34964, on which devices call their controller.
     Port,
     /// What the interface and the kernel do with received frames before a program gets them.
@@ -127,6 +129,7 @@ impl Check {
             Self::Speed => "speed",
             Self::Mtu => "MTU",
             Self::Address => "address",
+            Self::ArpTable => "ARP table",
             Self::Port => "UDP port",
             Self::Offload => "offload",
             Self::Timers => "timers",

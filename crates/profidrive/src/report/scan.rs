@@ -13,6 +13,8 @@ use super::{InfoReport, Station};
 pub struct ScanReport {
     /// The stations that answered.
     pub stations: Vec<Scanned>,
+    /// Whether more stations answered than one search takes; those are missing here.
+    pub more: bool,
 }
 
 /// A station that answered.
@@ -66,6 +68,17 @@ impl fmt::Display for Remark {
 }
 
 impl ScanReport {
+    /// Returns what is to be known where more stations answered than one search takes.
+    #[must_use]
+    pub fn incomplete(&self) -> Option<String> {
+        self.more.then(|| {
+            format!(
+                "more than {} stations answered: one search takes no more, and the others are not shown",
+                self.stations.len()
+            )
+        })
+    }
+
     /// Returns the report on stations that were not read, those with the same name or address marked.
     #[must_use]
     pub fn new(stations: impl IntoIterator<Item = (Station, Vec<Remark>)>) -> Self {
@@ -77,6 +90,7 @@ impl ScanReport {
         };
         let mut report = Self {
             stations: stations.into_iter().map(scanned).collect(),
+            more: false,
         };
         for Duplicate { what, stations } in report.duplicates() {
             let remark = match what {

@@ -117,7 +117,8 @@ impl IdentifyOptions {
 pub(super) enum DcpEvent {
     /// With the requests sent so far, where it answers them at once: what was sent before the last one is lost, or its answer.
     Identified(DcpId, Station, Option<u8>),
-    IdentifyDone(DcpId, usize),
+    /// With the number of stations, and whether more answered than are taken.
+    IdentifyDone(DcpId, usize, bool),
     Hello(Station),
     Done(DcpId, Result<DcpReply, DcpError>),
 }
@@ -128,6 +129,8 @@ enum Kind {
         filter: Filter,
         factor: u16,
         seen: BTreeSet<MacAddress>,
+        /// A station answered that was not taken.
+        more: bool,
         end: Instant,
         every: Duration,
     },
@@ -231,6 +234,7 @@ impl DcpClient {
                 filter,
                 factor,
                 seen: BTreeSet::new(),
+                more: false,
                 end,
                 every,
             },
@@ -288,12 +292,18 @@ impl DcpClient {
                 continue;
             }
             if let Kind::Identify {
-                seen, factor, every, ..
+                seen,
+                more,
+                factor,
+                every,
+                ..
             } = &mut request.kind
             {
                 // a malformed answer does not count as one
                 let Ok(station) = station(source, pdu) else { return };
-                if seen.len() < MAX_STATIONS && seen.insert(source) {
+                if seen.len() >= MAX_STATIONS {
+                    *more |= !seen.contains(&source);
+                } else if seen.insert(source) {
                     let at_once = Duration::from_millis(10) * u32::from(*factor) < *every;
                     let sends = at_once.then_some(request.sends);
                     self.events
@@ -332,9 +342,15 @@ impl DcpClient {
                 return true;
             }
             match &request.kind {
-                Kind::Identify { end, every, seen, .. } => {
+                Kind::Identify {
+                    end,
+                    every,
+                    seen,
+                    more,
+                    ..
+                } => {
                     if now >= *end {
-                        events.push_back(DcpEvent::IdentifyDone(request.id, seen.len()));
+                        events.push_back(DcpEvent::IdentifyDone(request.id, seen.len(), *more));
                         return false;
                     }
                     request.send = true;
@@ -525,5 +541,27 @@ mod tests {
         let events: Vec<DcpEvent> = core::iter::from_fn(|| client.poll_event()).collect();
         let identified = |event: &&DcpEvent| matches!(event, DcpEvent::Identified(of, ..) if Some(*of) == id);
         assert_eq!(events.iter().filter(identified).count(), MAX_STATIONS);
+        client.handle_timeout(Instant::ZERO + Duration::from_secs(1));
+        let done = DcpEvent::IdentifyDone(id.unwrap(), MAX_STATIONS, true);
+        assert_eq!(client.poll_event(), Some(done));
+    }
+
+    #[test]
+    fn a_search_that_is_exactly_full_is_complete() {
+        let mut client = DcpClient::new(Timeouts::default(), 1);
+        let id = client.identify(Instant::ZERO, Filter::all(), IdentifyOptions::ONE);
+        let mut payload = Vec::new();
+        let (identify, success) = (ServiceId::Identify, ServiceType::Success);
+        PduWriter::new(&mut payload, identify, success, client.xid, 0).finish();
+        let pdu = Pdu::parse(&payload).unwrap();
+        let stations = u16::try_from(MAX_STATIONS).unwrap();
+        // each answers to both requests of the search
+        for number in (0..stations).chain(0..stations) {
+            let [a, b] = number.to_be_bytes();
+            client.identified(MacAddress([2, 0, 0, 0, a, b]), &pdu);
+        }
+        client.handle_timeout(Instant::ZERO + Duration::from_secs(1));
+        let last = core::iter::from_fn(|| client.poll_event()).last();
+        assert_eq!(last, id.map(|id| DcpEvent::IdentifyDone(id, MAX_STATIONS, false)));
     }
 }

@@ -113,7 +113,7 @@ impl Controller {
         while let Some(event) = self.dcp.poll_event() {
             let (id, last) = match &event {
                 DcpEvent::Identified(id, ..) => (Some(*id), false),
-                DcpEvent::IdentifyDone(id, _) | DcpEvent::Done(id, _) => (Some(*id), true),
+                DcpEvent::IdentifyDone(id, ..) | DcpEvent::Done(id, _) => (Some(*id), true),
                 DcpEvent::Hello(_) => (None, false),
             };
             if let DcpEvent::Identified(_, station, Some(sends)) = &event
@@ -138,7 +138,7 @@ impl Controller {
             }
             self.events.push_back(match event {
                 DcpEvent::Identified(id, station, _) => Event::Identified { id, station },
-                DcpEvent::IdentifyDone(id, count) => Event::IdentifyDone { id, count },
+                DcpEvent::IdentifyDone(id, count, more) => Event::IdentifyDone { id, count, more },
                 DcpEvent::Hello(station) => Event::Hello { station },
                 DcpEvent::Done(id, result) => Event::DcpDone { id, result },
             });

@@ -86,8 +86,10 @@ pub enum Event {
     IdentifyDone {
         /// The request.
         id: DcpId,
-        /// How many stations answered.
+        /// How many stations answered and were taken.
         count: usize,
+        /// Whether more stations answered than are taken of one request.
+        more: bool,
     },
     /// A station announced itself.
     Hello {

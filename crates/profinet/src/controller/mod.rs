@@ -65,7 +65,7 @@ const RECORDS_INSTANCE: u16 = 0x8000;
 ///     controller.handle_timeout(due);
 ///     while controller.poll_transmit(due, &mut buffer).is_some() {}
 /// }
-/// assert_eq!(controller.poll_event(), Some(Event::IdentifyDone { id, count: 0 }));
+/// assert_eq!(controller.poll_event(), Some(Event::IdentifyDone { id, count: 0, more: false }));
 /// ```
 #[derive(Debug)]
 pub struct Controller {

@@ -76,7 +76,8 @@ pub fn run(args: &Simulate, on: &Interface, output: &Output) -> Result<(), Failu
     if let Some(metrics) = &metrics {
         output.say(&format!("metrics: http://{}/metrics", metrics.address()));
     }
-    config.load_every = (summary || metrics.is_some()).then_some(EACH_SECOND);
+    // a processor that is too slow is reported for few drives too
+    config.load_every = Some(EACH_SECOND);
     let printer = Printer::new(output, summary, metrics);
     let results = printer.show(|events| Host::open(config, events)?.run())?;
     let took = now() - begin;

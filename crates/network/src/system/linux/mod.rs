@@ -4,6 +4,7 @@ mod event;
 mod interfaces;
 mod link;
 mod memory;
+mod neighbours;
 mod processes;
 mod processor;
 mod wait;
@@ -17,6 +18,7 @@ pub use event::Event;
 pub use interfaces::interfaces;
 pub use link::link;
 pub use memory::free_memory;
+pub use neighbours::neighbour_table;
 pub use processes::{holders, permissions};
 pub use processor::thread_time;
 pub use wait::{

@@ -21,7 +21,14 @@ fn finds_names_and_addresses() {
         ),
         (0x105, 1, "fake")
     );
-    assert_eq!(event(&mut p, SECOND), Some(Event::IdentifyDone { id, count: 1 }));
+    assert_eq!(
+        event(&mut p, SECOND),
+        Some(Event::IdentifyDone {
+            id,
+            count: 1,
+            more: false
+        })
+    );
     assert_eq!(p.now.as_millis(), 1000, "factor 64 and a margin");
     let done = |p: &mut Pair<_, _>, id| {
         assert_eq!(
