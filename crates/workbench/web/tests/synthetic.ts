@@ -9,6 +9,9 @@ const FIRST = 20_000;
 
 const one = { format: 0x43, writable: true, index: null, unit: "", word: null, beyond: null, error: null };
 
+/** A connection that was kept may be closed by the server at that moment. */
+const KEPT = { maxRetries: 2 };
+
 /** Returns a number as letters from a to j, which no name and no number of these parameters has. */
 export function letters(digits: string): string {
   return digits.replace(/\d/g, (digit) => "abcdefghij"[Number(digit)] ?? "");
@@ -22,7 +25,7 @@ function named(place: number): { number: string; name: string; text: string } {
 /** Lets each drive have 5,000 parameters, `SYN.0001` and following, each with a value. */
 export async function synthetic(page: Page): Promise<void> {
   await page.route("**/api/v1/drives/*/parameters", async (route) => {
-    const answer = await route.fetch();
+    const answer = await route.fetch(KEPT);
     const list = (await answer.json()) as { parameters: { number: string }[] };
     const [like] = list.parameters;
     const parameters = Array.from({ length: MANY }, (_, at) => {
@@ -59,7 +62,7 @@ export async function synthetic(page: Page): Promise<void> {
 /** Lets each drive have parameters beside its own of which it reports the numbers alone, as drives without tables do. */
 export async function unknown(page: Page, octets: ReadonlyMap<number, Partial<Value>>): Promise<void> {
   await page.route("**/api/v1/drives/*/parameters", async (route) => {
-    const answer = await route.fetch();
+    const answer = await route.fetch(KEPT);
     const list = (await answer.json()) as { numbers: number[] };
     await route.fulfill({ response: answer, json: { ...list, numbers: [...octets.keys()] } });
   });
@@ -72,7 +75,7 @@ export async function unknown(page: Page, octets: ReadonlyMap<number, Partial<Va
     let report: Partial<Values> = {};
     if (own.length > 0) {
       url.pathname = `${path.join("/")}/${encodeURIComponent(own.join(","))}`;
-      report = (await (await route.fetch({ url: url.href })).json()) as Values;
+      report = (await (await route.fetch({ ...KEPT, url: url.href })).json()) as Values;
       parameters = report.parameters ?? [];
     }
     const all = wanted.map((number) => {
