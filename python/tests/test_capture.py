@@ -22,6 +22,7 @@ def loss(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The frames of a press whose cable is pulled."""
     file = tmp_path_factory.mktemp("loss") / "loss.pcapng"
     world = Plant.from_file(CAPTURES.parent / "examples" / "plants" / "press.toml").start(capture=file)
+    world.run(for_="1s")
     world["press-1"].inject("cable=pulled", for_="400ms")
     world.run(for_="2s")
     world.finish_capture()
