@@ -88,6 +88,24 @@ test("STOP of any page stops the axis, and nothing moves before it is reset", as
   });
 });
 
+test("once the server is gone, nothing of before stands on Control", async ({ page, browser }) => {
+  await alone(async (server) => {
+    const id = await open(page, server.url, "axis-1");
+    await enable(page);
+    const other = await (await browser.newContext()).newPage();
+    await enter(other, server.viewUrl);
+    await other.goto(`${server.origin}/drives/${encodeURIComponent(id)}/control`);
+    await turning(page, server.origin, id);
+    const shown = (of: Page) => of.locator(".control-values .main.number");
+    await expect(shown(other)).toContainText(/[12]\d/);
+    server.process.kill("SIGSTOP");
+    // also on a page that only watches
+    for (const one of [page, other]) await expect(shown(one)).toHaveText("\u2013");
+    await page.mouse.up();
+    await other.context().close();
+  });
+});
+
 test("whatever ends a hold halts the axis", async ({ page }) => {
   await alone(async (server) => {
     const id = await open(page, server.url, "axis-1");
@@ -225,7 +243,7 @@ test("the first motion is slow, limits hold, and a move stops where STOP finds i
     await go.click();
     await expect(page.getByText(/the first motion is limited to a tenth/)).toBeVisible();
     // without a motion there is no direction to confirm
-    const right = page.getByRole("button", { name: "Direction is right" });
+    const right = page.getByRole("button", { name: "The direction is correct" });
     await expect(right).toBeDisabled();
     await page.getByRole("tab", { name: "Jog" }).click();
     await turning(page, server.origin, id);
@@ -291,7 +309,7 @@ test("a speed that is stored in the drive is within the highest speed of the ses
       await turning(page, server.origin, id, "+5 rpm", 3);
       await page.mouse.up();
       await rest(page, server.origin, id, performance.now());
-      await page.getByRole("button", { name: "Direction is right" }).click();
+      await page.getByRole("button", { name: "The direction is correct" }).click();
       await tab("Home");
       await home.click();
     };
@@ -348,12 +366,12 @@ test("each kind of motion says why it is off, and a drive without an address why
       await expect(why).toHaveText("Enable the axis first.");
     }
     await page.getByRole("button", { name: "Enable" }).click();
-    await expect(why).toHaveText('Confirm the direction first: jog, then "Direction is right".');
+    await expect(why).toHaveText('Confirm the direction first: jog, then "The direction is correct".');
     await expect(page.getByRole("button", { name: "Start the task" })).toBeDisabled();
     await tab("Jog");
     await turning(page, server.origin, axis);
     await page.mouse.up();
-    await page.getByRole("button", { name: "Direction is right" }).click();
+    await page.getByRole("button", { name: "The direction is correct" }).click();
     await tab("Task");
     await expect(why).toHaveText("It uses the speed that the task has in the drive.");
     await page.getByRole("textbox", { name: "Motion task" }).fill("1.5");

@@ -288,6 +288,24 @@ for (const way of ["socket", "request"] as const) {
   });
 }
 
+test("STOP that its connection swallows is sent once more by a request", async ({ page }) => {
+  await page.routeWebSocket("**/api/v1/control", (socket) => {
+    const server = socket.connectToServer();
+    socket.onMessage((message) => {
+      if (!String(message).includes('"stop"')) server.send(message);
+    });
+  });
+  const server = await serve("--demo", "--listen", "127.0.0.1:0");
+  try {
+    await page.goto(server.url);
+    await rows(page);
+    await page.getByRole("button", { name: /^STOP/ }).click();
+    await expect(page.locator(".band.stopped")).toContainText("was received");
+  } finally {
+    await end(server);
+  }
+});
+
 test("the selected drive stays selected on screens of all drives", async ({ entered: page }) => {
   await page.getByRole("link", { name: "press-1" }).click();
   await expect(page.getByRole("heading", { name: "press-1" })).toBeVisible();

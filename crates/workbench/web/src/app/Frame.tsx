@@ -11,10 +11,6 @@ import { aged, type Happening, happened, now, paused, server, silent, stations, 
 import { age, t } from "../text";
 import { address, OF_DRIVE, recent, screenOf, stationOf } from "./selected";
 
-/** STOP is sent when the pointer goes down, and not once more by the click of this press, ms. */
-const PRESS = 1000;
-let pressedAt = Number.NEGATIVE_INFINITY;
-
 /** The event that was read. */
 const shown = signal(-1);
 /** What this page did itself, and was done, is said for this time, in ms. */
@@ -217,14 +213,11 @@ function Stop({ station }: { station: Station | undefined }) {
         class="stop"
         aria-describedby="stop-why"
         onPointerDown={(event) => {
-          if (event.button === 0) {
-            pressedAt = event.timeStamp;
-            void pressStop();
-          }
+          if (event.button === 0) void pressStop();
         }}
         onClick={(event) => {
-          // the click that ends a press is no second one; a key has no press before it
-          if (event.timeStamp - pressedAt > PRESS) void pressStop();
+          // the click that ends a press, however long, is no second one; a key has no press before it
+          if (event.detail === 0) void pressStop();
         }}
       >
         {text}

@@ -274,7 +274,7 @@ export function reset(): void {
 let presses = 0;
 
 /**
- * Sends STOP by the socket, which no other request can hold up; where it is not open, by a request.
+ * Sends STOP by the socket, which no other request can hold up; where it is not open, or does not confirm it, by a request.
  * Whichever way it goes, the page reports at once that it was sent, and after 500 ms that nothing confirms it.
  */
 export async function pressStop(byRequest: () => Promise<string>): Promise<void> {
@@ -285,16 +285,22 @@ export async function pressStop(byRequest: () => Promise<string>): Promise<void>
     stopText.value = "";
     stopState.value = "sent";
   });
+  const ask = async () => {
+    const text = await byRequest();
+    if (press !== presses || stopState.value === "confirmed") return;
+    batch(() => {
+      stopText.value = text;
+      stopState.value = "answered";
+    });
+  };
+  const bySocket = send({ type: "stop" });
   setTimeout(() => {
-    if (stopState.value === "sent" && press === presses) stopState.value = "unconfirmed";
+    if (stopState.value !== "sent" || press !== presses) return;
+    stopState.value = "unconfirmed";
+    // a connection that is open may be dead all the same; two STOPs are as good as one
+    if (bySocket) void ask();
   }, 500);
-  if (send({ type: "stop" })) return;
-  const text = await byRequest();
-  if (press !== presses) return;
-  batch(() => {
-    stopText.value = text;
-    stopState.value = "answered";
-  });
+  if (!bySocket) await ask();
 }
 
 function forget(): void {

@@ -472,7 +472,7 @@ export const en = {
   "control.motion.take": "Take control first.",
   "control.motion.reset": "Reset STOP first.",
   "control.motion.enable": "Enable the axis first.",
-  "control.motion.direction": 'Confirm the direction first: jog, then "Direction is right".',
+  "control.motion.direction": 'Confirm the direction first: jog, then "The direction is correct".',
   "control.motion.number": "{name}: not a number.",
   "control.motion.task": "The task is not a whole number.",
   "control.home.speed": "It uses the homing speed that is stored in the drive.",
@@ -490,7 +490,7 @@ export const en = {
   "control.plot.none": "Plot of the last 5 s, while this page has control",
   "control.read": "{name} (read)",
   "control.first": "Up to {limit} rpm until you confirm that the axis turns in the expected direction.",
-  "control.confirm": "Direction is right",
+  "control.confirm": "The direction is correct",
   "control.confirm.move": "Move it first.",
   "control.rules":
     "A jog ends when the button is up or 0.2 s after the last beat. Control ends 1 s after it: the axis is ramped down and released.",

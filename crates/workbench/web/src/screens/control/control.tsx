@@ -575,9 +575,11 @@ function Beat({ held }: { held: boolean }) {
 /** The values of the axis, whichever page has it. What its telegram lacks, and all of a drive that none has, was read. */
 function Values({ station }: { station: Station }) {
   const { id, status } = station;
-  const axis = control.heldAxis(id);
+  // nothing of before a loss stands for what is not known now
+  const known = silent.value === null && control.connected.value;
+  const axis = known ? control.heldAxis(id) : undefined;
   const held = control.own(id) !== undefined;
-  const read = silent.value === null && (aged(station.age) ?? OLD) < OLD ? status : null;
+  const read = known && (aged(station.age) ?? OLD) < OLD ? status : null;
   // telegrams of speed have no position, and those of position no speed: then it is the one that was read
   const speed = axis?.speed ?? read?.speed_actual?.value ?? null;
   const set = axis?.speed_set ?? read?.speed_set?.value ?? null;
