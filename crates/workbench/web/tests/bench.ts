@@ -113,9 +113,16 @@ export async function idOf(page: Page, name: string): Promise<string> {
 
 /** Returns what the station of this name is called in paths, on any server. */
 export async function idOfStation(page: Page, name: string): Promise<string> {
-  const answer = await page.request.get(new URL("/api/v1/stations", page.url()).href);
-  const { stations } = (await answer.json()) as { stations: { id: string; name: string | null }[] };
-  return stations.find((station) => station.name === name)?.id ?? "";
+  let id: string | undefined;
+  const look = async () => {
+    const answer = await page.request.get(new URL("/api/v1/stations", page.url()).href);
+    const { stations } = (await answer.json()) as { stations: { id: string; name: string | null }[] };
+    id = stations.find((station) => station.name === name)?.id;
+    return id !== undefined;
+  };
+  // a station may have been found before its name
+  await expect.poll(look, name).toBe(true);
+  return id ?? "";
 }
 
 /** Lets something happen to a drive as a click does. */

@@ -98,9 +98,15 @@ async function counted(page: Page, drives: string[], direction: string): Promise
   const all = { frames: 0, lost: 0 };
   for (const id of drives) {
     const path = `/api/v1/drives/${encodeURIComponent(id)}/telegram`;
-    const { halves } = (await (await page.request.get(new URL(path, page.url()).href)).json()) as { halves: Half[] };
-    const timing = halves.find((half) => half.direction === direction)?.timing;
-    expect(timing?.cycle, `${id} ${direction}`).toBeCloseTo(CYCLE, 3);
+    let timing: Half["timing"] | undefined;
+    const cycle = async () => {
+      const answer = await page.request.get(new URL(path, page.url()).href);
+      const { halves } = (await answer.json()) as { halves: Half[] };
+      timing = halves.find((half) => half.direction === direction)?.timing;
+      return timing?.cycle;
+    };
+    // of the first frames there is no timing
+    await expect.poll(cycle, `${id} ${direction}`).toBeCloseTo(CYCLE, 3);
     all.frames += timing?.frames ?? 0;
     all.lost += timing?.lost ?? 0;
   }
