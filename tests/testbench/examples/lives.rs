@@ -7,12 +7,8 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::Instant;
 
 use allocations::{Memory, taken_by};
-use testbench::life::{Broken, Tally, live};
+use testbench::life::{Broken, LEFT, MOST_MEMORY, Tally, live};
 
-/// Most memory of a life, octets: a plant of three drives, two clients, and all frames under way.
-const MOST_MEMORY: i64 = 8 << 20;
-/// What a life may leave: tables that are made once.
-const LEFT: i64 = 64 << 10;
 /// After so many lives a line is printed.
 const REPORT: u64 = 10_000;
 

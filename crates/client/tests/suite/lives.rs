@@ -1,6 +1,7 @@
 //! Drives, network and clients through accidents by seeds. `make lives` goes through more of them.
 
-use testbench::life::{Tally, live};
+use allocations::taken_by;
+use testbench::life::{LEFT, MOST_MEMORY, Tally, live};
 
 /// Seeds of each run.
 const SEEDS: u64 = 100;
@@ -9,10 +10,15 @@ const SEEDS: u64 = 100;
 fn whatever_happens_the_drives_and_what_is_said_of_them_agree() {
     let mut all = Tally::default();
     for seed in 0..SEEDS {
-        match live(seed) {
+        let (life, memory) = taken_by(|| live(seed));
+        match life {
             Ok(tally) => all += tally,
             Err(broken) => panic!("{broken}"),
         }
+        assert!(
+            memory.most <= MOST_MEMORY && memory.kept <= LEFT,
+            "seed {seed}: {memory:?}"
+        );
     }
     // they were lives
     assert!(all.answered > 10 * SEEDS, "{all:?}");

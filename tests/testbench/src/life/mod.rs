@@ -11,6 +11,8 @@
 //! - an axis without a controller comes to rest where its settings say so;
 //! - what is reported as at rest is at rest;
 //! - when all is repaired, everything can be read again.
+//!
+//! That its memory is bounded is measured around it ([`MOST_MEMORY`]).
 
 mod accident;
 mod caller;
@@ -46,6 +48,11 @@ const COASTING: Duration = Duration::from_secs(60);
 /// Values that a pair of parameters gets, in steps of the drive.
 const LOWEST: i64 = 100;
 const HIGHEST: i64 = 30_000;
+
+/// Most memory that a life takes, octets: a plant of three drives, two clients, and all frames under way. Whoever lives it measures.
+pub const MOST_MEMORY: i64 = 8 << 20;
+/// What a life may leave, octets: tables that are made once.
+pub const LEFT: i64 = 64 << 10;
 
 /// Something was not as it must be.
 #[derive(Debug, Clone, PartialEq, Eq)]
