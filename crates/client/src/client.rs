@@ -1,6 +1,7 @@
 //! The controller with drive functions: its results, and the axes that it controls between two inputs.
 
 mod axis;
+mod line;
 
 use std::collections::{HashMap, VecDeque};
 use std::net::{Ipv4Addr, SocketAddrV4};
@@ -14,12 +15,10 @@ use profinet::controller::{
 };
 use profinet::{Endpoint, Instant, IpSuite, MacAddress, Transmit};
 
-use profile::parameter::DecodeError;
-use profile::pkw::JobError;
-use uss::{ReceiverStatistics, SlaveId};
+use uss::SlaveId;
 
 use crate::axis::{AxisControl, Goal, Octets, Sample, SampleQueue, StopKind, Travel, Wiring};
-use crate::line::{Answered, Bridge, Line, LineConfig};
+use crate::line::{Line, LineConfig};
 use crate::mapper::{Mapper, QueryId, Registered};
 use axis::AxisLink;
 
@@ -164,68 +163,6 @@ impl Client {
             line: Some(Line::new(line)),
             ..Self::new(nowhere)
         }
-    }
-
-    /// Returns the counters of the serial line, telegrams and noise; `None` on a network.
-    #[must_use]
-    pub fn line_counters(&self) -> Option<&ReceiverStatistics> {
-        self.line.as_ref().map(Line::counters)
-    }
-
-    pub(crate) fn line(&mut self) -> Option<&mut Line> {
-        self.line.as_mut()
-    }
-
-    pub(crate) fn line_config(&self) -> Option<LineConfig> {
-        self.line.as_ref().map(Line::config)
-    }
-
-    /// Begins a parameter job of a drive at the line.
-    pub(crate) fn line_job(
-        &mut self,
-        now: Instant,
-        slave: SlaveId,
-        job: Result<Bridge, DecodeError>,
-    ) -> Result<(), DecodeError> {
-        self.line
-            .as_mut()
-            .map_or(Ok(()), |line| line.start(now, slave, job))
-    }
-
-    /// Returns the end of a parameter job of a drive at the line.
-    pub(crate) fn take_line_job(&mut self, slave: SlaveId) -> Option<Result<Answered, JobError>> {
-        self.line.as_mut()?.take(slave)
-    }
-
-    /// Takes octets that came from the serial line.
-    pub fn handle_octets(&mut self, now: Instant, octets: &[u8]) {
-        if let Some(line) = &mut self.line {
-            line.handle_octets(now, octets);
-        }
-        self.news.everything = true;
-        self.work(now);
-    }
-
-    /// Does what is due on the serial line at `now`.
-    pub fn handle_line_timeout(&mut self, now: Instant) {
-        if let Some(line) = &mut self.line {
-            line.handle_timeout(now);
-        }
-        self.news.everything = true;
-        self.work(now);
-    }
-
-    /// Returns the next octets to send on the serial line: their number in `buffer`, which has [`uss::MAX_TELEGRAM`] of
-    /// them.
-    pub fn poll_octets(&mut self, now: Instant, buffer: &mut [u8]) -> Option<usize> {
-        self.line.as_mut()?.poll_octets(now, buffer)
-    }
-
-    /// Returns the time when [`handle_line_timeout`](Self::handle_line_timeout) and [`poll_octets`](Self::poll_octets)
-    /// are due.
-    #[must_use]
-    pub fn poll_line_timeout(&self) -> Option<Instant> {
-        self.line.as_ref()?.poll_timeout()
     }
 
     /// Returns the controller, to start requests with.
@@ -680,6 +617,10 @@ impl Endpoint for Client {
 
     fn poll_timeout(&self) -> Option<Instant> {
         Instant::earliest([self.controller.poll_timeout(), self.mapper.poll_timeout()])
+    }
+
+    fn may_wait(&self) -> Duration {
+        self.controller.may_wait()
     }
 }
 

@@ -12,7 +12,7 @@ use std::time::Duration;
 use namespace::{inside, run, start, veth};
 use profidrive_network::ethernet::{PacketMedium, Runner, Turn};
 use profidrive_network::host::{Host, StationId};
-use profidrive_network::system::{Error, InterfaceInfo, ServerPort, Stop, UdpMedium, now};
+use profidrive_network::system::{Bell, Error, InterfaceInfo, ServerPort, Stop, UdpMedium, now};
 use profinet::{Endpoint, Instant, IpSuite, MacAddress, Medium, RPC_PORT, Transmit};
 
 /// Answers datagrams with the same octets; sends a frame every `every`; keeps what it hears.
@@ -26,6 +26,7 @@ struct Echo {
     frames: Vec<Vec<u8>>,
     cycle: Option<(Duration, Instant, MacAddress)>,
     lateness: Vec<Duration>,
+    may_wait: Duration,
 }
 
 fn suite(last: u8) -> IpSuite {
@@ -51,6 +52,7 @@ fn echo(last: u8) -> Echo {
         frames: Vec::new(),
         cycle: None,
         lateness: Vec::new(),
+        may_wait: Duration::ZERO,
     }
 }
 
@@ -101,6 +103,9 @@ impl Endpoint for Echo {
     }
     fn poll_timeout(&self) -> Option<Instant> {
         self.cycle.map(|(_, next, _)| next)
+    }
+    fn may_wait(&self) -> Duration {
+        self.may_wait
     }
 }
 
@@ -295,6 +300,64 @@ fn a_turn_receives_and_sends_a_bounded_number_of_frames() {
         turns.push(client.frames.len() - before);
     }
     assert_eq!(turns, [64, 64, 64, 8]);
+}
+
+#[test]
+fn a_client_that_may_wait_handles_frames_together_and_a_call_at_once() {
+    if !inside("a_client_that_may_wait_handles_frames_together_and_a_call_at_once") {
+        return;
+    }
+    veth();
+    let mut medium = PacketMedium::open("vb", ServerPort::None).unwrap();
+    let mut client = Echo {
+        mac: medium.interface().mac.unwrap(),
+        ip: IpSuite::NONE,
+        may_wait: Duration::from_millis(50),
+        ..echo(9)
+    };
+    let target = client.mac;
+    // a frame each 2 ms for half a second
+    let sender = std::thread::spawn(move || {
+        let mut runner = Runner::open("va").unwrap();
+        let mut station = echo(1);
+        station.cycle = Some((Duration::from_millis(2), now(), target));
+        runner.attach(Box::new(Host::new(station))).unwrap();
+        run_for(&mut runner, Duration::from_millis(500));
+    });
+    let (begin, mut turns) = (now(), 0);
+    while client.frames.len() < 200 {
+        let passed = now() - begin;
+        assert!(passed < Duration::from_secs(10), "{}", client.frames.len());
+        let before = client.frames.len();
+        medium
+            .step(&mut client, now() + Duration::from_millis(500))
+            .unwrap();
+        turns += u32::from(client.frames.len() > before);
+    }
+    sender.join().unwrap();
+    // one at the begin; where frames waited for this thread there were fewer
+    let batches = (now() - begin).as_millis() / 50 + 2;
+    assert!(u128::from(turns) <= batches, "{turns} turns in {batches} batches");
+    // who rings is not kept waiting: nothing else could end this step before its time
+    client.may_wait = Duration::from_secs(3600);
+    let bell = Bell::new().unwrap();
+    medium.set_bell(bell.clone());
+    let mut runner = Runner::open("va").unwrap();
+    let mut station = echo(1);
+    station.frames_out = vec![cyclic(target, mac(1), false)];
+    runner.attach(Box::new(Host::new(station))).unwrap();
+    run_for(&mut runner, Duration::from_millis(1));
+    let frames = client.frames.len();
+    while client.frames.len() == frames {
+        medium
+            .step(&mut client, now() + Duration::from_millis(500))
+            .unwrap();
+    }
+    let ringing = std::thread::spawn(move || bell.ring());
+    medium
+        .step(&mut client, now() + Duration::from_secs(3600))
+        .unwrap();
+    ringing.join().unwrap();
 }
 
 #[test]

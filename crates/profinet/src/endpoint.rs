@@ -3,6 +3,7 @@
 use core::fmt;
 use core::net::{Ipv4Addr, SocketAddrV4};
 use core::str::FromStr;
+use core::time::Duration;
 
 use crate::Instant;
 
@@ -190,6 +191,13 @@ pub trait Endpoint {
     /// after every `handle_*` and `poll_transmit` call.
     #[must_use]
     fn poll_timeout(&self) -> Option<Instant>;
+
+    /// Returns for how long what arrives and what is due may wait, so that it is handled together with what follows: waking up for
+    /// each frame of many drives costs more than the work itself. Zero: at once. A carrier need not make use of it.
+    #[must_use]
+    fn may_wait(&self) -> Duration {
+        Duration::ZERO
+    }
 }
 
 /// A carrier of an endpoint's bytes: a network interface, or a simulated segment in virtual time.

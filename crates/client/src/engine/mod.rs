@@ -459,6 +459,10 @@ impl Endpoint for Engine {
     fn poll_timeout(&self) -> Option<Instant> {
         self.quietly().poll_timeout()
     }
+
+    fn may_wait(&self) -> Duration {
+        self.quietly().may_wait()
+    }
 }
 
 /// A client that may have something to send once it was changed.

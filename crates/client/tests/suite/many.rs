@@ -13,12 +13,15 @@ use network::host::{Host, StationId};
 use network::segment::Conditions;
 use profidrive_client::axis::{Purpose, Trouble};
 use profidrive_client::{
-    Axis, AxisSettings, DriveAddress, Enabled, Error, Session, StopHandle, StopWay, Wait, World,
+    Axis, AxisSettings, Client, DriveAddress, Enabled, Error, Session, StopHandle, StopWay, Wait, World,
+    modules_of,
 };
+use profinet::controller::{ConnectConfig, Resolve, Target};
+use profinet::cyclic::Timing;
 use profinet::device::Stored;
-use profinet::{Instant, MacAddress};
+use profinet::{Endpoint, Instant, IpSuite, MacAddress, Medium};
 use testbench::shared::Shared;
-use testbench::{Bench, bench_of, find, ip, is_at_rest, running_on, select};
+use testbench::{Bench, bench_of, find, ip, is_at_rest, parts_of, running_on, select};
 use virtual_drive::model;
 use virtual_drive::station::{Station, StationConfig};
 
@@ -320,6 +323,67 @@ fn every_cyclic_input_can_be_recorded() {
         Some(all[all.len() - 10].number)
     );
     network.settled().wait().expect("at rest");
+}
+
+/// With many connections a carrier may gather frames: each wake-up costs more than a frame.
+#[test]
+fn frames_may_wait_for_others_only_while_there_are_many_connections() {
+    let stations = (1..=AXES).map(|number| {
+        let mut config = StationConfig::new(&model::AKD, MacAddress([2, 0, 0, 0, 0, number]));
+        // 4 ms
+        config.min_device_interval = Some(128);
+        config.network = Stored {
+            name: name(number),
+            ip: ip(number),
+            ..Stored::default()
+        };
+        Box::new(Host::new(Station::new(config)))
+    });
+    let (mut medium, config, _) = parts_of(stations.collect());
+    let mut client = Client::new(config);
+    let device = &model::AKD.catalogue.device;
+    let telegram = device.telegram(1).expect("telegram 1");
+    let mut connect = |client: &mut Client, number: u8, cycle: u64| {
+        let timing = Timing::for_interval(Duration::from_millis(cycle)).expect("a cycle");
+        let mut config = ConnectConfig::new(modules_of(device, telegram), timing);
+        config.resolve = Resolve::Check;
+        let target = Target {
+            name: name(number),
+            mac: None,
+            ip: IpSuite::NONE,
+            vendor_id: device.vendor_id,
+            device_id: device.device_id,
+            instance: 1,
+        };
+        let now = medium.now();
+        let ar = client
+            .controller()
+            .connect(now, target, config)
+            .expect("a request");
+        while medium.now() < now + SECOND {
+            medium.step(client, now + SECOND).expect("in memory");
+        }
+        ar
+    };
+    for number in 1..AXES {
+        connect(&mut client, number, 32);
+        assert_eq!(client.may_wait(), Duration::ZERO, "{number}");
+    }
+    let last = connect(&mut client, AXES, 4);
+    assert_eq!(
+        client.may_wait(),
+        Duration::from_micros(250),
+        "a part of the shortest"
+    );
+    client
+        .controller()
+        .release(medium.now(), last)
+        .expect("connected");
+    let end = medium.now() + SECOND;
+    while medium.now() < end {
+        medium.step(&mut client, end).expect("in memory");
+    }
+    assert_eq!(client.may_wait(), Duration::ZERO);
 }
 
 /// What is asked of one drive at once comes one after the other, in order, and nothing is lost.

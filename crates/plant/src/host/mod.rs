@@ -11,6 +11,7 @@ mod error;
 mod event;
 mod expected;
 mod fleet;
+mod hosted;
 mod injection;
 mod kept;
 mod load;
@@ -31,9 +32,7 @@ use network::files::create;
 use network::host::StationId;
 use network::pcap::Writer;
 use network::system::{Bell, Error as NetworkError, First, Rank, Stop, free_memory, now, thread_time};
-use profinet::device::Stored;
 use profinet::{Endpoint, Instant};
-use virtual_drive::model::Model;
 use virtual_drive::station::StationConfig;
 
 use crate::control_socket::{ControlSocket, Request};
@@ -56,6 +55,7 @@ use description::description_of;
 use duplicate_check::{DuplicateCheck, Wanted};
 use expected::Expected;
 use fleet::Plan;
+use hosted::HostedDrive;
 use load::{Judge, Tally};
 use persistence::Persistence;
 
@@ -128,63 +128,6 @@ pub struct HostConfig {
     pub load_every: Option<Duration>,
     /// Ends the simulation.
     pub stop: Stop,
-}
-
-/// A drive as its events and its state need it.
-#[derive(Debug)]
-struct HostedDrive {
-    /// Its name in this simulation.
-    key: Arc<str>,
-    model: &'static Model,
-    state: DriveState,
-}
-
-impl HostedDrive {
-    fn new(plan: &Plan, folder: Option<&StateFolder>) -> Self {
-        let key = plan.key();
-        Self {
-            state: folder.map_or_else(DriveState::default, |folder| folder.drive(&key)),
-            model: plan.drive.model,
-            key: key.into(),
-        }
-    }
-
-    /// Returns the parameters that were saved earlier.
-    fn saved_parameters(&self, events: &EventSender) -> Result<Option<Vec<u8>>, HostError> {
-        let found = self.state.read_parameters(self.model)?;
-        found
-            .warning
-            .into_iter()
-            .for_each(|why| events.send(Event::SetAside(why)));
-        Ok(found.content)
-    }
-
-    /// Returns the name and address that the drive begins with: those saved earlier, else the planned ones, which are
-    /// saved now.
-    fn network(&self, planned: Stored, events: &EventSender) -> Result<Stored, HostError> {
-        let found = self.state.read_network()?;
-        found
-            .warning
-            .into_iter()
-            .for_each(|why| events.send(Event::SetAside(why)));
-        let Some(mut network) = found.content else {
-            if !planned.name.is_empty() || planned.ip.is_set() {
-                self.state.write_network(&planned)?;
-            }
-            return Ok(planned);
-        };
-        if planned.ip.is_set() && !network.ip.is_set() {
-            network.ip = planned.ip;
-            self.state.write_network(&network)?;
-        } else if planned.ip.is_set() && planned.ip != network.ip {
-            events.send(Event::SavedAddress {
-                drive: Arc::clone(&self.key),
-                saved: network.ip.address,
-                planned: planned.ip.address,
-            });
-        }
-        Ok(network)
-    }
 }
 
 /// A drive as it runs.

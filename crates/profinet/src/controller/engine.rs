@@ -2,6 +2,7 @@
 
 use alloc::vec::Vec;
 use core::net::SocketAddrV4;
+use core::time::Duration;
 
 use super::ar::{Ar, Owner, Shared};
 use super::connect::slot_of;
@@ -9,12 +10,20 @@ use super::dcp::DcpEvent;
 use super::event::Event;
 use super::phase::Phase;
 use super::{Controller, record};
+use crate::cyclic::Provider;
 use crate::rpc::{Call, Reply};
 use crate::wire::block::{Block, BlockType, Blocks, ControlBlock, ControlCommand, ModuleDiff};
 use crate::wire::ethernet::{Frame, FrameKind};
 use crate::wire::rpc::{HEADER_LENGTH, NdrRequest, NdrResponse, operation, reject};
 use crate::wire::{DecodeError, PnioStatus, Reader, Writer};
 use crate::{Endpoint, Instant, IpSuite, MacAddress, RPC_PORT, Transmit};
+
+/// With so many connections that exchange cyclic data, frames are handled together.
+const TOGETHER: usize = 16;
+/// They wait for this part of the shortest update time.
+const PARTS: u32 = 16;
+/// They wait no longer: a send clock.
+const LONGEST_WAIT: Duration = Duration::from_millis(1);
 
 impl Controller {
     /// Runs an operation on a connection, then updates its deadline and lets it send.
@@ -39,7 +48,9 @@ impl Controller {
             timeouts: &self.config.timeouts,
         };
         let before = ar.lookup.dcp;
+        let exchanged = ar.phase.is_cyclic();
         let result = what(ar, &mut shared);
+        let exchanges = ar.phase.is_cyclic();
         // who answers to its name later changes nothing any more
         if !ar.phase.is_starting()
             && let Some(id) = ar.lookup.dcp.take()
@@ -56,7 +67,20 @@ impl Controller {
         }
         self.settle(index);
         self.note_start_up(now, index);
+        if exchanged != exchanges {
+            self.count_exchanging();
+        }
         result
+    }
+
+    fn count_exchanging(&mut self) {
+        let cyclic = self.ars.iter().filter(|ar| ar.phase.is_cyclic());
+        let intervals = cyclic
+            .filter_map(|ar| ar.provider.as_ref())
+            .map(Provider::interval);
+        self.exchanging = intervals.fold((0, Duration::MAX), |(count, shortest), interval| {
+            (count + 1, shortest.min(interval))
+        });
     }
 
     /// Lets another connection begin when the start-up of this one is over.
@@ -346,5 +370,12 @@ impl Endpoint for Controller {
             self.rpc.poll_timeout(),
             self.server.poll_timeout(),
         ])
+    }
+
+    fn may_wait(&self) -> Duration {
+        match self.exchanging {
+            (TOGETHER.., shortest) => (shortest / PARTS).min(LONGEST_WAIT),
+            _ => Duration::ZERO,
+        }
     }
 }

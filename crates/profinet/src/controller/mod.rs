@@ -33,6 +33,7 @@ pub use record::MAX_RECORD;
 use alloc::boxed::Box;
 use alloc::collections::{BTreeMap, BTreeSet, VecDeque};
 use alloc::vec::Vec;
+use core::time::Duration;
 
 use ar::{Ar, Owner, Purpose};
 use connect::ArIdentity;
@@ -89,6 +90,8 @@ pub struct Controller {
     events: VecDeque<Event>,
     /// The connection whose inputs came last.
     last_input: Option<ArId>,
+    /// Connections that exchange cyclic data, and the shortest of their update times.
+    exchanging: (usize, Duration),
     uuids: UuidSource,
     session: u16,
     next_call: u32,
@@ -139,6 +142,7 @@ impl Controller {
             senders: VecDeque::new(),
             events: VecDeque::new(),
             last_input: None,
+            exchanging: (0, Duration::ZERO),
             session: u16::from_be_bytes([a, d]),
             next_call: 0,
             uuids,

@@ -1,5 +1,7 @@
 //! The caller's own endpoint on a real network, with the host's own addresses.
 
+use std::os::fd::RawFd;
+
 use profinet::{Endpoint, Instant, Medium, Transmit};
 
 use super::filter::Wanted;
@@ -10,6 +12,8 @@ use crate::system::medium::{Common, MAX_BURST, with_server};
 use crate::system::udp::Ports;
 use crate::system::{Bell, Error, InterfaceInfo, ServerPort, Stop, now};
 
+/// The system ignores it where it waits.
+const NO_SOCKET: RawFd = -1;
 /// Most frames handled before datagrams and deadlines get their turn.
 const MAX_INPUTS: usize = 64;
 
@@ -33,6 +37,8 @@ pub struct PacketMedium {
     udp: Option<Ports>,
     common: Common,
     taps: Taps,
+    /// Not before this time are there frames and deadlines again.
+    next_batch: Instant,
 }
 
 /// Those who see every frame.
@@ -76,6 +82,7 @@ impl PacketMedium {
             udp,
             common: Common::new(),
             taps: Taps::default(),
+            next_batch: Instant::ZERO,
         })
     }
 
@@ -132,6 +139,7 @@ impl PacketMedium {
             udp,
             common,
             taps,
+            ..
         } = self;
         for _ in 0..MAX_BURST {
             let at = now();
@@ -164,8 +172,9 @@ impl PacketMedium {
 
     /// Passes on the waiting frames, and the deadline if it is due; does not wait.
     fn work(&mut self, endpoint: &mut dyn Endpoint) -> Result<bool, Error> {
-        let mut worked = false;
-        for _ in 0..MAX_INPUTS {
+        let begin = now();
+        let mut inputs = 0;
+        while inputs < MAX_INPUTS {
             let at = now();
             let Some((received, frame)) = self.packet.peek() else {
                 break;
@@ -176,13 +185,18 @@ impl PacketMedium {
             }
             endpoint.handle_frame(at, frame);
             self.packet.release();
-            worked = true;
+            inputs += 1;
             self.drain(endpoint)?;
         }
-        if endpoint.poll_timeout().is_some_and(|due| due <= now()) {
+        let is_due = endpoint.poll_timeout().is_some_and(|due| due <= now());
+        if is_due {
             endpoint.handle_timeout(now());
-            worked = true;
             self.drain(endpoint)?;
+        }
+        let worked = is_due || inputs > 0;
+        // with more waiting frames there is no rest
+        if worked && inputs < MAX_INPUTS {
+            self.next_batch = begin + endpoint.may_wait();
         }
         Ok(worked)
     }
@@ -198,12 +212,19 @@ impl Medium for PacketMedium {
     fn step(&mut self, endpoint: &mut dyn Endpoint, until: Instant) -> Result<(), Error> {
         self.drain(endpoint)?;
         loop {
-            if self.work(endpoint)? || now() >= until {
+            let rests = now() < self.next_batch;
+            if (!rests && self.work(endpoint)?) || now() >= until {
                 return Ok(());
             }
-            let wake = endpoint.poll_timeout().map_or(until, |due| due.min(until));
+            let due = if rests {
+                Some(self.next_batch)
+            } else {
+                endpoint.poll_timeout()
+            };
+            let wake = due.map_or(until, |due| due.min(until));
+            let packet = if rests { NO_SOCKET } else { self.packet.fd() };
             let Common { waiting, calls, .. } = &mut self.common;
-            waiting.wait_beside(self.packet.fd(), self.udp.as_ref(), calls, wake)?;
+            waiting.wait_beside(packet, self.udp.as_ref(), calls, wake)?;
             self.packet.check(self.common.waiting.packet())?;
             let mut worked = self.common.waiting.called(&self.common.calls);
             for index in 0..self.udp.as_ref().map_or(0, Ports::len) {
