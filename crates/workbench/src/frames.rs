@@ -405,6 +405,25 @@ mod tests {
     }
 
     #[test]
+    fn troubles_are_bounded_and_one_that_repeats_is_counted() {
+        let trouble = |number: u64| NetworkTrouble {
+            unix_ms: number,
+            from: "axis-1".to_owned(),
+            to: String::new(),
+            topic: "cyclic",
+            text: format!("trouble {}", number % 1000),
+            count: 1,
+        };
+        let mut troubles = VecDeque::new();
+        for number in (0..1000).chain([1999, 2999]) {
+            note_trouble(&mut troubles, trouble(number));
+        }
+        let (oldest, newest) = (troubles.front().unwrap(), troubles.back().unwrap());
+        assert_eq!((troubles.len(), oldest.unix_ms), (TROUBLES, 500));
+        assert_eq!((newest.unix_ms, newest.count), (2999, 3));
+    }
+
+    #[test]
     fn their_number_is_bounded() {
         let mut states = States::default();
         for number in 0..2000 {

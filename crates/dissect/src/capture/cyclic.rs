@@ -433,6 +433,16 @@ impl CyclicArs {
         self.devices.get(&mac).copied().unwrap_or_default()
     }
 
+    /// Frames before this time were not seen: that none came is not concluded from them.
+    pub fn skip_to(&mut self, at: Duration) {
+        for track in self.tracks.values_mut() {
+            track.timing.skip();
+        }
+        for stream in &mut self.streams {
+            stream.last.at = stream.last.at.max(at);
+        }
+    }
+
     /// Resets the measurements and keeps the connections.
     pub fn restart(&mut self) {
         for track in self.tracks.values_mut() {

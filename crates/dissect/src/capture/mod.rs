@@ -145,6 +145,12 @@ impl Walker {
         events
     }
 
+    /// Goes on at this time after the first frame, without the frames before it, which the computer that captured was too slow for: a
+    /// cyclic frame among them is not reported as lost, nor a connection as silent.
+    pub fn skip_to(&mut self, at: Duration) {
+        self.ars.skip_to(at);
+    }
+
     /// Returns a frame as a tree of its fields. Names of parameters, telegrams and the layout of cyclic data are those that
     /// the frames so far showed: to have the names in a response, look at its frame last.
     ///

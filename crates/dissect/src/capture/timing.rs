@@ -104,6 +104,11 @@ impl Timing {
         self.last = None;
     }
 
+    /// Frames were not seen: neither the time nor the counters between those around them say anything.
+    pub const fn skip(&mut self) {
+        self.last = None;
+    }
+
     /// Resets the measurements and keeps the connection.
     pub fn reset(&mut self) {
         *self = Self {

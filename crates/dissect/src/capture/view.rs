@@ -107,6 +107,12 @@ impl View {
         Some(self.wanted(events))
     }
 
+    /// Goes on at this time without the frames before it ([`Walker::skip_to`]).
+    pub fn skip_to(&mut self, time: Duration) {
+        let first = *self.first.get_or_insert(time);
+        self.walker.skip_to(time.saturating_sub(first));
+    }
+
     /// Returns the statistics so far, of all stations.
     #[must_use]
     pub const fn counts(&self) -> Counts {

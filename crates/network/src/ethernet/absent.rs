@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use profinet::{Endpoint, Instant, Medium};
 
-use super::{Lateness, PacketStatistics, Turn};
+use super::{Captured, Lateness, PacketStatistics, Turn};
 use crate::host::{Station, StationId};
 use crate::segment::Tap;
 use crate::system::{Bell, Error, InterfaceInfo, ServerPort, Stop};
@@ -228,7 +228,7 @@ impl Capture {
     ///
     /// # Errors
     /// None.
-    pub fn next(&mut self, _timeout: Duration) -> Result<Option<(Duration, &[u8])>, Error> {
+    pub fn next(&mut self, _timeout: Duration) -> Result<Option<Captured<'_>>, Error> {
         match self.0 {}
     }
 

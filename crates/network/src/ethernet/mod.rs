@@ -28,6 +28,17 @@ pub const AVAILABLE: bool = cfg!(all(feature = "raw-ethernet", target_os = "linu
 
 pub use raw::{Capture, PacketMedium, Runner};
 
+/// A frame on the wire.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Captured<'c> {
+    /// Calendar time since 1970 at which the kernel received it.
+    pub time: Duration,
+    /// Its octets, from the destination on.
+    pub frame: &'c [u8],
+    /// Frames that were lost between the one before and this one, because they were not read in time.
+    pub missed: u64,
+}
+
 /// How a [`Runner::step`] ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Turn {

@@ -215,11 +215,11 @@ fn capture(
         let begin = Instant::now();
         let goes_on = || begin.elapsed() < time || !are_read.load(Ordering::Relaxed);
         while goes_on() && octets < MAX_CAPTURE && !stop.is_stopped() {
-            if let Some((at, frame)) = capture.next(LOOK).map_err(|error| words(&error))? {
-                octets += frame.len() + 32;
-                let at = u64::try_from(at.as_nanos()).unwrap_or_default();
+            if let Some(captured) = capture.next(LOOK).map_err(|error| words(&error))? {
+                octets += captured.frame.len() + 32;
+                let at = u64::try_from(captured.time.as_nanos()).unwrap_or_default();
                 let at = profinet::Instant::from_nanos(at);
-                writer.write(at, frame).map_err(|error| words(&error))?;
+                writer.write(at, captured.frame).map_err(|error| words(&error))?;
             }
         }
         writer.flush().map_err(|error| words(&error))?;

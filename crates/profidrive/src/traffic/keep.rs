@@ -31,7 +31,8 @@ const MOST_BEHIND: Duration = crate::simulate::MOST_BEHIND;
 /// A frame that was kept.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Frame {
-    /// Its number, counted from 0 since the network was opened.
+    /// Its number, counted from 0 since the network was opened. Frames that this computer missed, as it was too slow, have numbers
+    /// too.
     pub number: u64,
     /// Calendar time since 1970.
     pub time: Duration,
@@ -102,6 +103,12 @@ impl Traffic {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
+    /// Adds a frame, as a capture does.
+    #[cfg(test)]
+    pub(super) fn add(&self, time: Duration, octets: &[u8]) {
+        self.kept().add(time, octets);
+    }
+
     /// Returns the frames from this number on that are still kept. Where the first one has a larger number, those before it are
     /// gone.
     #[must_use]
@@ -113,9 +120,9 @@ impl Traffic {
     /// was started meanwhile.
     pub(super) fn news(&self, number: u64) -> (Vec<Frame>, u64) {
         let kept = self.kept();
-        let first = kept.frames.front().map_or(kept.next, |frame| frame.number);
-        let skipped = usize::try_from(number.saturating_sub(first)).unwrap_or(usize::MAX);
-        (kept.frames.iter().skip(skipped).cloned().collect(), kept.began)
+        // numbers of frames that were missed are not there
+        let known = kept.frames.partition_point(|frame| frame.number < number);
+        (kept.frames.range(known..).cloned().collect(), kept.began)
     }
 
     /// Returns the frames that are kept as a pcapng file, for Wireshark; `name` is that of the interface in it.
@@ -177,14 +184,17 @@ impl Traffic {
 fn receive(mut capture: Capture, kept: &Weak<Mutex<Kept>>) {
     while kept.strong_count() > 0 {
         match capture.next(LOOK) {
-            Ok(Some((time, frame))) if !frame.is_empty() => {
+            Ok(Some(captured)) => {
                 if let Some(kept) = kept.upgrade() {
-                    kept.lock()
-                        .unwrap_or_else(PoisonError::into_inner)
-                        .add(time, frame);
+                    let mut kept = kept.lock().unwrap_or_else(PoisonError::into_inner);
+                    kept.next += captured.missed;
+                    // one that is too long has no octets
+                    if !captured.frame.is_empty() {
+                        kept.add(captured.time, captured.frame);
+                    }
                 }
             }
-            Ok(_) => {}
+            Ok(None) => {}
             Err(_) => return,
         }
     }
@@ -227,6 +237,23 @@ mod tests {
         assert_eq!(traffic.since(98).len(), 2);
         assert_eq!(traffic.since(100), []);
         assert_eq!(traffic.since(u64::MAX), []);
+    }
+
+    #[test]
+    fn frames_that_were_missed_have_numbers() {
+        let traffic = kept(0..3, 60);
+        traffic.kept().next += 10;
+        traffic.kept().add(Duration::from_secs(3), &[0; 60]);
+        let from = |number| {
+            traffic
+                .since(number)
+                .iter()
+                .map(|frame| frame.number)
+                .collect::<Vec<_>>()
+        };
+        assert_eq!(from(2), [2, 13]);
+        assert_eq!(from(3), [13]);
+        assert_eq!(from(13), [13]);
     }
 
     #[cfg(feature = "simulate")]

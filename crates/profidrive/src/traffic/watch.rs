@@ -12,8 +12,8 @@ use profinet::wire::ethernet::Frame as Ethernet;
 use super::keep::{Frame, Traffic};
 use crate::report::DriveWords;
 
-/// Drives whose last frames are kept.
-const DRIVES: usize = 1024;
+/// Stations whose last cyclic frames are kept: drives and their controllers.
+const STATIONS: usize = 4096;
 
 /// What a frame shows.
 #[derive(Debug, Clone, PartialEq)]
@@ -85,9 +85,10 @@ impl Watch {
             if frame.number >= began {
                 self.restart(began, notice);
             }
-            self.missed += frame.number.saturating_sub(self.next);
+            let missed = frame.number.saturating_sub(self.next);
+            self.missed += missed;
             self.next = frame.number + 1;
-            self.read(frame, notice);
+            self.read(frame, missed > 0, notice);
         }
         self.restart(began, notice);
     }
@@ -104,10 +105,14 @@ impl Watch {
         notice(News::Restarted);
     }
 
-    fn read(&mut self, frame: Frame, notice: &mut dyn FnMut(News)) {
+    fn read(&mut self, frame: Frame, missed: bool, notice: &mut dyn FnMut(News)) {
         let time = frame.time;
         let begin = *self.begin.get_or_insert(time);
-        for event in self.walker.frame(time.saturating_sub(begin), &frame.octets) {
+        let at = time.saturating_sub(begin);
+        if missed {
+            self.walker.skip_to(at);
+        }
+        for event in self.walker.frame(at, &frame.octets) {
             if matches!(event.detail, Detail::State(_) | Detail::Fault(_)) {
                 for drive in [event.source.mac, event.target.mac].into_iter().flatten() {
                     if let Some(words) = self.words(drive) {
@@ -127,15 +132,20 @@ impl Watch {
         let Some((source, destination)) = ends else {
             return;
         };
-        self.last_of(destination).output = Some(frame.clone());
-        self.last_of(source).input = Some(frame);
+        if let Some(last) = self.last_of(destination) {
+            last.output = Some(frame.clone());
+        }
+        if let Some(last) = self.last_of(source) {
+            last.input = Some(frame);
+        }
     }
 
-    fn last_of(&mut self, mac: MacAddress) -> &mut Last {
-        if self.last.len() >= DRIVES && !self.last.contains_key(&mac) {
-            self.last.pop_first();
+    /// Returns the place for the frames of a station; `None` for a new one without room: those that are followed stay.
+    fn last_of(&mut self, mac: MacAddress) -> Option<&mut Last> {
+        if self.last.len() >= STATIONS && !self.last.contains_key(&mac) {
+            return None;
         }
-        self.last.entry(mac).or_default()
+        Some(self.last.entry(mac).or_default())
     }
 
     /// Returns state and words of a drive as its cyclic frames have them; `None` while it has no cyclic connection that began
@@ -192,5 +202,35 @@ impl Watch {
     #[must_use]
     pub const fn missed(&self) -> u64 {
         self.missed
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn mac(number: u16) -> MacAddress {
+        let [high, low] = number.to_be_bytes();
+        MacAddress([2, 0, 0, 0, high, low])
+    }
+
+    /// A cyclic frame without a connect.
+    fn cyclic(from: MacAddress, to: MacAddress) -> Vec<u8> {
+        let mut frame = [&to.0[..], &from.0, &[0x88, 0x92, 0x80, 0x01]].concat();
+        frame.resize(64, 0);
+        frame
+    }
+
+    #[test]
+    fn stations_that_are_followed_make_no_room_for_new_ones() {
+        let traffic = Traffic::new();
+        let mut watch = Watch::new(&traffic);
+        let plc = mac(0);
+        for number in 1..=5000 {
+            traffic.add(Duration::ZERO, &cyclic(mac(number), plc));
+            watch.catch_up(&mut |_| {});
+        }
+        assert_eq!(watch.last.len(), STATIONS);
+        assert!(watch.last(mac(1), false).is_some() && watch.last(mac(5000), false).is_none());
     }
 }

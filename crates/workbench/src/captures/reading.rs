@@ -408,3 +408,39 @@ fn unread() -> Problem {
     let detail = "the capture is still being read";
     Problem::new(StatusCode::CONFLICT, "reading", detail)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What happens with a DCP frame.
+    fn event(dcp: &[u8]) -> Event {
+        let mut walker = Walker::new(None);
+        let frame = [[0x02; 12].as_slice(), &[0x88, 0x92, 0xFE, 0xFD], dcp].concat();
+        walker.frame(Duration::ZERO, &frame).remove(0)
+    }
+
+    #[test]
+    fn events_are_bounded_and_those_that_point_to_a_fault_longer() {
+        let walker = Walker::new(None);
+        let reading = Reading::new(1, 0);
+        let mut known = locked(&reading.state);
+        let harmless = event(&[3, 0, 0, 0, 0, 7, 0, 0, 0, 2, 2, 2]);
+        // it ends in the middle
+        let trouble = event(&[3]);
+        assert_eq!((harmless.is_trouble(), trouble.is_trouble()), (false, true));
+        for event in [&harmless, &trouble] {
+            for frame in 0..60_000 {
+                let event = Event {
+                    frame,
+                    ..event.clone()
+                };
+                known.add(&walker, event);
+            }
+        }
+        let troubles = known.lines.iter().filter(|line| line.trouble).count();
+        assert_eq!((known.lines.len(), troubles), (EVENTS + TROUBLES, TROUBLES));
+        assert_eq!(known.report.events, EVENTS + TROUBLES);
+        assert_eq!(known.report.left_out, 120_000 - 60_000);
+    }
+}

@@ -13,7 +13,7 @@ use dissect::capture::{
 use dissect::report::DecodeReport;
 use dissect::tree::Node;
 use indicatif::ProgressBar;
-use network::ethernet::Capture;
+use network::ethernet::{Capture, Captured};
 use network::pcap::{ReadError, Reader};
 use network::system::Stop;
 use profidrive::documents::traffic::KeptTraffic;
@@ -174,7 +174,10 @@ pub fn live(interface: &str, args: &Decode, output: &Output) -> Result<(), Failu
     let result = loop {
         let wait = Duration::from_millis(200);
         match capture.next(wait) {
-            Ok(Some((time, frame))) => {
+            Ok(Some(Captured { time, frame, missed })) => {
+                if missed > 0 {
+                    view.skip_to(time);
+                }
                 if let Some(Err(error)) = kept.as_mut().map(|kept| kept.write(time, frame)) {
                     output.warn(&format!("no more traffic is kept: {error}"));
                     kept = None;

@@ -213,6 +213,32 @@ fn a_connection_that_began_before_the_capture_is_described() {
 }
 
 #[test]
+fn what_the_capturing_computer_missed_is_not_lost_nor_silence() {
+    let mut capture = Capture::default();
+    connect(&mut capture, 0);
+    let frame = |cycle: u16| {
+        let counter = cycle.wrapping_mul(128);
+        cyclic(DRIVE, PLC, INPUTS, &[0x02, 0x40, 0, 0, 0x80], counter, GOOD)
+    };
+    for cycle in 0..20 {
+        capture.at(4 + 4 * u64::from(cycle), &frame(cycle));
+    }
+    // frames of a second are not there
+    capture.walker.skip_to(Duration::from_millis(1000));
+    for cycle in 249..260 {
+        capture.at(4 + 4 * u64::from(cycle), &frame(cycle));
+    }
+    assert_eq!(capture.trouble(), [""; 0]);
+    let summary = capture.walker.summary();
+    let stream = &summary[0].streams[0];
+    assert_eq!((stream.frames, stream.lost), (31, 0));
+    assert_eq!(stream.longest_gap, Duration::from_millis(4));
+    // from then on silence counts again
+    capture.wait(1500);
+    assert_eq!(capture.trouble().len(), 1, "{:?}", capture.trouble());
+}
+
+#[test]
 fn lost_frames_and_silence_are_reported_and_summed_up() {
     let mut capture = Capture::default();
     connect(&mut capture, 0);

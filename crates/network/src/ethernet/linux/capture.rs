@@ -5,13 +5,14 @@ use std::time::Duration;
 use profinet::MAX_FRAME;
 
 use super::packet::PacketSocket;
+use crate::ethernet::Captured;
 use crate::system::linux::{readable, wait};
 use crate::system::{Error, Stop};
 
 /// Receives every frame on an interface, those that this computer sends too. Sends nothing.
 ///
-/// The kernel keeps some hundred frames for a reader that is slow; what did not fit is counted by
-/// [`missed`](Self::missed).
+/// The kernel keeps 4096 frames for a reader that is slow; what did not fit is counted by [`missed`](Self::missed), and
+/// by [`Captured::missed`] before the frame that follows.
 ///
 /// ```no_run
 /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -21,8 +22,8 @@ use crate::system::{Error, Stop};
 /// let stop = Stop::on_signals()?;
 /// let mut capture = Capture::open("eth0", stop.clone())?;
 /// while !stop.is_stopped() {
-///     if let Some((time, frame)) = capture.next(Duration::from_secs(1))? {
-///         println!("{time:?}: {} octets", frame.len());
+///     if let Some(captured) = capture.next(Duration::from_secs(1))? {
+///         println!("{:?}: {} octets", captured.time, captured.frame.len());
 ///     }
 /// }
 /// # Ok(()) }
@@ -47,12 +48,12 @@ impl Capture {
         })
     }
 
-    /// Returns the next frame, with the calendar time since 1970 at which the kernel received it. Returns `None` when
-    /// none comes for so long, or when the stop flag is set. A frame too long for the receive ring is empty.
+    /// Returns the next frame; `None` when none comes for so long, or when the stop flag is set. A frame too long for the receive
+    /// ring is empty.
     ///
     /// # Errors
     /// The interface is down or gone.
-    pub fn next(&mut self, timeout: Duration) -> Result<Option<(Duration, &[u8])>, Error> {
+    pub fn next(&mut self, timeout: Duration) -> Result<Option<Captured<'_>>, Error> {
         let Self { packet, stop, frame } = self;
         if packet.peek().is_none() {
             let mut fds = [readable(packet.fd()), readable(stop.event().fd())];
@@ -62,17 +63,19 @@ impl Capture {
         let Some((received, octets)) = packet.peek() else {
             return Ok(None);
         };
-        let time = received.time;
+        let (time, losing) = (received.time, received.losing);
         let mut tagged = [0; MAX_FRAME + 4];
         let whole = received.on_the_wire(octets, &mut tagged);
         let length = whole.len().min(frame.len());
         let kept = frame.get_mut(..length).unwrap_or_default();
         kept.copy_from_slice(whole.get(..length).unwrap_or_default());
         packet.release();
-        Ok(Some((time, kept)))
+        let missed = if losing { packet.newly_missed() } else { 0 };
+        let frame = &*kept;
+        Ok(Some(Captured { time, frame, missed }))
     }
 
-    /// Frames lost because they were not read in time.
+    /// Frames lost so far because they were not read in time.
     #[must_use]
     pub fn missed(&mut self) -> u64 {
         self.packet.statistics().missed

@@ -9,7 +9,7 @@ use smoltcp::wire::{IpProtocol, Ipv4Packet, TcpPacket, UdpPacket};
 use socket2::{Domain, Protocol, Socket, Type};
 
 use super::filter::{MAX_ADDRESSES, Wanted, program};
-use super::ring::{Received, Ring, set_option};
+use super::ring::{OF_CAPTURE, Received, Ring, set_option};
 use crate::ethernet::PacketStatistics;
 use crate::host::ethertype;
 use crate::system::{Error, InterfaceInfo};
@@ -47,7 +47,7 @@ impl PacketSocket {
 
     /// Opens the interface `name` for all of its traffic: what it sends, and what is meant for others, too.
     pub(super) fn listen_to_all(name: &str) -> Result<Self, Error> {
-        let socket = Self::listen(name, None, 1)?;
+        let socket = Self::listen(name, None, OF_CAPTURE)?;
         socket.join_all()?;
         Ok(socket)
     }
@@ -155,6 +155,12 @@ impl PacketSocket {
             self.statistics.missed += u64::from(counted.tp_drops);
         }
         self.statistics
+    }
+
+    /// Returns how many frames were lost since the kernel was asked last.
+    pub(super) fn newly_missed(&mut self) -> u64 {
+        let before = self.statistics.missed;
+        self.statistics().missed - before
     }
 
     /// Returns the oldest received frame, without its tag if the kernel took it out, its UDP or TCP checksum in order.

@@ -14,9 +14,13 @@ const SLOTS_EACH: usize = 4;
 /// Slots of the smallest ring and of the largest one.
 const SLOTS: std::ops::RangeInclusive<usize> = 512..=1 << 15;
 const BLOCK: usize = 1 << 15;
+/// A capture has room for as much as this many stations need: half a second of what 64 drives send and receive at 16 ms, as its
+/// reader has no rank before other programs.
+pub(super) const OF_CAPTURE: usize = 1 << 10;
 
 const TP_STATUS_KERNEL: u32 = 0;
 const TP_STATUS_USER: u32 = 1;
+const TP_STATUS_LOSING: u32 = 1 << 2;
 const TP_STATUS_CSUM_NOT_READY: u32 = 1 << 3;
 const TP_STATUS_VLAN_VALID: u32 = 1 << 4;
 
@@ -29,6 +33,8 @@ pub(super) struct Received {
     pub(super) tag: Option<u16>,
     /// Calendar time since 1970 at which the kernel received it.
     pub(super) time: Duration,
+    /// Frames before it found no room, since the kernel was asked for their number.
+    pub(super) losing: bool,
 }
 
 impl Received {
@@ -109,6 +115,7 @@ impl Ring {
             checksum_missing: status & TP_STATUS_CSUM_NOT_READY != 0,
             tag: (status & TP_STATUS_VLAN_VALID != 0).then_some(header.tp_vlan_tci),
             time: Duration::new(header.tp_sec.into(), header.tp_nsec.min(999_999_999)),
+            losing: status & TP_STATUS_LOSING != 0,
         };
         Some((received, frame))
     }
@@ -168,6 +175,7 @@ mod tests {
             checksum_missing: false,
             tag: Some(0xC000),
             time: Duration::ZERO,
+            losing: false,
         };
         let plain = Received { tag: None, ..tagged };
         let expected = [&frame[..12], &[0x81, 0, 0xC0, 0], &frame[12..]].concat();
