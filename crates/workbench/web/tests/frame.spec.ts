@@ -33,7 +33,7 @@ async function screens(page: Page): Promise<[string, string][]> {
   ];
 }
 
-test("STOP can be reached on each screen and in each viewport", async ({ entered: page }) => {
+test("STOP and the content can be reached on each screen and in each viewport", async ({ entered: page }) => {
   for (const [name, path] of await screens(page)) {
     await page.goto(path);
     const stop = page.getByRole("button", { name: /^STOP/ });
@@ -43,6 +43,10 @@ test("STOP can be reached on each screen and in each viewport", async ({ entered
       [1024, 700],
       [768, 950],
       [400, 800],
+      // a window of 1366 and of 1280 px, magnified to 400 %
+      [341, 192],
+      [320, 256],
+      [320, 480],
     ] as const) {
       await page.setViewportSize({ width, height });
       await page.evaluate(() => scrollTo(0, document.body.scrollHeight));
@@ -50,9 +54,18 @@ test("STOP can be reached on each screen and in each viewport", async ({ entered
         const { x, y, width, height, right, bottom } = button.getBoundingClientRect();
         const hit = document.elementFromPoint(x + width / 2, y + height / 2);
         const inside = x >= 0 && y >= 0 && right <= innerWidth && bottom <= innerHeight;
-        return { inside, height, hit: hit === button, sideways: document.documentElement.scrollWidth > innerWidth };
+        const { scrollWidth, clientWidth } = document.documentElement;
+        // what scrolls: the rest of the height is that of the frame, of the screens and of STOP
+        let free = 0;
+        for (let at = 0; at < 100; at += 1) {
+          const place = document.elementFromPoint(innerWidth / 4, ((at + 0.5) / 100) * innerHeight);
+          const fixed = place?.closest(".top, nav, .notices, .stop");
+          if (!fixed || getComputedStyle(fixed).position === "static") free += 1;
+        }
+        return { inside, height, hit: hit === button, sideways: scrollWidth > clientWidth, free };
       });
       expect(seen, `${name} ${width}x${height}`).toMatchObject({ inside: true, hit: true, sideways: false });
+      expect(seen.free, `${name} ${width}x${height}`).toBeGreaterThan(50);
       expect(seen.height).toBeGreaterThanOrEqual(44);
     }
   }
@@ -85,6 +98,24 @@ test("what is chosen is seen with the colours of the system", async ({ entered: 
   await page.keyboard.press("Control+k");
   await page.keyboard.type("axis");
   expect(await outlined(page.locator(".palette [role=option][aria-selected=true]"))).toBe("solid");
+});
+
+test("notices and STOP of a magnified page do not cover each other", async ({ page }) => {
+  const server = await serve("--demo", "--listen", "127.0.0.1:0");
+  try {
+    await page.goto(server.url);
+    await rows(page);
+    await page.setViewportSize({ width: 341, height: 192 });
+    await page.getByRole("button", { name: /^STOP/ }).click();
+    const reset = page.getByRole("button", { name: "Reset STOP" });
+    await expect(reset).toBeInViewport({ ratio: 1 });
+    const [notices, stop] = [await page.locator(".notices").boundingBox(), await page.locator(".stop").boundingBox()];
+    expect((notices?.y ?? 0) + (notices?.height ?? 0)).toBeLessThanOrEqual(stop?.y ?? 0);
+    await reset.click();
+    await expect(reset).toHaveCount(0);
+  } finally {
+    await end(server);
+  }
 });
 
 test("STOP says honestly that there is nothing to stop, by mouse and keys", async ({ entered: page }) => {
@@ -244,6 +275,18 @@ test("a lost workbench is said, old values are dashes, and it comes back by itse
     server.process.kill("SIGSTOP");
     await expect(page.getByText(/Connection to the workbench lost \d+ s ago/)).toBeVisible();
     await expect(page.getByRole("button", { name: "STOP cannot reach" })).toBeVisible();
+    // each badge in one line, and whole
+    for (const width of [1366, 1024, 768, 400, 320]) {
+      await page.setViewportSize({ width, height: 640 });
+      const badges = await page.locator(".badge").evaluateAll((all) =>
+        all.map((one) => ({
+          cut: one.scrollWidth > one.clientWidth || one.getBoundingClientRect().top < 0,
+          lines: Math.round(one.getBoundingClientRect().height / 20),
+        })),
+      );
+      expect(badges, `${width}`).toEqual(Array(2).fill({ cut: false, lines: 1 }));
+    }
+    await page.setViewportSize({ width: 1366, height: 640 });
     for (const value of await page.locator(".value .main").allTextContents()) {
       expect(value).toBe("\u2013");
     }
