@@ -2,7 +2,7 @@ import { chmodSync, copyFileSync, existsSync, mkdtempSync, readFileSync, rmSync,
 import { createRequire } from "node:module";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
-import type { Locator, Page } from "@playwright/test";
+import type { Locator, Page, Route } from "@playwright/test";
 import { end, expect, idOf, pictures, rows, serve, serveIn, test } from "./bench";
 
 const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
@@ -113,6 +113,28 @@ test("notices and STOP of a magnified page do not cover each other", async ({ pa
     expect((notices?.y ?? 0) + (notices?.height ?? 0)).toBeLessThanOrEqual(stop?.y ?? 0);
     await reset.click();
     await expect(reset).toHaveCount(0);
+  } finally {
+    await end(server);
+  }
+});
+
+test("a page that waits for its server says so, and enters once it answers", async ({ page }) => {
+  const server = await serve("--demo", "--listen", "127.0.0.1:0");
+  try {
+    const waiting: Route[] = [];
+    await page.route("**/api/v1/session", (route) => {
+      waiting.push(route);
+    });
+    await page.goto(server.url);
+    await expect(page.getByText("Waiting for the workbench ..")).toBeVisible({ timeout: 4000 });
+    await waiting[0]?.abort();
+    await expect(page.getByRole("alert")).toHaveText(
+      "The workbench does not answer. This page tries again until it does.",
+    );
+    await page.unroute("**/api/v1/session");
+    await Promise.all(waiting.slice(1).map((route) => route.abort()));
+    // with the token that is in the address no more
+    await rows(page);
   } finally {
     await end(server);
   }
@@ -344,6 +366,31 @@ test("STOP that its connection swallows is sent once more by a request", async (
     await rows(page);
     await page.getByRole("button", { name: /^STOP/ }).click();
     await expect(page.locator(".band.stopped")).toContainText("was received");
+  } finally {
+    await end(server);
+  }
+});
+
+test("a network that is back opens the control socket at once", async ({ page }) => {
+  let tries = 0;
+  let cut = false;
+  await page.routeWebSocket("**/api/v1/control", (socket) => {
+    tries += 1;
+    if (cut) socket.close();
+    else socket.connectToServer();
+  });
+  const server = await serve("--demo", "--listen", "127.0.0.1:0");
+  try {
+    await page.goto(server.url);
+    await rows(page);
+    cut = true;
+    await page.reload();
+    // the pause before the next try is 2 s at least
+    await expect.poll(() => tries).toBeGreaterThanOrEqual(5);
+    const before = tries;
+    cut = false;
+    await page.evaluate(() => dispatchEvent(new Event("online")));
+    await expect.poll(() => tries, { timeout: 1500 }).toBe(before + 1);
   } finally {
     await end(server);
   }

@@ -7,7 +7,7 @@ import { ownerName, ownerShort, person, State } from "../parts/Reason";
 import * as control from "../store/control";
 import { axes, stopped as isStopped, lastStop, leases, refusal, reset, stopState } from "../store/control";
 import { stop, stopText, want } from "../store/live";
-import { aged, type Happening, happened, now, paused, server, silent, stations, topics } from "../store/store";
+import { aged, type Happening, happened, now, paused, quiet, server, silent, stations, topics } from "../store/store";
 import { age, t } from "../text";
 import { address, OF_DRIVE, recent, screenOf, stationOf } from "./selected";
 
@@ -129,7 +129,7 @@ function Facts({ station }: { station: Station }) {
   const { status } = station;
   // of an axis that this server controls each cycle is known, the status is read now and then
   const axis = control.heldAxis(station.id);
-  const old = (axis ? axis.lost : (aged(station.age) ?? 0) > STALE) || silent.value !== null;
+  const old = (axis ? axis.lost || control.old.value : (aged(station.age) ?? 0) > STALE) || quiet.value;
   const dash = "\u2013";
   const live = silent.value === null;
   const words = axis
@@ -319,7 +319,8 @@ export function Frame() {
         )}
         {silent.value !== null && (
           <p class="band lost" role="alert">
-            {t("frame.lost", { age: age(silent.value) })}
+            {t("frame.lost", { age: age(silent.value) })}{" "}
+            {t(control.ended.value ? "frame.lost.control" : "frame.lost.all")}
           </p>
         )}
       </aside>

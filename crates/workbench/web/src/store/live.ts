@@ -3,16 +3,17 @@ import { batch } from "@preact/signals";
 import { Refused, request, type Server, type Shaft, type Station, type Stations, type Stopped } from "../api";
 import { label } from "../parts/format";
 import { t } from "../text";
-import { runControl } from "./control";
+import { listenForControl, runControl } from "./control";
 import { name } from "./name";
 import { noteFaults } from "./seen";
 import { type Incoming, Live } from "./socket";
 import {
   access,
-  answered,
   events,
   failure,
   happened,
+  heard,
+  listen,
   now,
   paused,
   received,
@@ -31,6 +32,10 @@ import {
 const RATE = 10;
 const SHAFT_RATE = 10;
 const CLOCK_PERIOD = 250;
+/** How often the page looks whether the workbench is silent, in ms. */
+const LISTEN = 50;
+/** Pause before a workbench that does not answer is tried again, in ms. */
+const AGAIN = 1000;
 /** Time for a search, in ms. */
 const SEARCH = 20_000;
 /** What is kept of a value, in ms. */
@@ -45,6 +50,10 @@ export async function enter(): Promise<void> {
     // a token that stays in the address ends in bookmarks and pictures
     history.replaceState(null, "", location.pathname + location.search);
   }
+  await enterWith(token);
+}
+
+async function enterWith(token: string | null): Promise<void> {
   try {
     if (token !== null) {
       const headers = { "Content-Type": "application/json" };
@@ -54,11 +63,15 @@ export async function enter(): Promise<void> {
     access.value = { kind: "in" };
     run();
   } catch (error) {
-    const reason =
-      error instanceof Refused && error.status === 401 && token === null
-        ? t("login.text")
-        : t("login.refused", { reason: error instanceof Error ? error.message : String(error) });
-    access.value = { kind: "out", reason };
+    if (error instanceof Refused) {
+      const reason =
+        error.status === 401 && token === null ? t("login.text") : t("login.refused", { reason: error.message });
+      access.value = { kind: "out", reason, silent: false };
+      return;
+    }
+    access.value = { kind: "out", reason: t("login.silent"), silent: true };
+    // the token is in the address no more: whoever reloads the page would have to look for it
+    setTimeout(() => void enterWith(token), AGAIN);
   }
 }
 
@@ -85,10 +98,14 @@ function run(): void {
   setInterval(() => {
     now.value = performance.now();
   }, CLOCK_PERIOD);
+  setInterval(() => {
+    // in this order: no look at the axes that are given up may come before the word of the loss
+    if (listen()) listenForControl();
+  }, LISTEN);
   live = new Live({
     message: receive,
     refused: () => {
-      access.value = { kind: "out", reason: t("login.ended") };
+      access.value = { kind: "out", reason: t("login.ended"), silent: false };
     },
   });
   live.want("network", RATE);
@@ -98,7 +115,7 @@ function run(): void {
 }
 
 function receive(message: Incoming): void {
-  answered.value = performance.now();
+  heard();
   if (message.type === "event") {
     happened.value = message;
     return;
