@@ -635,7 +635,7 @@ test("STOP lets an axis coast where that is chosen, a travel ends a motion, and 
     const wrong = watch(page);
     const id = await open(page, server.url, "axis-1");
     await options(page);
-    await page.getByRole("combobox", { name: "STOP stops it" }).selectOption("off2");
+    await page.getByRole("combobox", { name: "STOP reaction" }).selectOption("off2");
     const travel = page.getByRole("textbox", { name: /^Longest travel/ });
     await travel.fill("far");
     await expect(page.getByRole("button", { name: "Take control" })).toBeDisabled();

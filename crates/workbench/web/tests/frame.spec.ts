@@ -10,7 +10,11 @@ const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.mi
 async function screens(page: Page): Promise<[string, string][]> {
   const answer = await page.request.get("/api/v1/stations");
   const { stations } = (await answer.json()) as { stations: { id: string; name: string | null }[] };
-  const named = (name: string) => encodeURIComponent(stations.find((one) => one.name === name)?.id ?? "");
+  const named = (name: string) => {
+    const id = stations.find((one) => one.name === name)?.id;
+    if (id === undefined) throw new Error(`no station is called ${name}`);
+    return encodeURIComponent(id);
+  };
   return [
     ["network", "/network"],
     ["overview", `/drives/${named("fan-1")}/overview`],
