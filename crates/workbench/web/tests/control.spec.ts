@@ -5,6 +5,9 @@ import { end, expect, idOf, idOfStation, pictures, rows, serve, test, watch } fr
 import { wire } from "./bench/wire";
 import { alone, enable, ends, enter, open, operate, options, rest, speed, turning, underControl } from "./moving";
 
+/** Of a STOP: its frame went out, and when. */
+const SENT = /STOP \d is confirmed\. axis-1: OFF3 sent at \d\d:\d\d:\d\d\.\d{3} UTC\./;
+
 test("a newcomer takes control, enables, jogs, and releases", async ({ page }) => {
   await alone(async (server) => {
     const wrong = watch(page);
@@ -63,7 +66,12 @@ test("STOP of any page stops the axis, and nothing moves before it is reset", as
     console.log(`STOP of another page: at rest after ${time.toFixed(0)} ms, with the click`);
     await expect(page.getByText(/STOP 1 was pressed by session 2/)).toBeVisible();
     await expect(other.getByText(/STOP 1 was pressed by this session/)).toBeVisible();
-    await expect(other.getByRole("alert").filter({ hasText: "It stops: axis-1" })).toBeVisible();
+    await expect(other.getByRole("alert").filter({ hasText: SENT })).toBeVisible();
+    // the time is that of the frame, by the clock of this computer
+    const [, at = ""] =
+      /at (\S+) UTC/.exec((await other.getByRole("alert").filter({ hasText: SENT }).textContent()) ?? "") ?? [];
+    const day = new Date().toISOString().slice(0, 11);
+    expect(Math.abs(Date.now() - Date.parse(`${day}${at}Z`))).toBeLessThan(30_000);
     await page.waitForTimeout(300);
     expect(Math.abs(await speed(page, server.origin, id))).toBeLessThan(0.5);
     await page.mouse.up();
@@ -324,7 +332,7 @@ test("the first motion is slow, limits hold, and a move stops where STOP finds i
     await expect(values.locator(".value").first()).toHaveText(/^Speed \(read\).*\d{3}\.\d/);
     await page.keyboard.press("Control+Space");
     await rest(page, server.origin, id, performance.now());
-    await expect(page.getByRole("alert").filter({ hasText: "It stops: axis-1" })).toBeVisible();
+    await expect(page.getByRole("alert").filter({ hasText: SENT })).toBeVisible();
     const position = page.getByRole("region", { name: "Values" });
     await expect(position).not.toContainText("10.00");
   });

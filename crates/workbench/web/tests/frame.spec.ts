@@ -375,6 +375,95 @@ test("STOP that its connection swallows is sent once more by a request", async (
   }
 });
 
+/** Changes the messages of a socket on their way to the page. */
+async function change(page: Page, socket: "live" | "control", of: (message: Record<string, unknown>) => unknown) {
+  await page.routeWebSocket(`**/api/v1/${socket}`, (route) => {
+    const server = route.connectToServer();
+    server.onMessage((text) => route.send(typeof text === "string" ? JSON.stringify(of(JSON.parse(text))) : text));
+  });
+}
+
+test("a STOP of which no frame went out is not confirmed", async ({ page }) => {
+  const server = await serve("--demo", "--listen", "127.0.0.1:0");
+  try {
+    let drive = "";
+    await change(page, "control", (message) =>
+      message.type === "stopped"
+        ? { ...message, confirmed: false, axes: [{ drive, by: "off3", state: "unconfirmed", sent_us: null }] }
+        : message,
+    );
+    await page.goto(server.url);
+    await rows(page);
+    drive = await idOf(page, "axis-1");
+    await page.getByRole("button", { name: /^STOP/ }).click();
+    await expect(page.locator(".band.stopped")).toHaveText(
+      "STOP 1 was received and is not confirmed. axis-1: no frame was sent. Use the emergency stop of the machine.",
+    );
+  } finally {
+    await end(server);
+  }
+});
+
+test("a page of another build says that it has to be loaded again, and takes no control", async ({ page, demo }) => {
+  let build = "other";
+  await change(page, "control", (message) => (message.type === "hello" ? { ...message, build } : message));
+  await change(page, "live", (message) => (message.type === "hello" ? { ...message, build: "this" } : message));
+  await page.goto(demo.url);
+  await expect(page.getByText("The workbench has another version than this page.")).toBeVisible();
+  await page.goto(`/drives/${encodeURIComponent(await idOf(page, "axis-1"))}/control`);
+  await expect(page.locator("main").getByText("The workbench has another version than this page.")).toBeVisible();
+  await expect(page.getByRole("button", { name: "Take control" })).toBeDisabled();
+  build = "this";
+  await page.getByRole("button", { name: "Reload" }).click();
+  await expect(page.getByRole("button", { name: "Take control" })).toBeEnabled();
+  await expect(page.getByText("another version")).toHaveCount(0);
+});
+
+test("STOP stops a drive that turns without a controller by its parameter, and says what became of it", async ({
+  page,
+  demo,
+}) => {
+  let offer: object = { means: "parameter", parameter: "DRV.STOP", reason: null, controller: null };
+  await change(page, "live", (message) => {
+    if (message.topic !== "network") return message;
+    const data = message.data as { stations: { name: string; status: { actions: object[] } | null }[] };
+    const stations = data.stations.map((one) =>
+      one.name !== "axis-1" || one.status === null
+        ? one
+        : {
+            ...one,
+            stop: offer,
+            status: { ...one.status, actions: [{ action: "stop", arguments: ["axis-1"], command: null }] },
+          },
+    );
+    return { ...message, data: { ...data, stations } };
+  });
+  let answer: { status: number; json: object } = { status: 200, json: { at_rest: true } };
+  const asked: string[] = [];
+  await page.route("**/api/v1/drives/*/stop", (route) => {
+    asked.push(route.request().method());
+    return route.fulfill(answer);
+  });
+  await page.goto(demo.url);
+  await page.getByRole("link", { name: "axis-1", exact: true }).click();
+  await expect(page.getByText("No controller has axis-1: its parameter DRV.STOP stops it.")).toBeVisible();
+  const notice = page.locator(".band.stopped");
+  await page.locator(".frame").getByRole("button", { name: "STOP axis-1 (by parameter)" }).click();
+  await expect(notice).toContainText("axis-1 is at rest.");
+  // beside what the library advises, and by a key
+  answer = { status: 409, json: { kind: "refused", detail: "plc-1 has the drive", details: [] } };
+  await page.locator("main").getByRole("button", { name: "STOP axis-1 (by parameter)" }).click();
+  await expect(notice).toContainText(
+    "axis-1 was not stopped: plc-1 has the drive. Use the emergency stop of the machine.",
+  );
+  await page.keyboard.press("Control+Space");
+  await expect.poll(() => asked).toEqual(["POST", "POST", "POST"]);
+  offer = { means: "none", parameter: null, reason: "needs_interface", controller: null };
+  await expect(page.getByRole("button", { name: "STOP not available" })).toBeVisible();
+  await expect(page.locator("#stop-why")).toContainText("for which the server needs a network interface");
+  await page.getByRole("button", { name: "Reset STOP" }).click();
+});
+
 test("a network that is back opens the control socket at once", async ({ page }) => {
   let tries = 0;
   let cut = false;

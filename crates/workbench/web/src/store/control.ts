@@ -1,8 +1,9 @@
 /** The control socket of this page: what it has under control, its beats, and STOP. Nothing else sends a beat. */
 import { batch, signal } from "@preact/signals";
+import type { StopFrame } from "../api";
 import { t } from "../text";
 import { pause, whenBack } from "./socket";
-import { access, heard } from "./store";
+import { access, heard, isOfBuild } from "./store";
 
 const PROTOCOL = "profidrive.control.1";
 /** Time between two beats, in ms. */
@@ -73,10 +74,17 @@ export const leases = signal<ReadonlyMap<string, number>>(new Map());
 export const session = signal<string | null>(null);
 export const epoch = signal(0);
 export const stopped = signal(false);
-/** The last STOP: who pressed it, and what it stopped. */
-export const lastStop = signal<{ epoch: number; by: string; claimed_name: string | null; drives: string[] } | null>(
-  null,
-);
+/** A STOP: who pressed it, and what became of it at each axis. */
+export interface Stopping {
+  epoch: number;
+  by: string;
+  claimed_name: string | null;
+  /** Whether a frame with it went to each axis that it stops. */
+  confirmed: boolean;
+  axes: StopFrame[];
+}
+/** The last one. */
+export const lastStop = signal<Stopping | null>(null);
 /** What became of the last command of each drive. */
 export const said = signal<ReadonlyMap<string, Said>>(new Map());
 /** Who wants a drive that this page has. */
@@ -95,19 +103,19 @@ export const confirmed = signal<ReadonlySet<string>>(new Set());
 export const moved = signal<ReadonlySet<string>>(new Set());
 /** What the axes of this page did in the last seconds; a telegram has a speed, a position or both. */
 export const track = signal<readonly Tracked[]>([]);
-/** What became of the last STOP of this page. */
-export const stopState = signal<"" | "sent" | "confirmed" | "unconfirmed" | "answered">("");
+/** What became of the last STOP of this page. `unsent`: the workbench has it, and no frame went to some axis. */
+export const stopState = signal<"" | "sent" | "confirmed" | "unsent" | "unconfirmed" | "answered">("");
 /** The answer to a STOP that was sent by a request, in words. */
 export const stopText = signal("");
 
 type Incoming =
-  | { type: "hello"; who: string; epoch: number; stopped: boolean; refusal: string | null }
+  | { type: "hello"; build: string; who: string; epoch: number; stopped: boolean; refusal: string | null }
   | { type: "beat"; n: number; t: number; fresh: boolean }
   | { type: "accepted"; n: number }
   | { type: "refused"; n: number; kind: string; sentence: string; hint: string | null }
   | { type: "lease"; n: number; drive: string; lease: number }
   | { type: "axes"; axes: Axis[] }
-  | { type: "stopped"; epoch: number; by: string; claimed_name: string | null; drives: string[] }
+  | ({ type: "stopped" } & Stopping)
   | { type: "reset"; epoch: number }
   | { type: "wanted"; drive: string; by: string; claimed_name: string | null };
 
@@ -297,7 +305,7 @@ export async function pressStop(byRequest: () => Promise<string>): Promise<void>
   });
   const ask = async () => {
     const text = await byRequest();
-    if (press !== presses || stopState.value === "confirmed") return;
+    if (press !== presses || stopState.value === "confirmed" || stopState.value === "unsent") return;
     batch(() => {
       stopText.value = text;
       stopState.value = "answered";
@@ -336,6 +344,7 @@ function forget(): void {
 function receive(message: Incoming): void {
   switch (message.type) {
     case "hello":
+      isOfBuild(message.build);
       session.value = message.who;
       epoch.value = message.epoch;
       stopped.value = message.stopped;
@@ -377,7 +386,7 @@ function receive(message: Incoming): void {
         stopped.value = true;
         held.value = null;
         lastStop.value = message;
-        if (stopState.value !== "") stopState.value = "confirmed";
+        if (stopState.value !== "") stopState.value = message.confirmed ? "confirmed" : "unsent";
       });
       return;
     case "reset":

@@ -1,8 +1,18 @@
 /** Brings what the workbench knows to the page. */
 import { batch } from "@preact/signals";
-import { Refused, request, type Server, type Shaft, type Station, type Stations, type Stopped } from "../api";
+import {
+  Refused,
+  request,
+  type Server,
+  type Shaft,
+  type Station,
+  type Stations,
+  type StopFrame,
+  type Stopped,
+  type StopReport,
+} from "../api";
 import { label } from "../parts/format";
-import { t } from "../text";
+import { t, utc } from "../text";
 import { listenForControl, runControl } from "./control";
 import { name } from "./name";
 import { noteFaults } from "./seen";
@@ -13,7 +23,9 @@ import {
   failure,
   happened,
   heard,
+  isOfBuild,
   listen,
+  noteEngine,
   now,
   paused,
   received,
@@ -24,6 +36,7 @@ import {
   shafts,
   stations,
   type Track,
+  timeOf,
   topics,
   tracks,
 } from "./store";
@@ -83,14 +96,21 @@ export function want(topic: string, rate: number): () => void {
   return live?.want(topic, rate) ?? (() => {});
 }
 
-/** Returns what a STOP stopped, in words. */
-export function stopText(epoch: number, drives: readonly string[]): string {
-  if (drives.length === 0) return t("stop.done", { number: epoch });
-  const names = drives.map((id) => {
-    const station = stations.value?.find((one) => one.id === id);
-    return station ? label(station) : id;
-  });
-  return t("stop.axes", { number: epoch, axes: names.join(", ") });
+/** Returns what became of a STOP at an axis, in words. */
+function stopOf({ drive, by, state, sent_us }: StopFrame): string {
+  const station = stations.value?.find((one) => one.id === drive);
+  const name = station ? label(station) : drive;
+  if (state !== "sent") return t(`stop.axis.${state}`, { name });
+  if (by === null || by === undefined) return t("stop.axis.off", { name });
+  const time = sent_us === null || sent_us === undefined ? "" : utc(timeOf(sent_us), 3);
+  return t("stop.axis.sent", { name, by: by.toUpperCase(), time });
+}
+
+/** Returns what became of a STOP, in words. */
+export function stopText(number: number, confirmed: boolean, axes: readonly StopFrame[]): string {
+  if (axes.length === 0) return t("stop.done", { number });
+  const list = axes.map(stopOf).join("; ");
+  return t(confirmed ? "stop.axes" : "stop.axes.unconfirmed", { number, axes: list });
 }
 
 function run(): void {
@@ -107,6 +127,7 @@ function run(): void {
     refused: () => {
       access.value = { kind: "out", reason: t("login.ended"), silent: false };
     },
+    other: isOfBuild,
   });
   live.want("network", RATE);
   if (server.value?.simulation) {
@@ -116,6 +137,8 @@ function run(): void {
 
 function receive(message: Incoming): void {
   heard();
+  noteEngine(message.t);
+  if (message.type === "hello") isOfBuild(message.build);
   if (message.type === "event") {
     happened.value = message;
     return;
@@ -231,8 +254,25 @@ function extended(all: ReadonlyMap<string, Track>, report: Station[]): Map<strin
 export async function stop(): Promise<string> {
   try {
     const stopped = await request<Stopped>("stop", { method: "POST", keepalive: true });
-    return stopText(stopped.stops, stopped.axes);
+    return stopText(stopped.stops, stopped.confirmed, stopped.frames);
   } catch {
     return t("stop.failed");
+  }
+}
+
+/** Time for the stop of a drive that no controller has, in ms: it ramps down meanwhile. */
+const RAMP = 15_000;
+
+/** Stops a drive that no controller has. Returns what became of it, in words. */
+export async function stopBeside(station: Station): Promise<string> {
+  const name = label(station);
+  try {
+    const signal = AbortSignal.timeout(RAMP);
+    const path = `drives/${encodeURIComponent(station.id)}/stop`;
+    const report = await request<StopReport>(path, { method: "POST", keepalive: true, signal });
+    return t(report.at_rest ? "stop.beside.done" : "stop.beside.turns", { name });
+  } catch (error) {
+    const reason = error instanceof Error ? error.message : String(error);
+    return t("stop.beside.failed", { name, reason });
   }
 }

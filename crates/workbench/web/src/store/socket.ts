@@ -1,5 +1,5 @@
 /** The socket by which the workbench sends what changes. Only the modules of this folder use it. */
-import { request } from "../api";
+import { request, type Server } from "../api";
 import type { Happening } from "./store";
 
 const PROTOCOL = "profidrive.live.1";
@@ -22,6 +22,8 @@ interface Handlers {
   message(message: Incoming): void;
   /** The workbench lets this browser in no more. */
   refused(): void;
+  /** The sockets cannot be opened, and there is a session: what the server is then. */
+  other(build: string): void;
 }
 
 /** Returns the pause before a try, with a part by chance, so that many pages do not come back at once. */
@@ -150,6 +152,11 @@ export class Live {
     if (typeof answer === "object" && answer !== null && "status" in answer && answer.status === 401) {
       this.handlers.refused();
       return;
+    }
+    if (this.tries > 1) {
+      // the answer to a protocol that the server does not have is not shown to a page
+      const server = await request<Server>("server", { signal: AbortSignal.timeout(ANSWER) }).catch(() => null);
+      if (server !== null) this.handlers.other(server.build);
     }
     this.timer = window.setTimeout(
       () => {

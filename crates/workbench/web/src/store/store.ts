@@ -73,6 +73,31 @@ export function aged(then: number | null): number | null {
   return then === null ? null : then + Math.max(0, now.value - received.value) / 1000;
 }
 
+/** The build of the server that this page came from. */
+let build: string | null = null;
+/** Whether the server is another one than the page was made for: then the page has to be loaded again. */
+export const outdated = signal(false);
+
+/** Notes the build that a server says of itself. */
+export function isOfBuild(now: string): void {
+  build ??= now;
+  outdated.value = now !== build;
+}
+
+/** Times of this page, ms since 1970, less those of the engine that came with them, ms. The least had the shortest way. */
+let distances: number[] = [];
+const DISTANCES = 40;
+
+/** Notes the time of the engine, us, of a message that has just come. */
+export function noteEngine(time: number): void {
+  distances = [...distances, Date.now() - time / 1000].slice(-DISTANCES);
+}
+
+/** Returns the time of day of a time of the engine, us. */
+export function timeOf(engine: number): Date {
+  return new Date(Math.min(...distances) + engine / 1000);
+}
+
 /** One value over time. */
 export interface Track {
   times: number[];

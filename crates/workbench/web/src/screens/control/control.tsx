@@ -13,7 +13,7 @@ import * as control from "../../store/control";
 import { named } from "../../store/name";
 import { perDrive } from "../../store/perDrive";
 import * as scope from "../../store/scope";
-import { aged, now, server, silent } from "../../store/store";
+import { aged, now, outdated, server, silent } from "../../store/store";
 import { t } from "../../text";
 import { JogPad } from "./JogPad";
 
@@ -110,6 +110,7 @@ function Field({
 /** Why this page cannot take control, in words; nothing where it can. */
 function obstacle(station: Station): string | null {
   const refusal = control.refusal.value;
+  if (outdated.value) return t("frame.outdated");
   if (silent.value !== null || !control.connected.value) return t("control.lost");
   if (refusal === "view" || refusal === "read_only") return t("control.view");
   if (refusal === "addresses") return t("control.addresses");
