@@ -20,7 +20,7 @@ use uss::SlaveId;
 use crate::axis::{AxisControl, Goal, Octets, Sample, SampleQueue, StopKind, Travel, Wiring};
 use crate::line::{Line, LineConfig};
 use crate::mapper::{Mapper, QueryId, Registered};
-use axis::AxisLink;
+use axis::{AxisLink, StopOnItsWay};
 
 pub use axis::AxisView;
 
@@ -105,6 +105,8 @@ pub struct Client {
     /// When all axes were stepped last.
     stepped: Instant,
     news: News,
+    /// A stop waits for its frame.
+    stops_wait: bool,
 }
 
 /// The stations that answered a search.
@@ -152,6 +154,7 @@ impl Client {
             records: HashMap::new(),
             stepped: Instant::ZERO,
             news: News::default(),
+            stops_wait: false,
         }
     }
 
@@ -288,6 +291,7 @@ impl Client {
             stepped: 0,
             sampled: 0,
             taps: Vec::new(),
+            stop: None,
         });
         self.take_over();
     }
@@ -328,14 +332,82 @@ impl Client {
         self.work(now);
     }
 
-    /// Stops an axis that is in operation, or all of them.
-    pub fn stop_now(&mut self, now: Instant, link: Option<Link>, way: StopKind) {
-        let wanted = |axis: &&mut AxisLink| link.is_none_or(|link| axis.link == link);
-        for axis in self.axes.iter_mut().filter(wanted) {
+    /// Stops an axis that is in operation, or all of them. Returns whether one was in operation or on its way out of it.
+    pub fn stop_now(&mut self, now: Instant, link: Option<Link>, way: StopKind) -> bool {
+        let mut stops = false;
+        for at in 0..self.axes.len() {
+            let Some(axis) = self.axes.get_mut(at) else { break };
+            if link.is_some_and(|link| axis.link != link) {
+                continue;
+            }
             axis.control.stop_now(now);
             axis.control.hurry(now, way);
+            stops |= axis.control.goal() == Goal::Stop && !axis.control.is_at_rest();
+            // a telegram at a line that is under way already is answered first
+            let under_way = u64::from(matches!(axis.link, Link::Slave(_)));
+            let frames = self.frames_sent(at) + under_way;
+            if let Some(axis) = self.axes.get_mut(at) {
+                axis.stop = Some(StopOnItsWay::Waits(frames));
+            }
         }
+        self.stops_wait = true;
         self.work(now);
+        stops
+    }
+
+    /// Returns how many frames with the outputs of an axis have left; of telegrams at a line, how many were answered.
+    fn frames_sent(&self, at: usize) -> u64 {
+        match self.axes.get(at).map(|axis| axis.link) {
+            Some(Link::ArListEntry(ar)) => self.controller.sent(ar).map_or(0, |(sent, _)| sent),
+            Some(Link::Slave(slave)) => self.line.as_ref().map_or(0, |line| line.replies(slave)),
+            None => 0,
+        }
+    }
+
+    /// Looks whether the frames have left that stops wait for.
+    fn note_stops(&mut self, now: Instant) {
+        for at in 0..self.axes.len() {
+            let frames = self.frames_sent(at);
+            if let Some(axis) = self.axes.get_mut(at) {
+                axis.note_stop(frames, now);
+            }
+        }
+    }
+
+    /// Ends a turn: what the wire took in it has left, unless the wire has failed.
+    pub(crate) fn end_turn(&mut self, now: Instant, failed: bool) {
+        if !self.stops_wait {
+            return;
+        }
+        if self.line.is_some() {
+            self.note_stops(now);
+        }
+        self.stops_wait = false;
+        for at in 0..self.axes.len() {
+            let frames = self.frames_sent(at);
+            let Some(axis) = self.axes.get_mut(at) else { break };
+            match axis.stop {
+                Some(StopOnItsWay::Handed(at)) if !failed => {
+                    axis.stop = Some(StopOnItsWay::Sent(at));
+                    self.news.add(axis.link);
+                }
+                Some(StopOnItsWay::Handed(_)) => {
+                    axis.stop = Some(StopOnItsWay::Waits(frames));
+                    self.stops_wait = true;
+                }
+                Some(StopOnItsWay::Waits(_)) => self.stops_wait = true,
+                Some(StopOnItsWay::Sent(_)) | None => {}
+            }
+        }
+    }
+
+    /// Returns when the first frame with the last stop of an axis was handed to the network; `None` before that.
+    pub(crate) fn stop_sent(&self, link: Link) -> Option<Instant> {
+        let axis = self.axes.iter().find(|axis| axis.link == link)?;
+        match axis.stop? {
+            StopOnItsWay::Sent(at) => Some(at),
+            StopOnItsWay::Waits(_) | StopOnItsWay::Handed(_) => None,
+        }
     }
 
     /// Gives every input of an axis to `tap` from now on.
@@ -461,11 +533,15 @@ impl Client {
         let before = (answered, axis.control.progress());
         let tapped = !axis.taps.is_empty();
         let copy = |data: &[u8]| if tapped { Octets::new(data) } else { Octets::NONE };
+        let mut bad = false;
         let (seen, data) = match axis.link {
             Link::ArListEntry(ar) => match self.controller.input(ar, axis.slot, axis.subslot) {
                 Some((data, provider)) => {
-                    let seen = axis.wiring.decode(data).filter(|_| provider.is_good());
-                    (seen, copy(data))
+                    bad = !provider.is_good();
+                    match bad {
+                        true => (None, Octets::NONE),
+                        false => (axis.wiring.decode(data), copy(data)),
+                    }
                 }
                 None => return,
             },
@@ -492,13 +568,17 @@ impl Client {
             axis.stepped = received;
             self.news.add(axis.link);
         }
-        if let Some(seen) = seen.filter(|_| tapped && received != axis.sampled) {
+        if tapped
+            && received != axis.sampled
+            && let Some(seen) = seen.or_else(|| axis.seen.filter(|_| bad))
+        {
             axis.sampled = received;
             let sample = Sample {
                 at: now,
                 number: received,
                 missed,
                 seen,
+                valid: !bad,
                 command: answered,
                 inputs: data,
                 outputs: Octets::new(axis.wiring.image()),
@@ -612,6 +692,9 @@ impl Endpoint for Client {
 
     fn poll_transmit(&mut self, now: Instant, buffer: &mut [u8]) -> Option<Transmit> {
         let sent = self.controller.poll_transmit(now, buffer);
+        if self.stops_wait && sent.is_some() {
+            self.note_stops(now);
+        }
         sent.or_else(|| self.mapper.poll_transmit(now, buffer))
     }
 

@@ -10,7 +10,7 @@ use profidrive::listed;
 use crate::access::Caller;
 use crate::api::LogTopic;
 use crate::audit::{AuditError, Record};
-use crate::control::Stopping;
+use crate::control::Stopped;
 use crate::live::{Event, Topic};
 use crate::problem::Problem;
 use crate::shared::Shared;
@@ -125,29 +125,27 @@ pub(crate) async fn noted_quietly(shared: &Shared, caller: &Caller, intent: &Int
 }
 
 /// Writes a STOP, and reports it to all pages, after it was carried out.
-pub(crate) async fn note_stop(shared: &Shared, caller: &Caller, stopping: &Stopping) {
+pub(crate) async fn note_stop(shared: &Shared, caller: &Caller, stopped: &Stopped) {
     let intent = Intent {
         action: "stop",
         drive: None,
         value: None,
         changes: Vec::new(),
     };
-    let names: Vec<String> = stopping
-        .drives
-        .iter()
-        .map(|id| shared.board.name(id).unwrap_or_else(|| id.clone()))
-        .collect();
+    let named = |id: &str| shared.board.name(id).unwrap_or_else(|| id.to_owned());
+    let names: Vec<String> = stopped.drives.iter().map(|id| named(id)).collect();
     let axes = match names.as_slice() {
         [] => "no axis is under control".to_owned(),
         names => listed(names),
     };
-    note(
-        shared,
-        caller,
-        &intent,
-        format!("STOP {}: {axes}", stopping.epoch),
-    )
-    .await;
+    let missing = stopped.axes.iter().filter(|axis| !axis.is_confirmed());
+    let missing: Vec<String> = missing.map(|axis| named(axis.drive())).collect();
+    let unconfirmed = match missing.as_slice() {
+        [] => String::new(),
+        names => format!("; no frame with it has left to {}", listed(names)),
+    };
+    let text = format!("STOP {}: {axes}{unconfirmed}", stopped.epoch);
+    note(shared, caller, &intent, text).await;
 }
 
 /// Writes that something was refused, behind the refusal. A flood of refusals is counted instead. Where the log cannot be written the

@@ -1,5 +1,7 @@
 //! The built page. `web/` has its sources; the files here are committed, so that building and running a server needs no Node.
 
+use std::sync::LazyLock;
+
 use axum::http::header::{CACHE_CONTROL, CONTENT_TYPE, ETAG, IF_NONE_MATCH};
 use axum::http::{HeaderMap, Method, StatusCode, Uri};
 use axum::response::{IntoResponse, Response};
@@ -36,6 +38,18 @@ static ASSETS: &[Asset] = assets! {
 
 /// The screens that are not of one drive.
 const SCREENS: &[&str] = &["/", "/network", "/virtual", "/capture", "/log"];
+
+/// Returns what distinguishes this build of program and page from others: a page that was loaded from another one is of another
+/// build, and its person has to load it again.
+pub(crate) fn build() -> &'static str {
+    static BUILD: LazyLock<String> = LazyLock::new(|| {
+        let of_all = ASSETS.iter().fold(0, |all: u64, asset| {
+            all.rotate_left(1) ^ fingerprint(asset.content)
+        });
+        format!("{}+{of_all:016x}", env!("CARGO_PKG_VERSION"))
+    });
+    &BUILD
+}
 
 /// Answers everything that is not of the interface. A path without a file is a screen of the page.
 pub(crate) async fn serve(method: Method, uri: Uri, headers: HeaderMap) -> Response {

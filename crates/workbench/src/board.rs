@@ -8,6 +8,7 @@ use std::time::{Duration, Instant};
 use futures::{StreamExt, stream};
 use profidrive::client::{Drive, DriveAddress};
 use profidrive::fleet::AT_ONCE;
+use profidrive::motion::StopOffer;
 use profidrive::report::{Error, Remark, Scanned, Station, StatusReport};
 use profidrive::{Caller, DriveError, Explained, Opening, inspection, scan};
 use tokio::sync::{Notify, watch};
@@ -38,6 +39,8 @@ pub(crate) struct Known {
     /// The drive that is read; `None` before it was found.
     drive: Option<Drive>,
     pub status: Option<Result<StatusReport, Error>>,
+    /// By what it can be stopped, by its status.
+    pub stop: Option<StopOffer>,
     /// When the status was read.
     pub read: Option<Instant>,
 }
@@ -76,6 +79,7 @@ impl Stations {
                     lost: None,
                     drive: None,
                     status: None,
+                    stop: None,
                     read: None,
                 };
                 self.known.insert(id, known);
@@ -315,7 +319,11 @@ impl Board {
                     match done {
                         Ok((restarts, (id, drive, status))) => {
                             busy.remove(&id);
-                            self.note(restarts, &id, drive, status);
+                            let stop = match (&drive, &status) {
+                                (Some(drive), Ok(status)) => Some(StopOffer::of(&network, drive, status)),
+                                _ => None,
+                            };
+                            self.note(restarts, &id, drive, status, stop);
                         }
                         // a panic in a reading was printed; its drive is read again
                         Err(_) => busy.clear(),
@@ -348,13 +356,21 @@ impl Board {
         (stations.restarts, due.collect())
     }
 
-    fn note(&self, restarts: u64, id: &str, drive: Option<Drive>, status: Result<StatusReport, Error>) {
+    fn note(
+        &self,
+        restarts: u64,
+        id: &str,
+        drive: Option<Drive>,
+        status: Result<StatusReport, Error>,
+        stop: Option<StopOffer>,
+    ) {
         let mut stations = self.stations();
         if stations.restarts == restarts
             && let Some(known) = stations.known.get_mut(id)
         {
             known.drive = drive;
             known.status = Some(status);
+            known.stop = stop;
             known.read = Some(Instant::now());
         }
         drop(stations);

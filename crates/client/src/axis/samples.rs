@@ -21,8 +21,11 @@ pub struct Sample {
     pub number: u64,
     /// Frames that the counter of the connection says were lost until now; 0 at a serial line, which has no counter.
     pub missed: u64,
-    /// Decoded inputs of the drive.
+    /// Decoded inputs of the drive; the last valid ones where these are not.
     pub seen: Seen,
+    /// Whether the drive marked its data as valid (IOPS GOOD). Data that it marked as not valid are left out of
+    /// [`inputs`](Self::inputs).
+    pub valid: bool,
     /// The command in force when it came.
     pub command: Command,
     /// The data of the drive as they came.
@@ -142,6 +145,8 @@ impl AxisSignal {
 pub(crate) struct SampleQueue {
     open: Mutex<Open>,
     capacity: usize,
+    /// Inputs that the drive marked as not valid are wanted too.
+    wants_all: bool,
 }
 
 #[derive(Debug)]
@@ -153,7 +158,7 @@ struct Open {
 }
 
 impl SampleQueue {
-    pub(crate) fn new(capacity: usize) -> Arc<Self> {
+    pub(crate) fn new(capacity: usize, wants_all: bool) -> Arc<Self> {
         let capacity = capacity.max(1);
         Arc::new(Self {
             open: Mutex::new(Open {
@@ -163,6 +168,7 @@ impl SampleQueue {
                 ended: false,
             }),
             capacity,
+            wants_all,
         })
     }
 
@@ -170,8 +176,11 @@ impl SampleQueue {
         self.open.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Takes a sample in; the oldest one goes where there is no room.
+    /// Takes a sample in, if it is one that is wanted; the oldest one goes where there is no room.
     pub(crate) fn push(&self, sample: Sample) {
+        if !sample.valid && !self.wants_all {
+            return;
+        }
         let mut open = self.open();
         if open.samples.len() == self.capacity {
             open.samples.pop_front();
@@ -210,7 +219,7 @@ mod tests {
 
     #[test]
     fn a_sample_costs_no_memory_and_the_oldest_makes_room() {
-        let queue = SampleQueue::new(100);
+        let queue = SampleQueue::new(100, false);
         let allocated = allocations::made_by(|| {
             for number in 0..1000 {
                 queue.push(Sample {
@@ -218,6 +227,7 @@ mod tests {
                     number,
                     missed: 0,
                     seen: Seen::default(),
+                    valid: true,
                     command: Command::default(),
                     inputs: Octets::new(&[0; 80]),
                     outputs: Octets::NONE,

@@ -364,7 +364,11 @@ impl Engine {
     /// Ends a turn: wakes the waiting calls that it concerns, and those whose time is over.
     pub fn end_turn(&self, now: Instant, failure: Option<WireFailure>) {
         self.shared.time.store(now.as_nanos(), Ordering::Relaxed);
-        let mut news = self.quietly().take_news();
+        let mut news = {
+            let mut client = self.quietly();
+            client.end_turn(now, failure.is_some());
+            client.take_news()
+        };
         news.everything |= self.shared.happened.swap(false, Ordering::Acquire) || failure.is_some();
         let mut woken = {
             let mut turns = locked(&self.shared.turns);

@@ -37,6 +37,12 @@ impl Session {
         self.engine.records().own_axis(drive).is_some()
     }
 
+    /// Returns whether cyclic data can travel from here, so that a control word reaches the drive: not over UDP alone.
+    #[must_use]
+    pub fn carries_cyclic_data(&self, drive: &Drive) -> bool {
+        drive.is_on_line() || (self.engine.discovers() && self.engine.receives_calls())
+    }
+
     /// Reads whether the axis of a drive turns or its power stage is on; `None` for one that is off and stands, that cannot be read,
     /// or that does not report its speed or state.
     ///

@@ -550,6 +550,82 @@ const NO_INPUTS: fn(&Result<(), Error>) -> bool = |result| {
     )
 };
 
+/// Whoever records only values gets none that are not valid; whoever shows the connection sees that they are not.
+#[test]
+fn inputs_that_are_not_valid_are_samples_without_values() {
+    let (mut session, _, bad) = muddled();
+    let mut drive = find(&mut session, "akd-1").expect("there");
+    let axis = session
+        .take_axis(&mut drive, AxisSettings::default())
+        .wait()
+        .expect("connected");
+    let (mut all, mut valid) = (axis.all_samples(100), axis.samples(100));
+    session.pass(Duration::from_millis(100)).wait().expect("carried");
+    bad.set(true);
+    session.pass(Duration::from_millis(100)).wait().expect("carried");
+    bad.set(false);
+    session.pass(Duration::from_millis(100)).wait().expect("carried");
+    let mut marks = Vec::new();
+    let mut before = None;
+    while let Some(sample) = all.take() {
+        assert_eq!(sample.inputs.is_empty(), !sample.valid, "{sample:?}");
+        assert!(!sample.outputs.is_empty(), "{sample:?}");
+        assert!(
+            before.is_none_or(|before| sample.number == before + 1),
+            "each is there"
+        );
+        before = Some(sample.number);
+        if marks.last() != Some(&sample.valid) {
+            marks.push(sample.valid);
+        }
+    }
+    assert_eq!(marks, [true, false, true]);
+    let mut counted = 0;
+    while let Some(sample) = valid.take() {
+        assert!(sample.valid);
+        counted += 1;
+    }
+    assert!(counted > 5, "{counted}");
+    axis.release().wait().expect("at rest");
+}
+
+/// A frame that has left is a fact; that a stop was posted is none.
+#[test]
+fn a_stop_is_sent_once_a_frame_with_it_has_left() {
+    let (mut session, _, _) = muddled();
+    let mut drive = find(&mut session, "akd-1").expect("there");
+    let settings = AxisSettings {
+        cycle: Some(Duration::from_millis(16)),
+        ..AxisSettings::default()
+    };
+    let mut axis = session.take_axis(&mut drive, settings).wait().expect("connected");
+    let handle = axis.stop_handle();
+    assert!(!handle.quick_stop(), "nothing was in operation");
+    let mut enabled = axis.enable().wait().expect("enabled");
+    enabled.run(100.0).wait().expect("runs");
+    enabled
+        .hold(Duration::from_millis(300))
+        .wait()
+        .expect("undisturbed");
+    let posted = session.now();
+    assert!(handle.quick_stop(), "it was in operation");
+    let sent = handle.sent().wait().expect("carried").expect("connected");
+    assert!(
+        sent >= posted && sent - posted <= Duration::from_millis(17),
+        "{posted:?} {sent:?}"
+    );
+    // a second one has a frame of its own
+    session.pass(Duration::from_millis(40)).wait().expect("carried");
+    let posted = session.now();
+    assert!(handle.quick_stop(), "it is on its way out of operation");
+    let again = handle.sent().wait().expect("carried").expect("connected");
+    assert!(again >= posted, "{again:?}");
+    drop(enabled);
+    axis.release().wait().expect("at rest");
+    handle.quick_stop();
+    assert_eq!(handle.sent().wait().expect("carried"), None, "it was given back");
+}
+
 #[test]
 fn inputs_that_are_never_valid_end_in_an_error() {
     let (mut session, id, bad) = muddled();

@@ -105,7 +105,7 @@ pub use run::{Frequency, Run, TelegramName, plan_run, run, speed_at};
 pub use speed::Speed;
 pub use start::Start;
 pub use step::{LONGEST_STEP, Step, Stepped, step};
-pub use stop::{StopReport, stop};
+pub use stop::{NoStop, StopMeans, StopOffer, StopReport, stop, stop_unowned};
 pub use tap::SampleTap;
 
 /// What all motions have in common.

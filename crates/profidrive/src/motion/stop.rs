@@ -9,7 +9,7 @@ use serde::Serialize;
 
 use super::error::MotionError;
 use crate::Remark;
-use crate::report::{Controller, Quantity};
+use crate::report::{Controller, DriveState, Quantity, StatusReport};
 use profile::notation::fixed;
 
 /// What became of a stop.
@@ -77,6 +77,124 @@ pub async fn stop(
         controller: Controller::of(owner.as_ref()),
         unread: outcome.unread,
     })
+}
+
+/// As [`stop`], of a drive that no other controller has: beside one, a stop lasts until that one commands it again, and the person who
+/// requests it may not know that.
+///
+/// # Errors
+/// When another controller has the drive; then nothing was sent. Else as [`stop`].
+pub async fn stop_unowned(
+    session: &mut Session,
+    drive: &mut Drive,
+    limit: Duration,
+) -> Result<StopReport, MotionError> {
+    if !session.has_axis(drive) {
+        session.check_unowned(drive, "stopped").await?;
+    }
+    stop(session, drive, StopWay::Stop, limit).await
+}
+
+/// By what a drive can be brought to rest from here, by its status: for a front end that offers it. What is used in the end is decided by
+/// what the drive reports when it is stopped.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct StopOffer {
+    /// By what.
+    pub means: StopMeans,
+    /// The parameter that commands it, by its name; null with other means.
+    pub parameter: Option<&'static str>,
+    /// Why there are no means; null where there are.
+    pub reason: Option<NoStop>,
+    /// The controller that has the drive, where that is the reason and it has a name.
+    pub controller: Option<String>,
+}
+
+/// By what a drive can be brought to rest.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "snake_case")]
+pub enum StopMeans {
+    /// By the frames of this program, which has the axis under control.
+    Frame,
+    /// By a parameter that commands it.
+    Parameter,
+    /// By its control word: no controller has it, so this program takes it over without a jump, ramps down and releases it.
+    ControlWord,
+    /// By nothing from here.
+    None,
+}
+
+/// Why a drive is not stopped from here.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "snake_case")]
+pub enum NoStop {
+    /// Another controller has it.
+    Controller,
+    /// It is in local operation: it is stopped where it is operated.
+    LocalOperation,
+    /// It has no parameter for it, and its control word travels in frames that need a network interface.
+    NeedsInterface,
+    /// It stands with its power stage off.
+    AtRest,
+}
+
+/// Speed below which an axis counts as standing, in rpm, and in percent of its reference.
+const STANDS: (f64, f64) = (1.0, 0.2);
+
+impl StopOffer {
+    /// Returns the offer for a drive whose status was read.
+    #[must_use]
+    pub fn of(session: &Session, drive: &Drive, status: &StatusReport) -> Self {
+        let by = |means| Self {
+            means,
+            parameter: None,
+            reason: None,
+            controller: None,
+        };
+        let none = |reason| Self {
+            reason: Some(reason),
+            ..by(StopMeans::None)
+        };
+        if session.has_axis(drive) {
+            return by(StopMeans::Frame);
+        }
+        if let Some(controller) = status.controller.as_ref().filter(|one| one.connected) {
+            return Self {
+                controller: controller.name.clone(),
+                ..none(NoStop::Controller)
+            };
+        }
+        if !may_turn(status) {
+            return none(NoStop::AtRest);
+        }
+        let part = StopWay::Stop.part();
+        let command = drive.model.catalogue.and_then(|tables| tables.part(part));
+        match command {
+            Some(command) => Self {
+                parameter: Some(command.name),
+                ..by(StopMeans::Parameter)
+            },
+            None if status.cause == "local-operation" => none(NoStop::LocalOperation),
+            None if !session.carries_cyclic_data(drive) => none(NoStop::NeedsInterface),
+            None => by(StopMeans::ControlWord),
+        }
+    }
+}
+
+/// Returns whether a drive turns or its power stage is on, as far as its status tells; what it does not report may be so.
+fn may_turn(status: &StatusReport) -> bool {
+    let turns = status.speed_actual.as_ref().map(|speed| {
+        let (rpm, percent) = STANDS;
+        let stands = if speed.unit == "%" { percent } else { rpm };
+        speed.value.abs() >= stands
+    });
+    let is_on = status
+        .words
+        .state
+        .map(|state| matches!(state, DriveState::S4 | DriveState::S5));
+    turns.unwrap_or(is_on.is_none()) || is_on.unwrap_or(false)
 }
 
 fn speed(rpm: Option<f64>, percent: Option<f64>) -> Option<Quantity> {

@@ -122,7 +122,8 @@ fn check(shared: &Shared, request: &Request) -> Result<Option<Caller>, Problem> 
             }
         }
     };
-    let always = path == "/api/v1/stop" || path == "/api/v1/session";
+    let stops = path == "/api/v1/stop" || (path.starts_with("/api/v1/drives/") && path.ends_with("/stop"));
+    let always = stops || path == "/api/v1/session";
     if caller.role == Role::View && !is_safe(method) && !always {
         let detail = match shared.read_only {
             true => "this server was started view-only: pages can look and stop",

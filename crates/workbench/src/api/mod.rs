@@ -15,6 +15,7 @@ mod plant;
 mod server;
 mod session;
 mod stations;
+mod stop;
 mod virtual_drives;
 
 pub(crate) use drives::find;
@@ -88,6 +89,7 @@ fn routes() -> OpenApiRouter<Arc<Shared>> {
         .routes(routes!(backups::changed))
         .routes(routes!(backups::job))
         .routes(routes!(acknowledge::acknowledge))
+        .routes(routes!(stop::stop_drive))
         .routes(routes!(inject::events))
         .routes(routes!(inject::inject))
         .routes(routes!(inject::scenario))
@@ -160,6 +162,7 @@ pub fn openapi() -> String {
     generator.subschema_for::<backups::Compare>();
     generator.subschema_for::<acknowledge::Acknowledge>();
     generator.subschema_for::<profidrive::motion::Report>();
+    generator.subschema_for::<profidrive::motion::StopReport>();
     generator.subschema_for::<VirtualDrives>();
     generator.subschema_for::<plant::PlantText>();
     generator.subschema_for::<plant::PlantCheck>();

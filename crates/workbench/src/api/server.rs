@@ -8,7 +8,8 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::access::{Caller, Role};
-use crate::act::note_stop;
+use crate::assets;
+use crate::control::{StopFrame, stop_and_note};
 use crate::settings::Source;
 use crate::shared::Shared;
 
@@ -19,6 +20,8 @@ pub(super) struct ServerReport {
     name: Option<String>,
     /// Version of the program.
     version: &'static str,
+    /// Version and page of the program: a page that was loaded from another build has to be loaded again.
+    build: &'static str,
     /// Distinguishes this start from others.
     boot: String,
     /// Whether its drives are virtual.
@@ -54,6 +57,7 @@ pub(super) async fn server(
     Json(ServerReport {
         name: shared.name.clone(),
         version: env!("CARGO_PKG_VERSION"),
+        build: assets::build(),
         boot: shared.boot.clone(),
         simulation: shared.source.is_simulation(),
         source: shared.source.id(),
@@ -73,10 +77,15 @@ pub(super) struct StoppedReport {
     stops: u64,
     /// The axes that are stopped, as they are called in paths: all that this server controls.
     axes: Vec<String>,
+    /// Whether the frames with the stop of all of them were handed to the network.
+    confirmed: bool,
+    /// The stop of each of them.
+    frames: Vec<StopFrame>,
 }
 
-/// Stops every axis that this server controls by its quick stop (OFF3). Nothing is enabled or moved afterwards before the STOP is reset
-/// by a page with control. Drives under another controller or without one are not touched.
+/// Stops every axis that this server controls by its quick stop (OFF3), or as its page has chosen. Nothing is enabled or moved
+/// afterwards before the STOP is reset by a page with control. The answer comes once the frames with the stop were handed to the network,
+/// or after 400 ms without that. Drives under another controller or without one are not touched.
 #[utoipa::path(post, path = "/api/v1/stop", responses(
     (status = 200, description = "The axes that are stopped", body = ref("#/components/schemas/StoppedReport")),
     (status = 403, description = "Another origin"),
@@ -85,11 +94,11 @@ pub(super) async fn stop(
     State(shared): State<Arc<Shared>>,
     Extension(caller): Extension<Caller>,
 ) -> Json<StoppedReport> {
-    let stopping = shared.control.stop(&caller.who, caller.claimed.name());
-    // a stop is logged after it was done, whether that succeeds or not
-    note_stop(&shared, &caller, &stopping).await;
+    let stopped = stop_and_note(&shared, &caller).await;
     Json(StoppedReport {
-        stops: stopping.epoch,
-        axes: stopping.drives,
+        stops: stopped.epoch,
+        confirmed: stopped.confirmed,
+        frames: stopped.axes,
+        axes: stopped.drives,
     })
 }

@@ -5,6 +5,7 @@ use std::time::Instant;
 
 use axum::Json;
 use axum::extract::State;
+use profidrive::motion::StopOffer;
 use profidrive::report::{Error, Scanned, StatusReport};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -60,6 +61,8 @@ pub(super) struct KnownStation {
     status: Option<StatusReport>,
     /// Why the status was not read.
     error: Option<Error>,
+    /// By what it can be stopped, as its status was read; null where it was not read.
+    stop: Option<StopOffer>,
     /// Time since the status was read.
     age: Option<f64>,
 }
@@ -79,6 +82,7 @@ impl KnownStation {
             lost: since(known.lost),
             status,
             error,
+            stop: known.stop.clone(),
             age: since(known.read),
         }
     }

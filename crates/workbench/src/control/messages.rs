@@ -159,6 +159,15 @@ pub(super) struct Reset {
     pub epoch: u64,
 }
 
+impl Reset {
+    pub const fn of(epoch: u64) -> Self {
+        Self {
+            r#type: "reset",
+            epoch,
+        }
+    }
+}
+
 #[derive(Serialize)]
 pub(super) struct Axes<T> {
     pub r#type: &'static str,

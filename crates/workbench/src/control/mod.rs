@@ -11,6 +11,7 @@ mod messages;
 mod model;
 mod running;
 mod socket;
+mod stopping;
 
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -19,12 +20,14 @@ use std::time::Duration;
 
 use axum::extract::ws::Utf8Bytes;
 use serde::Serialize;
-use tokio::sync::broadcast;
+use tokio::sync::{broadcast, watch};
 
 use ledger::Ledger;
 use running::Running;
+use stopping::StopNews;
 
 pub(crate) use socket::{__path_control, control};
+pub(crate) use stopping::{StopFrame, Stopped, Stopping, stop_and_note};
 
 /// A motion that a button keeps going ends this long after the last beat.
 pub(crate) const HOLD: Duration = Duration::from_millis(200);
@@ -39,21 +42,9 @@ pub(crate) struct Control {
     ledger: Mutex<Ledger>,
     axes: Mutex<BTreeMap<String, Arc<Running>>>,
     news: broadcast::Sender<Utf8Bytes>,
+    /// The last STOP, and whether it was reset: a flood of them is no flood for other pages.
+    stop_news: watch::Sender<StopNews>,
     sockets: AtomicU64,
-}
-
-/// What a STOP did.
-#[derive(Debug, Clone, Serialize)]
-pub(crate) struct Stopping {
-    r#type: &'static str,
-    /// How often STOP was pressed.
-    pub epoch: u64,
-    /// Who pressed it.
-    pub by: String,
-    /// What that one is called by its own words, which nothing verifies.
-    pub claimed_name: Option<String>,
-    /// The axes that are stopped, as they are called in paths.
-    pub drives: Vec<String>,
 }
 
 impl Control {
@@ -62,6 +53,7 @@ impl Control {
             ledger: Mutex::default(),
             axes: Mutex::default(),
             news: broadcast::Sender::new(NEWS),
+            stop_news: watch::Sender::new(StopNews::default()),
             sockets: AtomicU64::new(0),
         }
     }
@@ -95,19 +87,15 @@ impl Control {
         // first: what is requested from now on comes too late
         let epoch = self.ledger().stop();
         let axes = self.axes();
-        for running in axes.values() {
-            running.stop();
-        }
-        let stopping = Stopping {
-            r#type: "stopped",
+        Stopping {
             epoch,
             by: by.to_owned(),
             claimed_name,
-            drives: axes.keys().cloned().collect(),
-        };
-        drop(axes);
-        self.tell(&stopping);
-        stopping
+            axes: axes
+                .iter()
+                .map(|(drive, running)| (drive.clone(), running.stop()))
+                .collect(),
+        }
     }
 
     /// Ends the control of every axis: each is brought to rest along its ramp and given back. Does not wait.

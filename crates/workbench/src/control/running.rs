@@ -9,10 +9,12 @@ use profidrive::client::{AxisStatus, BeatHandle, StopHandle};
 use profidrive::motion::HeldAxis;
 use profidrive::profile::notation::figures;
 use profidrive::report::Action;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use tokio::sync::{mpsc, watch};
 
 use super::ledger::{Holder, Stamp};
+use super::stopping::Posted;
 use super::{HOLD, LEASE};
 use crate::problem::Problem;
 
@@ -94,9 +96,9 @@ pub(super) enum Kept {
 }
 
 /// How STOP stops an axis.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
-pub(super) enum StopBy {
+pub(crate) enum StopBy {
     /// By its quick stop.
     #[default]
     Off3,
@@ -306,16 +308,18 @@ impl Running {
     }
 
     /// Stops it by STOP.
-    pub fn stop(&self) {
+    pub fn stop(&self) -> Posted {
         *self.motion() = None;
-        if let Some((stop, beat)) = self.handles.get() {
-            beat.end();
-            match self.stop_by {
-                StopBy::Off3 => stop.quick_stop(),
-                StopBy::Off1 => stop.stop(),
-                StopBy::Off2 => stop.coast(),
-            }
-        }
+        let Some((stop, beat)) = self.handles.get() else {
+            return Posted::Untaken;
+        };
+        beat.end();
+        let stops = match self.stop_by {
+            StopBy::Off3 => stop.quick_stop(),
+            StopBy::Off1 => stop.stop(),
+            StopBy::Off2 => stop.coast(),
+        };
+        Posted::To(stops.then_some(self.stop_by), stop.clone())
     }
 
     /// Halts the motion along its ramp; the axis stays enabled.

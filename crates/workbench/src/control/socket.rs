@@ -1,6 +1,7 @@
 //! The control socket of one page: what it requests, its beats, and STOP.
 
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use axum::Extension;
@@ -17,12 +18,14 @@ use tokio::time::{MissedTickBehavior, interval, timeout};
 use super::axis::attend;
 use super::fresh::Freshness;
 use super::ledger::{Denied, Holder, Stamp, permit_round_trip};
-use super::messages::{Axes, Echo, For, HeldGoal, Hello, Request, Reset, Stamped, Wanted};
+use super::messages::{Axes, Echo, For, HeldGoal, Hello, Request, Stamped, Wanted};
 use super::running::{Command, Order, Reply, Running, StopBy, conflict};
+use super::stopping::{StopsTold, confirm_and_note};
 use super::{HOLD, LEASE};
 use crate::access::{Caller, Role};
 use crate::act::{self, Intent};
 use crate::api::STANDS_STILL;
+use crate::assets;
 use crate::problem::Problem;
 use crate::settings::Source;
 use crate::shared::Shared;
@@ -38,8 +41,11 @@ const RATE: u32 = 100;
 const ANSWERS: usize = 64;
 /// Axes of one page.
 const AXES: usize = 8;
-/// Time between two pictures of the axes.
+/// Time between two pictures of the axes that differ.
 const PICTURES: Duration = Duration::from_millis(33);
+/// A picture is sent after this time at the latest, as a sign of life: a page that misses three of them knows within a second that it
+/// has lost its server.
+const ALIVE: Duration = Duration::from_millis(250);
 /// Time between two looks at the session.
 const LOOK: Duration = Duration::from_secs(1);
 /// A page that takes nothing for this time is gone.
@@ -71,9 +77,11 @@ async fn serve(shared: Arc<Shared>, caller: Caller, socket: WebSocket, place: Ow
     let (sink, mut stream) = socket.split();
     let (answers, queue) = mpsc::channel(ANSWERS);
     let mut page = Page::new(shared, caller, Reply(answers));
+    // before it has the present state: what comes meanwhile is told twice rather than never
+    let told = page.shared.control.stop_news.borrow().all_told();
     page.hello();
     // sending waits for the page, reading must not: STOP and beats pass whatever is on its way out
-    let writer = tokio::spawn(write(Arc::clone(&page.shared), sink, queue));
+    let writer = tokio::spawn(write(Arc::clone(&page.shared), sink, queue, told));
     let mut look = interval(LOOK);
     let closing = loop {
         tokio::select! {
@@ -107,14 +115,32 @@ async fn write(
     shared: Arc<Shared>,
     mut sink: SplitSink<WebSocket, Message>,
     mut queue: mpsc::Receiver<String>,
+    mut told: StopsTold,
 ) {
     let mut news = shared.control.news.subscribe();
     let mut pictures = interval(PICTURES);
     pictures.set_missed_tick_behavior(MissedTickBehavior::Skip);
+    let mut stops = shared.control.stop_news.subscribe();
     let mut shown = Vec::new();
+    let mut showed = Instant::now();
     loop {
         let message = tokio::select! {
             biased;
+            changed = stops.changed() => {
+                // the sender is a part of what is shared
+                if changed.is_err() {
+                    return;
+                }
+                let next = stops.borrow_and_update().next(&mut told);
+                match next {
+                    Some(text) => {
+                        // a reset may come behind it
+                        stops.mark_changed();
+                        Message::Text(text)
+                    }
+                    None => continue,
+                }
+            }
             news = news.recv() => match news {
                 Ok(text) => Message::Text(text),
                 Err(broadcast::error::RecvError::Lagged(_) | broadcast::error::RecvError::Closed) => return,
@@ -131,9 +157,10 @@ async fn write(
             },
             _ = pictures.tick() => {
                 let axes: Vec<_> = shared.control.axes().values().map(|running| running.picture()).collect();
-                if axes == shown {
+                if axes == shown && showed.elapsed() + PICTURES <= ALIVE {
                     continue;
                 }
+                showed = Instant::now();
                 shown.clone_from(&axes);
                 let picture = Axes { r#type: "axes", axes };
                 Message::Text(serde_json::to_string(&picture).unwrap_or_default().into())
@@ -178,6 +205,8 @@ struct Page {
     messages: u32,
     /// Its axes.
     own: Vec<Arc<Running>>,
+    /// A STOP of a flood of them is on its way.
+    confirming: Arc<AtomicBool>,
 }
 
 impl Page {
@@ -193,6 +222,7 @@ impl Page {
             second: now,
             messages: 0,
             own: Vec::new(),
+            confirming: Arc::default(),
         }
     }
 
@@ -210,7 +240,7 @@ impl Page {
         let ledger = self.shared.control.ledger();
         self.reply.send(&Hello {
             r#type: "hello",
-            build: env!("CARGO_PKG_VERSION"),
+            build: assets::build(),
             boot: &self.shared.boot,
             who: &self.caller.who,
             epoch: ledger.epoch(),
@@ -282,11 +312,22 @@ impl Page {
             .shared
             .control
             .stop(&self.caller.who, self.caller.claimed.name());
-        if self.messages > RATE {
+        let (shared, caller) = (Arc::clone(&self.shared), self.caller.clone());
+        if self.messages <= RATE {
+            tokio::spawn(async move { confirm_and_note(&shared, &caller, stopping).await });
             return;
         }
-        let (shared, caller) = (Arc::clone(&self.shared), self.caller.clone());
-        tokio::spawn(async move { act::note_stop(&shared, &caller, &stopping).await });
+        let confirming = Arc::clone(&self.confirming);
+        if confirming.swap(true, Ordering::Relaxed) {
+            // the one that is on its way reports the newest
+            return;
+        }
+        tokio::spawn(async move {
+            let stopped = stopping.confirmed().await;
+            // first: what comes from now on is reported by another one
+            confirming.store(false, Ordering::Relaxed);
+            shared.control.tell_newest(stopped);
+        });
     }
 
     fn carry_out(&mut self, request: Request) {
@@ -541,10 +582,7 @@ impl Page {
             self.refuse(n, None, "reset", None, &denied.to_string());
         } else {
             self.reply.accepted(n);
-            self.shared.control.tell(&Reset {
-                r#type: "reset",
-                epoch,
-            });
+            self.shared.control.tell_reset(epoch);
             let (shared, caller) = (Arc::clone(&self.shared), self.caller.clone());
             tokio::spawn(async move {
                 let intent = Intent {

@@ -28,6 +28,7 @@ pub(super) const MOST_ROWS: usize = 4000;
 
 const OFFSETS: u16 = 1;
 const GAP: u16 = 2;
+const BAD: u16 = 4;
 const SIMULATION: u16 = 8;
 
 /// The values of one moment.
@@ -46,6 +47,8 @@ pub(super) struct Rows {
     pub lost: u32,
     /// Whether there is a gap before the first, however many rows are missing in it.
     pub gap: bool,
+    /// Whether the drive marked its data in all of them as not valid (IOPS BAD): its values are missing.
+    pub bad: bool,
     pub rows: Vec<Row>,
 }
 
@@ -73,6 +76,9 @@ pub(super) fn encode(facts: Facts, number: u32, block: &Rows) -> Vec<u8> {
     }
     if block.gap || block.lost > 0 {
         flags |= GAP;
+    }
+    if block.bad {
+        flags |= BAD;
     }
     if facts.simulation {
         flags |= SIMULATION;
@@ -153,6 +159,7 @@ mod tests {
         let late = Rows {
             lost: 6,
             gap: true,
+            bad: false,
             rows: vec![
                 row(9_007_199_254, 1.0, 0, 0),
                 Row {
@@ -160,6 +167,14 @@ mod tests {
                     cells: vec![NO_FLOAT, NO_INTEGER, NO_WORD],
                 },
             ],
+        };
+        let invalid = Rows {
+            bad: true,
+            rows: vec![Row {
+                at: 2_000_000,
+                cells: vec![NO_FLOAT, NO_INTEGER, 0x047F],
+            }],
+            ..Rows::default()
         };
         let simulated = Facts {
             stream: 65_535,
@@ -180,6 +195,7 @@ mod tests {
             ("with offsets, loss and a missing value", facts, 41, late),
             ("one row of a simulation", simulated, u32::MAX, one),
             ("no row", facts, 1, Rows::default()),
+            ("not valid", facts, 42, invalid),
         ]
     }
 
@@ -200,6 +216,7 @@ mod tests {
                     "simulation": facts.simulation,
                     "lost": rows.lost,
                     "gap": rows.gap,
+                    "bad": rows.bad,
                     "times": rows.rows.iter().map(|row| row.at).collect::<Vec<_>>(),
                     "cells": cells,
                     "hex": hex,

@@ -15,6 +15,7 @@ use tokio::time::{sleep_until, timeout};
 use super::hub::Topic;
 use super::streams::{Next, Place};
 use crate::access::Caller;
+use crate::assets;
 use crate::problem::Problem;
 use crate::shared::Shared;
 use crate::upgrade::agree;
@@ -31,8 +32,10 @@ const TOPICS: usize = 16;
 const BLOCKS: usize = 4;
 /// The time between two values of a hidden page.
 const HIDDEN: Duration = Duration::from_secs(1);
-/// The time between two signs of life, and between two looks at the session.
-const BEAT: Duration = Duration::from_secs(1);
+/// The time between two signs of life: a page that misses three of them knows within a second that it has lost its server.
+const BEAT: Duration = Duration::from_millis(250);
+/// The time between two looks at the session, and between two pings.
+const LOOK: Duration = Duration::from_secs(1);
 /// A page that takes nothing, or says nothing, for this time is gone.
 const GONE: Duration = Duration::from_secs(40);
 
@@ -161,7 +164,7 @@ impl Client {
                 let sent = socket.send(Message::Close(Some(frame))).await;
                 while sent.is_ok() && matches!(socket.recv().await, Some(Ok(_))) {}
             };
-            let _ = timeout(BEAT, end).await;
+            let _ = timeout(LOOK, end).await;
         }
     }
 
@@ -169,7 +172,7 @@ impl Client {
     async fn talk(&mut self, socket: &mut WebSocket) -> Option<Closing> {
         let hello = Hello {
             r#type: "hello",
-            build: env!("CARGO_PKG_VERSION"),
+            build: assets::build(),
             boot: &self.shared.boot,
             simulation: self.shared.source.is_simulation(),
             t: self.shared.hub.time(),
@@ -177,6 +180,7 @@ impl Client {
         };
         send(socket, serde_json::to_string(&hello).unwrap_or_default().into()).await?;
         let mut beat = tokio::time::interval(BEAT);
+        let mut look = tokio::time::interval(LOOK);
         loop {
             if let Err(closing) = self.flush(socket).await {
                 return closing;
@@ -190,8 +194,9 @@ impl Client {
                 // the sender is a part of what is shared
                 _ = self.news.changed() => {}
                 () = sleep_until(due.unwrap_or_else(Instant::now).into()), if due.is_some() => {}
-                _ = beat.tick() => {
-                    if let Err(closing) = self.beat(socket).await {
+                _ = beat.tick() => self.beat(socket).await?,
+                _ = look.tick() => {
+                    if let Err(closing) = self.look(socket).await {
                         return closing;
                     }
                 }
@@ -199,8 +204,17 @@ impl Client {
         }
     }
 
-    /// Sends a sign of life, and ends a socket whose session or page is gone.
-    async fn beat(&mut self, socket: &mut WebSocket) -> Result<(), Option<Closing>> {
+    /// Sends a sign of life; `None` when the page is gone.
+    async fn beat(&self, socket: &mut WebSocket) -> Option<()> {
+        let clock = Clock {
+            r#type: "clock",
+            t: self.shared.hub.time(),
+        };
+        send(socket, serde_json::to_string(&clock).unwrap_or_default().into()).await
+    }
+
+    /// Ends a socket whose session or page is gone.
+    async fn look(&self, socket: &mut WebSocket) -> Result<(), Option<Closing>> {
         if self.heard.elapsed() > GONE {
             return Err(None);
         }
@@ -215,16 +229,9 @@ impl Client {
         if self.visible && !self.topics.is_empty() {
             self.shared.board.look(|_| ());
         }
-        let clock = Clock {
-            r#type: "clock",
-            t: self.shared.hub.time(),
-        };
-        let text = serde_json::to_string(&clock).unwrap_or_default();
-        let ping = send_message(socket, Message::Ping(Vec::new().into())).await;
-        match ping.is_some() && send(socket, text.into()).await.is_some() {
-            true => Ok(()),
-            false => Err(None),
-        }
+        send_message(socket, Message::Ping(Vec::new().into()))
+            .await
+            .ok_or(None)
     }
 
     /// Takes a message of the page.

@@ -74,7 +74,7 @@ impl Feeds {
             source: open.last,
             signals,
             header,
-            samples: axis.samples(WAITING),
+            samples: axis.all_samples(WAITING),
             before: None,
         };
         open.feeds.insert(drive.to_owned(), feed);
@@ -221,9 +221,12 @@ fn pass_on(shared: &Shared, topic: &Topic, id: &str) -> bool {
         some = true;
         let missing = feed.before.map_or(0, |before| sample.missing_since(&before));
         feed.before = Some(sample);
-        if (missing > 0 && !rows.rows.is_empty()) || rows.rows.len() == MOST_ROWS {
+        let bad = !sample.valid;
+        let another = missing > 0 || rows.bad != bad;
+        if (another && !rows.rows.is_empty()) || rows.rows.len() == MOST_ROWS {
             streams.push(topic, &std::mem::take(&mut rows), now);
         }
+        rows.bad = bad;
         if missing > 0 {
             rows.lost = u32::try_from(missing).unwrap_or(u32::MAX);
             rows.gap = true;

@@ -245,7 +245,13 @@ fn a_lease_is_of_its_socket_and_a_stop_of_everybody() {
     assert_eq!(go["type"], "accepted", "{go}");
     turns(&server, &mut hands, &id, &Value::Null);
     looker.page.send(&json!({ "type": "stop" }));
-    assert_eq!(looker.page.next("stopped")["drives"], json!([id]));
+    let stopped = looker.page.next("stopped");
+    assert_eq!(stopped["drives"], json!([id]));
+    // a frame with it has left, and pages report which stop that is
+    assert_eq!(stopped["confirmed"], true, "{stopped}");
+    let frame = &stopped["axes"][0];
+    assert_eq!((&frame["by"], &frame["state"]), (&"off3".into(), &"sent".into()));
+    assert!(frame["sent_us"].as_u64() > Some(0), "{stopped}");
     // programs need no sentence for why it stopped
     while hands.page.next("axes")["axes"][0]["trouble"]["kind"] != "stopped" {
         hands.beat(&Value::Null);
@@ -830,4 +836,154 @@ fn homing_that_is_halted_is_not_done() {
         };
         log.iter().any(is)
     });
+}
+
+#[test]
+fn a_page_without_an_axis_hears_signs_of_life_of_both_sockets() {
+    let server = Running::demo();
+    for kind in ["axes", "clock"] {
+        let mut page = match kind {
+            "axes" => Hands::of(&server, &server.view).page,
+            _ => Page::of(&server),
+        };
+        page.next(kind);
+        let begin = Instant::now();
+        for _ in 0..8 {
+            page.next(kind);
+        }
+        let time = begin.elapsed();
+        // four in a second, on a computer that does other things too
+        assert!(time < Duration::from_secs(6), "{kind}: {time:?}");
+        assert!(
+            time > Duration::from_millis(1200),
+            "{kind}: it is no flood: {time:?}"
+        );
+    }
+}
+
+#[test]
+fn a_page_learns_from_which_build_its_server_is() {
+    let server = Running::demo();
+    let report = server.ask("GET", "/api/v1/server", &Running::bearer(&server.view), "");
+    let build = report.json()["build"].clone();
+    let text = build.as_str().unwrap();
+    assert!(
+        text.starts_with(env!("CARGO_PKG_VERSION")) && text.contains('+'),
+        "{text}"
+    );
+    let session = server.session(&server.view);
+    for (path, protocol) in [("control", PROTOCOL), ("live", "profidrive.live.1")] {
+        let path = format!("/api/v1/{path}");
+        let page = open_at(&server, &path, &session, Some(protocol));
+        let hello = page.unwrap_or_else(|status| panic!("{status}")).next("hello");
+        assert_eq!(hello["build"], build, "{path}");
+    }
+}
+
+/// A pump that turns on when its controller is lost.
+const RUNS_ON: &str = r#"
+[[drive]]
+name = "pump-1"
+model = "vlt"
+ip = "192.168.77.24/24"
+parameters = { "8-04" = 0 }
+
+[[drive]]
+name = "press-1"
+ip = "192.168.77.21/24"
+
+[[controller]]
+drive = "press-1"
+telegram = 1
+step = [
+    { at = "0.3s", send = { STW1 = "0x047E" } },
+    { at = "0.5s", send = { STW1 = "0x047F", NSOLL_A = "60rpm" } },
+]
+"#;
+
+#[test]
+fn a_drive_that_turns_without_a_controller_is_stopped_by_each_session() {
+    let server = Running::start(Settings::new(Source::Plant(Box::new(RUNS_ON.parse().unwrap()))));
+    let (id, owned) = (known(&server, "pump-1"), known(&server, "press-1"));
+    let offer = |id: &str, fits: &dyn Fn(&Value) -> bool| {
+        let mut seen = Value::Null;
+        eventually(&server, "/api/v1/stations", |all| {
+            let mut stations = all["stations"].as_array().unwrap().iter();
+            seen_of(&mut stations, id).is_some_and(|stop| fits(&stop))
+        });
+        let all = server.ask("GET", "/api/v1/stations", &Running::bearer(&server.view), "");
+        let all = all.json();
+        if let Some(stop) = seen_of(&mut all["stations"].as_array().unwrap().iter(), id) {
+            seen = stop;
+        }
+        seen
+    };
+    let at_rest = offer(&id, &|stop| stop["means"] == "none");
+    assert_eq!(at_rest["reason"], "at_rest");
+    let mut hands = Hands::of(&server, &server.control);
+    let take = json!({ "purpose": "speed", "limit": 300, "may_run_on": true });
+    let number = hands.send("take", &id, &take);
+    let lease = lease(&hands.answer(number));
+    hands.order("enable", &id, lease, 0, &json!({}));
+    hands.order("confirm", &id, lease, 0, &json!({}));
+    let go = hands.order("velocity", &id, lease, 0, &json!({ "speed": 120 }));
+    assert_eq!(go["type"], "accepted", "{go}");
+    turns(&server, &mut hands, &id, &Value::Null);
+    // nobody has it any more, and it turns on
+    let body = json!({ "drive": id, "event": "cable=pulled", "seconds": 1 });
+    assert_eq!(server.post("/api/v1/plant/inject", &body).status, 200);
+    let turning = offer(&id, &|stop| stop["means"] == "control_word");
+    assert_eq!(turning["reason"], Value::Null);
+    assert!(speed(&server, &id).abs() > 15.0);
+    let view = server.session(&server.view);
+    let path = format!("/api/v1/drives/{id}/stop");
+    let foreign = view.replace("Origin: http://", "Origin: http://foreign.");
+    assert_eq!(server.ask("POST", &path, &foreign, "").status, 403);
+    assert!(speed(&server, &id).abs() > 15.0);
+    let stopped = server.ask("POST", &path, &view, "");
+    assert_eq!(stopped.status, 200, "{stopped:?}");
+    assert_eq!(stopped.json()["at_rest"], true, "{stopped:?}");
+    assert!(speed(&server, &id).abs() < 1.0);
+    server.logged(|log| {
+        log.iter()
+            .any(|record| record["action"] == "stop" && record["drive"] == *id)
+    });
+    // that of another controller is left alone
+    let stop = offer(&owned, &|stop| stop["reason"] == "controller");
+    assert_eq!(
+        (&stop["means"], &stop["controller"]),
+        (&"none".into(), &"plc-1".into())
+    );
+    eventually(&server, "/api/v1/plant/drives", |all| {
+        let mut drives = all["drives"].as_array().unwrap().iter();
+        drives.any(|drive| drive["id"] == *owned && drive["speed"].as_f64() > Some(50.0))
+    });
+    let path = format!("/api/v1/drives/{owned}/stop");
+    let refused = server.ask("POST", &path, &view, "");
+    assert_eq!(refused.status, 409, "{refused:?}");
+    let why = refused.json()["detail"].as_str().unwrap_or_default().to_owned();
+    assert!(why.contains("plc-1"), "{refused:?}");
+    assert!(speed(&server, &owned) > 50.0);
+}
+
+fn seen_of<'s>(stations: &mut impl Iterator<Item = &'s Value>, id: &str) -> Option<Value> {
+    let station = stations.find(|station| station["id"] == *id)?;
+    Some(station["stop"].clone()).filter(|stop| !stop.is_null())
+}
+
+#[test]
+fn a_stop_of_one_drive_that_this_server_controls_is_stop() {
+    let server = Running::demo();
+    let id = known(&server, "axis-1");
+    let mut hands = Hands::of(&server, &server.control);
+    let lease = lease(&hands.take(&id));
+    hands.order("enable", &id, lease, 0, &json!({}));
+    hands.order("velocity", &id, lease, 0, &json!({ "speed": 20 }));
+    turns(&server, &mut hands, &id, &Value::Null);
+    let path = format!("/api/v1/drives/{id}/stop");
+    let stopped = server.ask("POST", &path, &server.session(&server.view), "");
+    assert_eq!(stopped.status, 200, "{stopped:?}");
+    assert!(speed(&server, &id).abs() < 1.0);
+    assert_eq!(hands.page.next("stopped")["epoch"], 1);
+    assert_eq!(server.stops(), 1);
 }

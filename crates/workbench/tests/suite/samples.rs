@@ -140,8 +140,9 @@ fn a_drive_of_another_controller_is_read_beside_it() {
     }
     // what no page wants is not read
     page.send(&json!({ "type": "unsubscribe", "topic": acyclic }));
-    page.next("clock");
-    page.next("clock");
+    for _ in 0..8 {
+        page.next("clock");
+    }
     subscribe(&mut page, &acyclic, &[]);
     let again = stream(&mut page, &acyclic, "acyclic");
     assert!(again["id"].as_u64() > head["id"].as_u64());

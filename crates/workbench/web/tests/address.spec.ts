@@ -38,7 +38,7 @@ test("a station is found by blinking, named with the offered form, and the log h
     await expect(dialog.getByText("This name is valid, and no other station has it.")).toBeVisible();
     await page.keyboard.press("Enter");
     await expect(page.getByRole("link", { name: "axis-3", exact: true })).toBeVisible();
-    await expect(page.getByRole("dialog", { name: "axis-3" }).getByText("It is axis-3 now.")).toBeVisible();
+    await expect(page.getByRole("dialog", { name: "axis-3" }).getByText("Name set: axis-3.")).toBeVisible();
     await page.getByRole("link", { name: "Log" }).click();
     await expect(page.getByRole("row", { name: "none -> axis-3, kept over power-off" }).first()).toBeVisible();
     expect(wrong).toEqual([]);
@@ -59,8 +59,8 @@ test("an address is checked while it is typed and set until power-off", async ({
   await alone(async (server) => {
     await open(page, server);
     const dialog = page.getByRole("dialog");
-    await dialog.getByRole("checkbox", { name: "Keep over power-off" }).uncheck();
-    await expect(dialog.getByText(/last until the next power-on/)).toBeVisible();
+    await dialog.getByRole("checkbox", { name: "Save in the station" }).uncheck();
+    await expect(dialog.getByText(/lost at the next power-on/)).toBeVisible();
     const field = dialog.getByRole("textbox", { name: "IP address" });
     const set = dialog.getByRole("button", { name: "Set the address" });
     await field.fill("192.168.77.22");
@@ -71,7 +71,7 @@ test("an address is checked while it is typed and set until power-off", async ({
     await field.fill("192.168.77.29");
     await expect(set).toBeEnabled();
     await set.click();
-    await expect(dialog.getByText("It has the address 192.168.77.29 now.")).toBeVisible();
+    await expect(dialog.getByText("Address set: 192.168.77.29.")).toBeVisible();
     await expect(page.getByRole("cell", { name: "192.168.77.29" })).toBeVisible();
     // a drive that a controller has keeps its name
     await dialog.getByRole("button", { name: "Close" }).click();

@@ -108,7 +108,10 @@ export { expect };
 export async function idOf(page: Page, name: string): Promise<string> {
   const answer = await page.request.get(new URL("/api/v1/plant/drives", page.url()).href);
   const { drives } = (await answer.json()) as { drives: { id: string; name: string }[] };
-  return drives.find((drive) => drive.name === name)?.id ?? "";
+  const id = drives.find((drive) => drive.name === name)?.id;
+  // an empty one would be a path that exists
+  if (id === undefined) throw new Error(`the plant has no drive ${name}`);
+  return id;
 }
 
 /** Returns what the station of this name is called in paths, on any server. */

@@ -5,6 +5,9 @@ import { end, expect, idOf, idOfStation, pictures, rows, serve, test, watch } fr
 import { wire } from "./bench/wire";
 import { alone, enable, ends, enter, open, operate, options, rest, speed, turning, underControl } from "./moving";
 
+/** Of a STOP: its frame went out, and when. */
+const SENT = /STOP \d is confirmed\. axis-1: OFF3 sent at \d\d:\d\d:\d\d\.\d{3} UTC\./;
+
 test("a newcomer takes control, enables, jogs, and releases", async ({ page }) => {
   await alone(async (server) => {
     const wrong = watch(page);
@@ -63,7 +66,12 @@ test("STOP of any page stops the axis, and nothing moves before it is reset", as
     console.log(`STOP of another page: at rest after ${time.toFixed(0)} ms, with the click`);
     await expect(page.getByText(/STOP 1 was pressed by session 2/)).toBeVisible();
     await expect(other.getByText(/STOP 1 was pressed by this session/)).toBeVisible();
-    await expect(other.getByRole("alert").filter({ hasText: "It stops: axis-1" })).toBeVisible();
+    await expect(other.getByRole("alert").filter({ hasText: SENT })).toBeVisible();
+    // the time is that of the frame, by the clock of this computer
+    const [, at = ""] =
+      /at (\S+) UTC/.exec((await other.getByRole("alert").filter({ hasText: SENT }).textContent()) ?? "") ?? [];
+    const day = new Date().toISOString().slice(0, 11);
+    expect(Math.abs(Date.now() - Date.parse(`${day}${at}Z`))).toBeLessThan(30_000);
     await page.waitForTimeout(300);
     expect(Math.abs(await speed(page, server.origin, id))).toBeLessThan(0.5);
     await page.mouse.up();
@@ -88,19 +96,70 @@ test("STOP of any page stops the axis, and nothing moves before it is reset", as
   });
 });
 
-test("once the server is gone, nothing of before stands on Control", async ({ page, browser }) => {
+/** Notes when the page shows its values as old and when as lost, in ms after the last message that it received. */
+async function noteLoss(page: Page): Promise<void> {
+  await page.addInitScript(() => {
+    let last = 0;
+    const notes: Record<string, number> = {};
+    Object.assign(window, { notes });
+    window.WebSocket = class extends WebSocket {
+      constructor(...how: ConstructorParameters<typeof WebSocket>) {
+        super(...how);
+        this.addEventListener("message", () => {
+          last = performance.now();
+          for (const name of Object.keys(notes)) delete notes[name];
+        });
+      }
+    };
+    new MutationObserver(() => {
+      for (const name of [".control-values.stale", "main.stale", ".frame .line.stale", ".shell.lost"]) {
+        if (!(name in notes) && document.querySelector(name) !== null) notes[name] = performance.now() - last;
+      }
+    }).observe(document, { subtree: true, attributes: true, attributeFilter: ["class"] });
+  });
+}
+
+test("with a server that hangs values are grey within 0.5 s, and after 1 s none of before is shown", async ({
+  page,
+  browser,
+}) => {
   await alone(async (server) => {
+    const other = await (await browser.newContext()).newPage();
+    for (const one of [page, other]) await noteLoss(one);
     const id = await open(page, server.url, "axis-1");
     await enable(page);
-    const other = await (await browser.newContext()).newPage();
     await enter(other, server.viewUrl);
     await other.goto(`${server.origin}/drives/${encodeURIComponent(id)}/control`);
     await turning(page, server.origin, id);
     const shown = (of: Page) => of.locator(".control-values .main.number");
-    await expect(shown(other)).toContainText(/[12]\d/);
+    for (const one of [page, other]) {
+      await expect(shown(one)).toContainText(/[12]\d/);
+      await expect(one.locator(".control-values")).not.toHaveClass(/stale/);
+    }
     server.process.kill("SIGSTOP");
-    // also on a page that only watches
-    for (const one of [page, other]) await expect(shown(one)).toHaveText("\u2013");
+    // the page that has control misses the answers to its beats, one that watches the signs of life
+    for (const [one, soonest, latest] of [
+      [page, 100, 500],
+      [other, 500, 1000],
+    ] as const) {
+      await expect(one.locator(".shell")).toHaveClass(/lost/, { timeout: 3000 });
+      await expect(shown(one)).toHaveText("\u2013");
+      await expect(one.getByRole("button", { name: "STOP cannot reach" })).toBeVisible();
+      await expect(one.locator(".frame .line.stale")).toHaveText("\u2013STW1 \u2013ZSW1 \u2013\u2013 rpm\u2013");
+      const notes = await one.evaluate(() => (window as unknown as { notes: Record<string, number> }).notes);
+      console.log(JSON.stringify(notes));
+      expect(notes[".control-values.stale"]).toBeGreaterThan(soonest);
+      expect(notes[".control-values.stale"]).toBeLessThan(latest);
+      expect(notes["main.stale"]).toBeGreaterThanOrEqual(500);
+      expect(notes["main.stale"]).toBeLessThan(1000);
+      expect(notes[".shell.lost"]).toBeGreaterThanOrEqual(1000);
+      // an image that comes late on a computer with much to do is no other limit
+      expect(notes[".shell.lost"]).toBeLessThan(1500);
+    }
+    await expect(page.locator(".band.lost")).toContainText(
+      "Control has ended: the workbench or the drive itself stops the axis.",
+    );
+    await expect(other.locator(".band.lost")).toContainText("Nothing on this page is current.");
     await page.mouse.up();
     await other.context().close();
   });
@@ -273,7 +332,7 @@ test("the first motion is slow, limits hold, and a move stops where STOP finds i
     await expect(values.locator(".value").first()).toHaveText(/^Speed \(read\).*\d{3}\.\d/);
     await page.keyboard.press("Control+Space");
     await rest(page, server.origin, id, performance.now());
-    await expect(page.getByRole("alert").filter({ hasText: "It stops: axis-1" })).toBeVisible();
+    await expect(page.getByRole("alert").filter({ hasText: SENT })).toBeVisible();
     const position = page.getByRole("region", { name: "Values" });
     await expect(position).not.toContainText("10.00");
   });
@@ -584,7 +643,7 @@ test("STOP lets an axis coast where that is chosen, a travel ends a motion, and 
     const wrong = watch(page);
     const id = await open(page, server.url, "axis-1");
     await options(page);
-    await page.getByRole("combobox", { name: "STOP stops it" }).selectOption("off2");
+    await page.getByRole("combobox", { name: "STOP reaction" }).selectOption("off2");
     const travel = page.getByRole("textbox", { name: /^Longest travel/ });
     await travel.fill("far");
     await expect(page.getByRole("button", { name: "Take control" })).toBeDisabled();

@@ -2,7 +2,7 @@ import { chmodSync, copyFileSync, existsSync, mkdtempSync, readFileSync, rmSync,
 import { createRequire } from "node:module";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
-import type { Locator, Page } from "@playwright/test";
+import type { Locator, Page, Route } from "@playwright/test";
 import { end, expect, idOf, pictures, rows, serve, serveIn, test } from "./bench";
 
 const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
@@ -10,7 +10,11 @@ const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.mi
 async function screens(page: Page): Promise<[string, string][]> {
   const answer = await page.request.get("/api/v1/stations");
   const { stations } = (await answer.json()) as { stations: { id: string; name: string | null }[] };
-  const named = (name: string) => encodeURIComponent(stations.find((one) => one.name === name)?.id ?? "");
+  const named = (name: string) => {
+    const id = stations.find((one) => one.name === name)?.id;
+    if (id === undefined) throw new Error(`no station is called ${name}`);
+    return encodeURIComponent(id);
+  };
   return [
     ["network", "/network"],
     ["overview", `/drives/${named("fan-1")}/overview`],
@@ -33,30 +37,54 @@ async function screens(page: Page): Promise<[string, string][]> {
   ];
 }
 
-test("STOP can be reached on each screen and in each viewport", async ({ entered: page }) => {
-  for (const [name, path] of await screens(page)) {
-    await page.goto(path);
-    const stop = page.getByRole("button", { name: /^STOP/ });
-    await expect(stop).toBeVisible();
-    for (const [width, height] of [
+for (const [kind, sizes] of [
+  [
+    "each viewport",
+    [
       [1366, 640],
       [1024, 700],
       [768, 950],
       [400, 800],
-    ] as const) {
-      await page.setViewportSize({ width, height });
-      await page.evaluate(() => scrollTo(0, document.body.scrollHeight));
-      const seen = await stop.evaluate((button) => {
-        const { x, y, width, height, right, bottom } = button.getBoundingClientRect();
-        const hit = document.elementFromPoint(x + width / 2, y + height / 2);
-        const inside = x >= 0 && y >= 0 && right <= innerWidth && bottom <= innerHeight;
-        return { inside, height, hit: hit === button, sideways: document.documentElement.scrollWidth > innerWidth };
-      });
-      expect(seen, `${name} ${width}x${height}`).toMatchObject({ inside: true, hit: true, sideways: false });
-      expect(seen.height).toBeGreaterThanOrEqual(44);
+    ],
+  ],
+  // a window of 1366 and of 1280 px
+  [
+    "one that is magnified to 400 %",
+    [
+      [341, 192],
+      [320, 256],
+    ],
+  ],
+] as const) {
+  test(`STOP and the content can be reached on each screen and in ${kind}`, async ({ entered: page }) => {
+    for (const [name, path] of await screens(page)) {
+      await page.goto(path);
+      const stop = page.getByRole("button", { name: /^STOP/ });
+      await expect(stop).toBeVisible();
+      for (const [width, height] of sizes) {
+        await page.setViewportSize({ width, height });
+        await page.evaluate(() => scrollTo(0, document.body.scrollHeight));
+        const seen = await stop.evaluate((button) => {
+          const { x, y, width, height, right, bottom } = button.getBoundingClientRect();
+          const hit = document.elementFromPoint(x + width / 2, y + height / 2);
+          const inside = x >= 0 && y >= 0 && right <= innerWidth && bottom <= innerHeight;
+          const { scrollWidth, clientWidth } = document.documentElement;
+          // what scrolls: the rest of the height is that of the frame, of the screens and of STOP
+          let free = 0;
+          for (let at = 0; at < 100; at += 1) {
+            const place = document.elementFromPoint(innerWidth / 4, ((at + 0.5) / 100) * innerHeight);
+            const fixed = place?.closest(".top, nav, .notices, .stop");
+            if (!fixed || getComputedStyle(fixed).position === "static") free += 1;
+          }
+          return { inside, height, hit: hit === button, sideways: scrollWidth > clientWidth, free };
+        });
+        expect(seen, `${name} ${width}x${height}`).toMatchObject({ inside: true, hit: true, sideways: false });
+        expect(seen.free, `${name} ${width}x${height}`).toBeGreaterThan(50);
+        expect(seen.height).toBeGreaterThanOrEqual(44);
+      }
     }
-  }
-});
+  });
+}
 
 test("frame and navigation are not cut, and high contrast shows what cannot be pressed", async ({ entered: page }) => {
   await page.goto("/network");
@@ -85,6 +113,46 @@ test("what is chosen is seen with the colours of the system", async ({ entered: 
   await page.keyboard.press("Control+k");
   await page.keyboard.type("axis");
   expect(await outlined(page.locator(".palette [role=option][aria-selected=true]"))).toBe("solid");
+});
+
+test("notices and STOP of a magnified page do not cover each other", async ({ page }) => {
+  const server = await serve("--demo", "--listen", "127.0.0.1:0");
+  try {
+    await page.goto(server.url);
+    await rows(page);
+    await page.setViewportSize({ width: 341, height: 192 });
+    await page.getByRole("button", { name: /^STOP/ }).click();
+    const reset = page.getByRole("button", { name: "Reset STOP" });
+    await expect(reset).toBeInViewport({ ratio: 1 });
+    const [notices, stop] = [await page.locator(".notices").boundingBox(), await page.locator(".stop").boundingBox()];
+    expect((notices?.y ?? 0) + (notices?.height ?? 0)).toBeLessThanOrEqual(stop?.y ?? 0);
+    await reset.click();
+    await expect(reset).toHaveCount(0);
+  } finally {
+    await end(server);
+  }
+});
+
+test("a page that waits for its server says so, and enters once it answers", async ({ page }) => {
+  const server = await serve("--demo", "--listen", "127.0.0.1:0");
+  try {
+    const waiting: Route[] = [];
+    await page.route("**/api/v1/session", (route) => {
+      waiting.push(route);
+    });
+    await page.goto(server.url);
+    await expect(page.getByText("Waiting for the workbench ..")).toBeVisible({ timeout: 4000 });
+    await waiting[0]?.abort();
+    await expect(page.getByRole("alert")).toHaveText(
+      "The workbench does not answer. This page tries again until it does.",
+    );
+    await page.unroute("**/api/v1/session");
+    await Promise.all(waiting.slice(1).map((route) => route.abort()));
+    // with the token that is in the address no more
+    await rows(page);
+  } finally {
+    await end(server);
+  }
 });
 
 test("STOP says honestly that there is nothing to stop, by mouse and keys", async ({ entered: page }) => {
@@ -244,6 +312,18 @@ test("a lost workbench is said, old values are dashes, and it comes back by itse
     server.process.kill("SIGSTOP");
     await expect(page.getByText(/Connection to the workbench lost \d+ s ago/)).toBeVisible();
     await expect(page.getByRole("button", { name: "STOP cannot reach" })).toBeVisible();
+    // each badge in one line, and whole
+    for (const width of [1366, 1024, 768, 400, 320]) {
+      await page.setViewportSize({ width, height: 640 });
+      const badges = await page.locator(".badge").evaluateAll((all) =>
+        all.map((one) => ({
+          cut: one.scrollWidth > one.clientWidth || one.getBoundingClientRect().top < 0,
+          lines: Math.round(one.getBoundingClientRect().height / 20),
+        })),
+      );
+      expect(badges, `${width}`).toEqual(Array(2).fill({ cut: false, lines: 1 }));
+    }
+    await page.setViewportSize({ width: 1366, height: 640 });
     for (const value of await page.locator(".value .main").allTextContents()) {
       expect(value).toBe("\u2013");
     }
@@ -301,6 +381,120 @@ test("STOP that its connection swallows is sent once more by a request", async (
     await rows(page);
     await page.getByRole("button", { name: /^STOP/ }).click();
     await expect(page.locator(".band.stopped")).toContainText("was received");
+  } finally {
+    await end(server);
+  }
+});
+
+/** Changes the messages of a socket on their way to the page. */
+async function change(page: Page, socket: "live" | "control", of: (message: Record<string, unknown>) => unknown) {
+  await page.routeWebSocket(`**/api/v1/${socket}`, (route) => {
+    const server = route.connectToServer();
+    server.onMessage((text) => route.send(typeof text === "string" ? JSON.stringify(of(JSON.parse(text))) : text));
+  });
+}
+
+test("a STOP of which no frame went out is not confirmed", async ({ page }) => {
+  const server = await serve("--demo", "--listen", "127.0.0.1:0");
+  try {
+    let drive = "";
+    await change(page, "control", (message) =>
+      message.type === "stopped"
+        ? { ...message, confirmed: false, axes: [{ drive, by: "off3", state: "unconfirmed", sent_us: null }] }
+        : message,
+    );
+    await page.goto(server.url);
+    await rows(page);
+    drive = await idOf(page, "axis-1");
+    await page.getByRole("button", { name: /^STOP/ }).click();
+    await expect(page.locator(".band.stopped")).toHaveText(
+      "STOP 1 was received and is not confirmed. axis-1: no frame was sent. Use the emergency stop of the machine.",
+    );
+  } finally {
+    await end(server);
+  }
+});
+
+test("a page of another build says that it has to be loaded again, and takes no control", async ({ page, demo }) => {
+  let build = "other";
+  await change(page, "control", (message) => (message.type === "hello" ? { ...message, build } : message));
+  await change(page, "live", (message) => (message.type === "hello" ? { ...message, build: "this" } : message));
+  await page.goto(demo.url);
+  await expect(page.getByText("The workbench has another version than this page.")).toBeVisible();
+  await page.goto(`/drives/${encodeURIComponent(await idOf(page, "axis-1"))}/control`);
+  await expect(page.locator("main").getByText("The workbench has another version than this page.")).toBeVisible();
+  await expect(page.getByRole("button", { name: "Take control" })).toBeDisabled();
+  build = "this";
+  await page.getByRole("button", { name: "Reload" }).click();
+  await expect(page.getByRole("button", { name: "Take control" })).toBeEnabled();
+  await expect(page.getByText("another version")).toHaveCount(0);
+});
+
+test("STOP stops a drive that turns without a controller by its parameter, and says what became of it", async ({
+  page,
+  demo,
+}) => {
+  let offer: object = { means: "parameter", parameter: "DRV.STOP", reason: null, controller: null };
+  await change(page, "live", (message) => {
+    if (message.topic !== "network") return message;
+    const data = message.data as { stations: { name: string; status: { actions: object[] } | null }[] };
+    const stations = data.stations.map((one) =>
+      one.name !== "axis-1" || one.status === null
+        ? one
+        : {
+            ...one,
+            stop: offer,
+            status: { ...one.status, actions: [{ action: "stop", arguments: ["axis-1"], command: null }] },
+          },
+    );
+    return { ...message, data: { ...data, stations } };
+  });
+  let answer: { status: number; json: object } = { status: 200, json: { at_rest: true } };
+  const asked: string[] = [];
+  await page.route("**/api/v1/drives/*/stop", (route) => {
+    asked.push(route.request().method());
+    return route.fulfill(answer);
+  });
+  await page.goto(demo.url);
+  await page.getByRole("link", { name: "axis-1", exact: true }).click();
+  await expect(page.getByText("No controller has axis-1: its parameter DRV.STOP stops it.")).toBeVisible();
+  const notice = page.locator(".band.stopped");
+  await page.locator(".frame").getByRole("button", { name: "STOP axis-1 (by parameter)" }).click();
+  await expect(notice).toContainText("axis-1 is at rest.");
+  // beside what the library advises, and by a key
+  answer = { status: 409, json: { kind: "refused", detail: "plc-1 has the drive", details: [] } };
+  await page.locator("main").getByRole("button", { name: "STOP axis-1 (by parameter)" }).click();
+  await expect(notice).toContainText(
+    "axis-1 was not stopped: plc-1 has the drive. Use the emergency stop of the machine.",
+  );
+  await page.keyboard.press("Control+Space");
+  await expect.poll(() => asked).toEqual(["POST", "POST", "POST"]);
+  offer = { means: "none", parameter: null, reason: "needs_interface", controller: null };
+  await expect(page.getByRole("button", { name: "STOP not available" })).toBeVisible();
+  await expect(page.locator("#stop-why")).toContainText("for which the server needs a network interface");
+  await page.getByRole("button", { name: "Reset STOP" }).click();
+});
+
+test("a network that is back opens the control socket at once", async ({ page }) => {
+  let tries = 0;
+  let cut = false;
+  await page.routeWebSocket("**/api/v1/control", (socket) => {
+    tries += 1;
+    if (cut) socket.close();
+    else socket.connectToServer();
+  });
+  const server = await serve("--demo", "--listen", "127.0.0.1:0");
+  try {
+    await page.goto(server.url);
+    await rows(page);
+    cut = true;
+    await page.reload();
+    // the pause before the next try is 2 s at least
+    await expect.poll(() => tries).toBeGreaterThanOrEqual(5);
+    const before = tries;
+    cut = false;
+    await page.evaluate(() => dispatchEvent(new Event("online")));
+    await expect.poll(() => tries, { timeout: 1500 }).toBe(before + 1);
   } finally {
     await end(server);
   }

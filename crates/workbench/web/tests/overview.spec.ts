@@ -64,7 +64,7 @@ test("what was acknowledged keeps the focus in its place, and says so for a whil
   });
 });
 
-test("what comes next is one step away", async ({ entered: page }) => {
+test("each advice of the library has a link to where it is followed", async ({ entered: page }) => {
   await page.getByRole("link", { name: "axis-1" }).click();
   const step = page.locator(".next-steps").getByRole("link", { name: "Open Control" });
   expect((await step.boundingBox())?.height).toBe(28);

@@ -210,6 +210,21 @@ test("a record is read by its numbers, and what the drive refuses is said", asyn
   await page.evaluate(() => fetch("/api/v1/session", { method: "DELETE" }));
 });
 
+test("the log says from which computer something was done", async ({ page, demo }) => {
+  await page.route("**/api/v1/audit?*", async (route) => {
+    const answer = await route.fetch();
+    const report = (await answer.json()) as { records: object[] };
+    const records = report.records.map((one, place) => ({ ...one, address: place === 0 ? "192.168.0.7" : null }));
+    await route.fulfill({ response: answer, json: { ...report, records } });
+  });
+  await page.goto(demo.url);
+  await rows(page);
+  await page.evaluate(() => fetch("/api/v1/stop", { method: "POST" }));
+  await page.getByRole("link", { name: "Log" }).click();
+  await expect(page.locator(".log-table tbody tr").first()).toContainText("from 192.168.0.7");
+  await expect(page.locator(".log-table").getByText(/^ ?from /)).toHaveCount(1);
+});
+
 test("the log has what was done, follows it, and exports it", async ({ page }) => {
   const server = await serve("--demo", "--listen", "127.0.0.1:0");
   const wrong = watch(page);

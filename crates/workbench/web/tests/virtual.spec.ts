@@ -3,7 +3,7 @@ import { writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { end, expect, idOf, pictures, program, rows, serve, test, watch } from "./bench";
 
-test("what happens to a virtual drive shows on its other screens at once", async ({ page }) => {
+test("an event injected into a virtual drive shows on its other screens at once", async ({ page }) => {
   const server = await serve("--demo", "--listen", "127.0.0.1:0");
   const wrong = watch(page);
   try {
@@ -121,7 +121,7 @@ test("the ends of a way and a parameter channel are shown of drives that have th
   }
 });
 
-test("what was let happen becomes a plant file in which it happens again", async ({ page }) => {
+test("events that were injected become a plant file that repeats them", async ({ page }) => {
   const server = await serve("--demo", "--listen", "127.0.0.1:0");
   try {
     await page.goto(server.url);
@@ -161,9 +161,7 @@ test("what was let happen becomes a plant file in which it happens again", async
   }
 });
 
-test("a plant is edited with the line of an error, started again with another seed, and its time stands still", async ({
-  page,
-}) => {
+test("a plant is edited with the line of an error, restarted with another seed, and paused", async ({ page }) => {
   const server = await serve("--demo", "--listen", "127.0.0.1:0");
   const wrong = watch(page);
   try {
@@ -176,7 +174,7 @@ test("a plant is edited with the line of an error, started again with another se
     await expect(page.getByRole("row", { name: "axis-1" })).toContainText("sto=on");
     // time stands still: the shaft that turns to and fro rests where it is, and goes on
     await page.getByRole("button", { name: "Pause" }).click();
-    await expect(page.getByText("The time of the plant stands still.")).toBeVisible();
+    await expect(page.getByText("Paused.", { exact: true })).toBeVisible();
     const time = async () => {
       const answer = await page.request.get(`${server.origin}/api/v1/plant/drives`);
       return (await answer.json()) as { time: number; seed: number; paused: boolean };
@@ -187,14 +185,14 @@ test("a plant is edited with the line of an error, started again with another se
     // every page says so, also one that is opened now
     const other = await page.context().newPage();
     await other.goto(server.url);
-    await expect(other.getByText("its time stands still, no drive answers")).toBeVisible();
+    await expect(other.getByText("SIMULATION paused: no drive answers.")).toBeVisible();
     await other.close();
-    await page.getByRole("button", { name: "Go on" }).click();
+    await page.getByRole("button", { name: "Resume" }).click();
     await expect(page.getByText("SIMULATION: these drives are virtual")).toBeVisible();
     await expect.poll(async () => (await time()).time).toBeGreaterThan(before.time);
     // the file has nothing of what was injected, which would come again; what is not valid has its line
-    await page.getByText("Plant file, without what was injected").first().click();
-    const file = page.getByRole("textbox", { name: "Plant file, without what was injected" });
+    await page.getByText("Plant file (without injected events)").first().click();
+    const file = page.getByRole("textbox", { name: "Plant file (without injected events)" });
     await expect(file).toHaveValue(/model = "vlt"/);
     const text = await file.inputValue();
     const all = await (await page.request.get(`${server.origin}/api/v1/plant/scenario`)).text();
@@ -227,12 +225,12 @@ test("a plant is edited with the line of an error, started again with another se
     // another page has its own edits of the same file
     const third = await page.context().newPage();
     await third.goto(`${server.origin}/virtual`);
-    await third.getByText("Plant file, without what was injected").first().click();
-    const theirs = third.getByRole("textbox", { name: "Plant file, without what was injected" });
+    await third.getByText("Plant file (without injected events)").first().click();
+    const theirs = third.getByRole("textbox", { name: "Plant file (without injected events)" });
     await expect(theirs).toHaveValue(/model = "vlt"/);
     await theirs.fill((await theirs.inputValue()).replaceAll('"fan-1"', '"fan-9"'));
     await page.getByRole("button", { name: "Restart with this file" }).click();
-    await expect(page.getByText("The plant was started from its beginning.")).toBeVisible();
+    await expect(page.getByText("Restarted: the plant runs from its beginning.")).toBeVisible();
     const now = await time();
     expect(now.seed).toBe(11);
     expect(now.time).toBeLessThan(later);
@@ -247,8 +245,8 @@ test("a plant is edited with the line of an error, started again with another se
     await third.getByRole("button", { name: "Restart with this file" }).click();
     await expect(third.getByRole("status").filter({ hasText: /^another plant was started since/ })).toBeVisible();
     await expect(page.getByRole("status").filter({ hasText: /^Not done: 6 drives, seed 7: another/ })).toBeVisible();
-    await third.getByRole("button", { name: "Restart all the same" }).click();
-    await expect(third.getByText("The plant was started from its beginning.")).toBeVisible();
+    await third.getByRole("button", { name: "Restart anyway" }).click();
+    await expect(third.getByText("Restarted: the plant runs from its beginning.")).toBeVisible();
     await expect(page.getByRole("row", { name: "fan-9" })).toContainText("Safe torque off");
     await expect(page.getByRole("row", { name: "fan-1" })).toHaveCount(0);
     await expect(page.getByText("No longer answers")).toHaveCount(0);

@@ -5,11 +5,12 @@ use std::time::Duration;
 
 use profile::state::bits::Bit;
 use profile::telegram::{Field, signal};
+use profinet::Instant;
 
 use super::{Axis, Ending};
 use crate::axis::{AxisSignal, Sample, SampleQueue, SignalScale, StopKind};
 use crate::engine::Interest;
-use crate::{Engine, Error, Link};
+use crate::{Connection, Engine, Error, Link};
 
 /// Stops an axis from any thread, whoever moves it and whatever waits for its drive. Who moves it is reported by
 /// [`Trouble::Stopped`](crate::axis::Trouble::Stopped).
@@ -24,31 +25,62 @@ pub struct StopHandle {
 }
 
 impl StopHandle {
-    /// Stops it along its ramp (OFF1); does not wait for the end.
-    pub fn stop(&self) {
-        self.post(StopKind::Ramp);
+    /// Stops it along its ramp (OFF1); does not wait for the end. Returns false where it was not in operation, so that there was
+    /// nothing to stop.
+    pub fn stop(&self) -> bool {
+        self.post(StopKind::Ramp)
     }
 
-    /// Stops it by its quick stop (OFF3); does not wait for the end.
-    pub fn quick_stop(&self) {
-        self.post(StopKind::Quick);
+    /// Stops it by its quick stop (OFF3); does not wait for the end. Returns as [`stop`](Self::stop).
+    pub fn quick_stop(&self) -> bool {
+        self.post(StopKind::Quick)
     }
 
     /// Switches its power stage off (OFF2): it coasts. Does not wait for the end, which is standstill for half a second as the
-    /// drive reports it: a frequency converter without a speed sensor reports standstill while its shaft still turns.
-    pub fn coast(&self) {
-        self.post(StopKind::Coast);
+    /// drive reports it: a frequency converter without a speed sensor reports standstill while its shaft still turns. Returns as
+    /// [`stop`](Self::stop).
+    pub fn coast(&self) -> bool {
+        self.post(StopKind::Coast)
     }
 
-    fn post(&self, way: StopKind) {
+    fn post(&self, way: StopKind) -> bool {
         let limit = self.ending.stop_limit(None, self.deceleration);
         let now = self.engine.now();
-        {
+        let stops = {
             let mut client = self.engine.client();
             client.allow_stop(self.link, limit);
-            client.stop_now(now, Some(self.link), way);
-        }
+            client.stop_now(now, Some(self.link), way)
+        };
         self.engine.stir();
+        stops
+    }
+
+    /// Waits until a frame with the last stop was handed to the network, and returns when that was, on the clock of the network;
+    /// `None` where the axis was given back or its connection was lost before. At a serial line it is when the drive answered.
+    ///
+    /// Frames leave once in each update time. Where nothing carries the network any more this waits for ever: a caller who reports
+    /// that a stop is on its way sets a limit.
+    ///
+    /// # Errors
+    /// When the network is closed or its wire fails.
+    pub async fn sent(&self) -> Result<Option<Instant>, Error> {
+        loop {
+            {
+                let client = self.engine.client();
+                if let Some(at) = client.stop_sent(self.link) {
+                    return Ok(Some(at));
+                }
+                let ended = matches!(
+                    client.connection(self.link),
+                    Connection::Lost(_) | Connection::Silent | Connection::Released
+                );
+                if ended || client.axis(self.link).is_none() {
+                    return Ok(None);
+                }
+            }
+            let due = self.engine.now() + super::GLANCE;
+            self.engine.next_turn(due, Interest::Axis(self.link)).await?;
+        }
     }
 }
 
@@ -127,7 +159,7 @@ impl Samples {
 
     /// Returns the present time on the clock of the samples.
     #[must_use]
-    pub fn now(&self) -> profinet::Instant {
+    pub fn now(&self) -> Instant {
         self.engine.now()
     }
 
@@ -200,7 +232,17 @@ impl Axis {
     /// Every cyclic input from now on; at most `capacity` of them are kept until they are taken.
     #[must_use]
     pub fn samples(&self, capacity: usize) -> Samples {
-        let queue = SampleQueue::new(capacity);
+        self.tap(capacity, false)
+    }
+
+    /// The same with the inputs that the drive marked as not valid (IOPS BAD); see [`Sample::valid`].
+    #[must_use]
+    pub fn all_samples(&self, capacity: usize) -> Samples {
+        self.tap(capacity, true)
+    }
+
+    fn tap(&self, capacity: usize, wants_all: bool) -> Samples {
+        let queue = SampleQueue::new(capacity, wants_all);
         let engine = self.session.engine().clone();
         engine.client().tap(self.link, Arc::clone(&queue));
         let link = self.link;

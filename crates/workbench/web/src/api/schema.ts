@@ -387,6 +387,27 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/drives/{id}/stop": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Stops one drive and waits until it is at rest: one that turns without a controller by its parameter or by its control word, as
+         *     `stop` of its station has it. A drive that this server controls is stopped by STOP, with all others that it controls. Each session may
+         *     do this, also one that is view-only. A drive that another controller has is left alone: its next command would take the stop back.
+         */
+        post: operations["stop_drive"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/drives/{id}/telegram": {
         parameters: {
             query?: never;
@@ -803,8 +824,9 @@ export interface paths {
         get?: never;
         put?: never;
         /**
-         * Stops every axis that this server controls by its quick stop (OFF3). Nothing is enabled or moved afterwards before the STOP is reset
-         *     by a page with control. Drives under another controller or without one are not touched.
+         * Stops every axis that this server controls by its quick stop (OFF3), or as its page has chosen. Nothing is enabled or moved
+         *     afterwards before the STOP is reset by a page with control. The answer comes once the frames with the stop were handed to the network,
+         *     or after 400 ms without that. Drives under another controller or without one are not touched.
          */
         post: operations["stop"];
         delete?: never;
@@ -1610,6 +1632,8 @@ export interface components {
             role: string | null;
             /** @description How it is; null where that was not read. */
             status: components["schemas"]["StatusReport"] | null;
+            /** @description By what it can be stopped, as its status was read; null where it was not read. */
+            stop: components["schemas"]["StopOffer"] | null;
             /** @description Type of station in the vendor's words. */
             type: string;
             /** @description Why it was not read, or what of it was not answered; null where all was read, or where this was not requested. */
@@ -2031,6 +2055,8 @@ export interface components {
              */
             settings: string[];
         };
+        /** @description Why a drive is not stopped from here. */
+        NoStop: "controller" | "local_operation" | "needs_interface" | "at_rest";
         /** @description One value of a parameter, or why it was not read. */
         Parameter: {
             /** @description `>` or `<` where a measured value may be higher or lower: its signal has no number beyond. */
@@ -2365,6 +2391,8 @@ export interface components {
         ServerReport: {
             /** @description Distinguishes this start from others. */
             boot: string;
+            /** @description Version and page of the program: a page that was loaded from another build has to be loaded again. */
+            build: string;
             /** @description The axes that this server controls, as they are called in paths. */
             controlled: string[];
             /** @description The network interface. */
@@ -2713,10 +2741,68 @@ export interface components {
             /** @description Status word of the drive. */
             zsw1: components["schemas"]["Word"] | null;
         };
+        /** @description How STOP stops an axis. */
+        StopBy: "off3" | "off1" | "off2";
+        /** @description What became of the stop of one axis. */
+        StopFrame: {
+            /** @description How it stops; null where its power stage was not switched on by this server, so that there was nothing to stop. */
+            by: components["schemas"]["StopBy"] | null;
+            /** @description The drive, as it is called in paths. */
+            drive: string;
+            /**
+             * Format: uint64
+             * @description When the frame with it was handed to the network, in microseconds of the clock of the engine, as in the log; null in other
+             *     states than `sent`.
+             */
+            sent_us: number | null;
+            /** @description What became of it. */
+            state: components["schemas"]["StopState"];
+        };
+        /** @description By what a drive can be brought to rest. */
+        StopMeans: "frame" | "parameter" | "control_word" | "none";
+        /**
+         * @description By what a drive can be brought to rest from here, by its status: for a front end that offers it. What is used in the end is decided by
+         *     what the drive reports when it is stopped.
+         */
+        StopOffer: {
+            /** @description The controller that has the drive, where that is the reason and it has a name. */
+            controller: string | null;
+            /** @description By what. */
+            means: components["schemas"]["StopMeans"];
+            /** @description The parameter that commands it, by its name; null with other means. */
+            parameter: string | null;
+            /** @description Why there are no means; null where there are. */
+            reason: components["schemas"]["NoStop"] | null;
+        };
+        /** @description What became of a stop. */
+        StopReport: {
+            /** @description The axis stands, and is off where that was requested. */
+            at_rest: boolean;
+            /** @description The controller that goes on commanding the drive; null where it does not report that. */
+            controller: components["schemas"]["Controller"] | null;
+            /** @description The drive. */
+            drive: string;
+            /** @description The power stage is on at the end. */
+            enabled: boolean | null;
+            /** @description What was sent; `None` when the axis was at rest already, or its power stage off: then no command holds it. */
+            sent: string | null;
+            /** @description Speed at the end, likewise. */
+            speed: components["schemas"]["Quantity"] | null;
+            /** @description Speed before; in `%` of the reference where it is not known in `rpm`. */
+            speed_before: components["schemas"]["Quantity"] | null;
+            /** @description Why parameters of the drive could not be read. */
+            unread: string | null;
+        };
+        /** @description How far the stop of an axis came. */
+        StopState: "sent" | "taking" | "lost" | "unconfirmed";
         /** @description What a stop did. */
         StoppedReport: {
             /** @description The axes that are stopped, as they are called in paths: all that this server controls. */
             axes: string[];
+            /** @description Whether the frames with the stop of all of them were handed to the network. */
+            confirmed: boolean;
+            /** @description The stop of each of them. */
+            frames: components["schemas"]["StopFrame"][];
             /**
              * Format: uint64
              * @description How often a stop was requested.
@@ -4490,6 +4576,74 @@ export interface operations {
                 };
             };
             /** @description The time of the plant stands still */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The drive does not answer */
+            504: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    stop_drive: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description MAC address, or `ip-` with the IP address */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description It is at rest */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["StopReport"];
+                };
+            };
+            /** @description No session */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Another origin */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description No such drive has answered */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Another controller has the drive, it is in local operation, or it is not at rest */
             409: {
                 headers: {
                     [name: string]: unknown;

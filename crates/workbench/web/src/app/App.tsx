@@ -1,9 +1,10 @@
 import { useEffect, useRef } from "preact/hooks";
 import { ErrorBoundary, LocationProvider, lazy, Route, Router, useLocation } from "preact-iso";
 import { Icon, type IconName } from "../parts/Icon";
+import { useLate } from "../parts/Loading";
 import { Network } from "../screens/network/Network";
 import { leases } from "../store/control";
-import { access, server, silent } from "../store/store";
+import { access, quiet, server, silent } from "../store/store";
 import { t } from "../text";
 import { Frame } from "./Frame";
 import { useKeys } from "./keys";
@@ -108,7 +109,7 @@ function Shell() {
       <Overlay />
       <div class="body">
         <Navigation />
-        <main id="content" tabIndex={-1}>
+        <main id="content" tabIndex={-1} class={quiet.value ? "stale" : ""}>
           {!NARROW.includes(screenOf(path)) && <p class="narrow muted">{t("nav.narrow")}</p>}
           <ErrorBoundary>
             <Router>
@@ -134,15 +135,26 @@ function Shell() {
   );
 }
 
+/** What stands here until the workbench lets this browser in: usually for so short a time that words would only flicker. */
+function Entering() {
+  if (!useLate()) return null;
+  return (
+    <main class="login">
+      <h1>{t("app.title")}</h1>
+      <p role="status">{t("loading.waits", { what: t("loading.workbench") })}</p>
+    </main>
+  );
+}
+
 export function App() {
   const state = access.value;
   if (state.kind === "entering") {
-    return null;
+    return <Entering />;
   }
   if (state.kind === "out") {
     return (
       <main class="login">
-        <h1>{t("login.title")}</h1>
+        <h1>{t(state.silent ? "app.title" : "login.title")}</h1>
         <p role="alert">{state.reason}</p>
       </main>
     );

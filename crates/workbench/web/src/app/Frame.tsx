@@ -6,8 +6,20 @@ import { digits, foreign, label, product, sorted } from "../parts/format";
 import { ownerName, ownerShort, person, State } from "../parts/Reason";
 import * as control from "../store/control";
 import { axes, stopped as isStopped, lastStop, leases, refusal, reset, stopState } from "../store/control";
-import { stop, stopText, want } from "../store/live";
-import { aged, type Happening, happened, now, paused, server, silent, stations, topics } from "../store/store";
+import { stop, stopBeside, stopText, want } from "../store/live";
+import {
+  aged,
+  type Happening,
+  happened,
+  now,
+  outdated,
+  paused,
+  quiet,
+  server,
+  silent,
+  stations,
+  topics,
+} from "../store/store";
 import { age, t } from "../text";
 import { address, OF_DRIVE, recent, screenOf, stationOf } from "./selected";
 
@@ -27,8 +39,25 @@ function event({ kind, drive, who, claimed_name, text, failed }: Happening): str
   return foreign(`${what} ${named}${text}${who === "" ? "" : ` (${by})`}`, 300);
 }
 
+/** What became of the stop of a drive that no controller has. */
+const beside = signal("");
+
+/** Returns how a drive is stopped that no controller has; `null` where STOP does not do that. */
+export function besideOf(station: Station | undefined): "parameter" | "control_word" | null {
+  const means = station?.stop?.means;
+  return axes.value.length === 0 && (means === "parameter" || means === "control_word") ? means : null;
+}
+
+/** STOP, by whatever key or button: of each axis of this server, else of the selected drive where no controller has it. */
 export async function pressStop(): Promise<void> {
-  await control.pressStop(stop);
+  const station = stationOf(recent(location.pathname));
+  beside.value = "";
+  const stopping = control.pressStop(stop);
+  if (station !== undefined && besideOf(station) !== null) {
+    beside.value = t("stop.beside.sent", { name: label(station) });
+    beside.value = await stopBeside(station);
+  }
+  await stopping;
 }
 
 /** Returns what became of the last STOP of this page, in words. */
@@ -40,7 +69,8 @@ function became(): string {
     case "unconfirmed":
       return t("stop.unconfirmed");
     case "confirmed":
-      return last === null ? "" : stopText(last.epoch, last.drives);
+    case "unsent":
+      return last === null ? "" : stopText(last.epoch, last.confirmed, last.axes);
     case "answered":
       return control.stopText.value;
     default:
@@ -129,7 +159,7 @@ function Facts({ station }: { station: Station }) {
   const { status } = station;
   // of an axis that this server controls each cycle is known, the status is read now and then
   const axis = control.heldAxis(station.id);
-  const old = (axis ? axis.lost : (aged(station.age) ?? 0) > STALE) || silent.value !== null;
+  const old = (axis ? axis.lost || control.old.value : (aged(station.age) ?? 0) > STALE) || quiet.value;
   const dash = "\u2013";
   const live = silent.value === null;
   const words = axis
@@ -184,6 +214,10 @@ function Stop({ station }: { station: Station | undefined }) {
   const only = count === 1 ? axes.value[0] : undefined;
   const first = stations.value?.find((one) => one.id === axes.value[0]?.drive);
   const name = ownerName(station);
+  const offer = station?.stop;
+  const beside = besideOf(station);
+  const named = station ? label(station) : "";
+  const reason = offer?.reason;
   const why =
     silent.value !== null
       ? t("stop.why.unreachable")
@@ -193,7 +227,11 @@ function Stop({ station }: { station: Station | undefined }) {
           ? t(axes.value.some(({ stop_by }) => stop_by !== "off3") ? "stop.why.chosen" : "stop.why.own")
           : name !== null
             ? t("stop.why.owner", { name })
-            : t("stop.why.none");
+            : beside !== null
+              ? t(`stop.why.${beside}`, { name: named, parameter: offer?.parameter ?? "" })
+              : reason === "local_operation" || reason === "needs_interface"
+                ? t(`stop.why.${reason}`, { name: named })
+                : t("stop.why.none");
   const text =
     silent.value !== null
       ? t("stop.unreachable")
@@ -201,7 +239,9 @@ function Stop({ station }: { station: Station | undefined }) {
         ? t("stop.many", { count })
         : count === 1
           ? t("stop.one", { name: first ? label(first) : (axes.value[0]?.drive ?? "") })
-          : t("stop.none");
+          : beside !== null
+            ? t(`stop.beside.${beside}`, { name: named })
+            : t("stop.none");
   return (
     <>
       <p class="line why" id="stop-why">
@@ -300,8 +340,16 @@ export function Frame() {
         )}
       </header>
       <aside class="notices" aria-label={t("frame.notices")}>
+        {outdated.value && (
+          <p class="band outdated" role="alert">
+            {t("frame.outdated")}{" "}
+            <button type="button" onClick={() => location.reload()}>
+              {t("frame.reload")}
+            </button>
+          </p>
+        )}
         <p class="band stopped" role="alert" hidden={became() === ""}>
-          {became()}
+          {beside.value === "" ? became() : `${beside.value} ${became()}`}
         </p>
         {isStopped.value && <Reset />}
         {news && happened.value !== null && (
@@ -319,7 +367,8 @@ export function Frame() {
         )}
         {silent.value !== null && (
           <p class="band lost" role="alert">
-            {t("frame.lost", { age: age(silent.value) })}
+            {t("frame.lost", { age: age(silent.value) })}{" "}
+            {t(control.ended.value ? "frame.lost.control" : "frame.lost.all")}
           </p>
         )}
       </aside>

@@ -5,7 +5,7 @@ import { t } from "../text";
 const LATE = 2000;
 
 /** Returns whether something is waited for so long that the page says for what. */
-function useLate(): boolean {
+export function useLate(): boolean {
   const [late, setLate] = useState(false);
   useEffect(() => {
     const timer = setTimeout(() => setLate(true), LATE);

@@ -47,6 +47,8 @@ export class Acquisition {
   zero: number | null = null;
   /** Rows that were lost since the recording began. */
   lost = 0;
+  /** Rows whose values the drive marked as not valid. */
+  bad = 0;
   /** Blocks that were not valid. */
   dropped = 0;
   private watch: Watch | null = null;
@@ -74,6 +76,7 @@ export class Acquisition {
     this.ring = null;
     this.breaks = false;
     this.lost = 0;
+    this.bad = 0;
     this.shown = null;
     this.zero = null;
     if (header.columns.length > 0) {
@@ -125,6 +128,7 @@ export class Acquisition {
     }
     const paused = this.breaks && (block.times[0] ?? 0) - last > PAUSE * Math.max(block.period, 1);
     if (ring.next > 0) this.lost += block.lost;
+    if (block.bad) this.bad += block.rows;
     const cells = plain.map((column, place) => columnOf(block, place, column.type));
     ring.add(block.times, [...cells, ...this.calculated(cells)], block.gap || paused, block.lost);
     this.breaks = false;

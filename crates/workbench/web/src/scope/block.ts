@@ -53,6 +53,8 @@ export interface Block {
   /** Rows that are missing before the first. */
   lost: number;
   gap: boolean;
+  /** Whether the drive marked its data as not valid (IOPS): then there are no actual values. */
+  bad: boolean;
   simulation: boolean;
   /** Engine time of each row, us. */
   times: Float64Array;
@@ -91,6 +93,7 @@ export function decode(octets: ArrayBuffer): Block | null {
     columns,
     lost: view.getUint32(24, true),
     gap: (flags & 2) !== 0,
+    bad: (flags & 4) !== 0,
     simulation: (flags & 8) !== 0,
     times,
     octets,

@@ -47,10 +47,11 @@ export interface Status {
   /** Whether a trigger is waited for, and whether what it looks at is there. */
   waits: boolean;
   able: boolean;
-  /** Rows in a second, measured; rows that are kept, lost since the beginning, and blocks that were not valid. */
+  /** Rows in a second, measured; rows that are kept, lost since the beginning, without valid values, and blocks that cannot be read. */
   rate: number | null;
   rows: number;
   lost: number;
+  bad: number;
   dropped: number;
   /** Why there are no values. */
   reason: string | null;

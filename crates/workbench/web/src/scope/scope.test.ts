@@ -17,6 +17,7 @@ const golden = JSON.parse(readFileSync(new URL("../../../src/live/golden.json", 
   simulation: boolean;
   lost: number;
   gap: boolean;
+  bad: boolean;
   times: number[];
   cells: number[][];
   hex: string;
@@ -51,6 +52,7 @@ describe("blocks", () => {
         rows: one.times.length,
         lost: one.lost,
         gap: one.gap,
+        bad: one.bad,
         simulation: one.simulation,
       });
       expect([...(block?.times ?? [])]).toEqual(one.times);
@@ -227,11 +229,31 @@ describe("triggers", () => {
 function blockOf(values: number[], from: number, more: Partial<Block> = {}): Block {
   const octets = new Float32Array(values).buffer;
   const times = Float64Array.from(values, (_, row) => from + row * 1000);
-  const facts = { stream: 1, number: 0, period: 1000, columns: 1, lost: 0, gap: false, simulation: true, start: 0 };
+  const facts = {
+    stream: 1,
+    number: 0,
+    period: 1000,
+    columns: 1,
+    lost: 0,
+    gap: false,
+    bad: false,
+    simulation: true,
+    start: 0,
+  };
   return { ...facts, rows: values.length, times, octets, ...more };
 }
 
 describe("acquisition", () => {
+  test("rows that the drive marked as not valid are counted, and are no values", () => {
+    const one = new Acquisition();
+    one.begin(header([column("a", "f32")]));
+    one.take(blockOf([1, 2], 1000));
+    one.take(blockOf([Number.NaN, Number.NaN], 3000, { bad: true }));
+    one.take(blockOf([3], 5000));
+    expect([one.bad, one.lost, one.dropped]).toEqual([2, 0, 0]);
+    expect([0, 1, 2, 3, 4].map((row) => one.ring?.value(0, row))).toEqual([1, 2, Number.NaN, Number.NaN, 3]);
+  });
+
   const condition = { kind: "edge", signal: "a", edge: "rising", level: 1 } as const;
   test("a single shot has its part before the trigger and stops", () => {
     const one = new Acquisition();

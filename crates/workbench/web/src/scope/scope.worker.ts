@@ -127,6 +127,7 @@ function status(): void {
     rate: acquisition.rate(),
     rows: ring === null ? 0 : ring.next - ring.first,
     lost: acquisition.lost,
+    bad: acquisition.bad,
     dropped: acquisition.dropped,
     reason,
     kept,
@@ -230,7 +231,7 @@ function generate({ columns: count, rate }: ToWorker & { type: "generate" }): vo
         values[place * rows + at] = 10 * place + 5 * Math.sin(time * (place + 1));
       }
     }
-    const facts = { stream: 0, number: 0, period, lost: 0, gap: false, simulation: true, start: 0 };
+    const facts = { stream: 0, number: 0, period, lost: 0, gap: false, bad: false, simulation: true, start: 0 };
     take({ ...facts, rows, columns: count, times, octets });
     row += rows;
   }, FRAME) as unknown as number;

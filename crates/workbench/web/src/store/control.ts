@@ -1,19 +1,23 @@
 /** The control socket of this page: what it has under control, its beats, and STOP. Nothing else sends a beat. */
 import { batch, signal } from "@preact/signals";
+import type { StopFrame } from "../api";
 import { t } from "../text";
-import { access } from "./store";
+import { pause, whenBack } from "./socket";
+import { access, heard, isOfBuild } from "./store";
 
 const PROTOCOL = "profidrive.control.1";
 /** Time between two beats, in ms. */
 const BEAT = 50;
-/** Without an echo of a beat for this time control has ended, in ms: the workbench keeps it for 1 s. */
-const ENDED = 1500;
+/** Without an echo of a beat for so long, in ms, an axis of this page is not as it is shown; control has ended. */
+const MISSED = 200;
+const ENDED = 1000;
+/** The same of an axis that another page moves: for it there is the sign of life of the socket, each 250 ms. */
+const QUIET = 500;
+/** A socket without any message for this time is opened again, in ms. */
+const DEAD = 3000;
 /** Round trips that are kept, and which of them may be how slow for a jog, in ms. */
 const TRIPS = 100;
 export const SLOW = 100;
-/** First pause before the socket is opened again, and the longest, in ms. */
-const FIRST = 250;
-const LONGEST = 5000;
 /** How long what an axis did is kept for the small plot, in ms. */
 const TRACK = 5000;
 
@@ -57,6 +61,10 @@ export interface Said {
 
 /** Whether the socket is open. */
 export const connected = signal(false);
+/** Whether what it brought last is too old to be shown as current. */
+export const old = signal(false);
+/** Whether this page had control when its socket was lost. */
+export const ended = signal(false);
 /** Why this page may not take control; nothing where it may. */
 export const refusal = signal<string | null>(null);
 export const axes = signal<readonly Axis[]>([]);
@@ -66,10 +74,17 @@ export const leases = signal<ReadonlyMap<string, number>>(new Map());
 export const session = signal<string | null>(null);
 export const epoch = signal(0);
 export const stopped = signal(false);
-/** The last STOP: who pressed it, and what it stopped. */
-export const lastStop = signal<{ epoch: number; by: string; claimed_name: string | null; drives: string[] } | null>(
-  null,
-);
+/** A STOP: who pressed it, and what became of it at each axis. */
+export interface Stopping {
+  epoch: number;
+  by: string;
+  claimed_name: string | null;
+  /** Whether a frame with it went to each axis that it stops. */
+  confirmed: boolean;
+  axes: StopFrame[];
+}
+/** The last one. */
+export const lastStop = signal<Stopping | null>(null);
 /** What became of the last command of each drive. */
 export const said = signal<ReadonlyMap<string, Said>>(new Map());
 /** Who wants a drive that this page has. */
@@ -88,19 +103,19 @@ export const confirmed = signal<ReadonlySet<string>>(new Set());
 export const moved = signal<ReadonlySet<string>>(new Set());
 /** What the axes of this page did in the last seconds; a telegram has a speed, a position or both. */
 export const track = signal<readonly Tracked[]>([]);
-/** What became of the last STOP of this page. */
-export const stopState = signal<"" | "sent" | "confirmed" | "unconfirmed" | "answered">("");
+/** What became of the last STOP of this page. `unsent`: the workbench has it, and no frame went to some axis. */
+export const stopState = signal<"" | "sent" | "confirmed" | "unsent" | "unconfirmed" | "answered">("");
 /** The answer to a STOP that was sent by a request, in words. */
 export const stopText = signal("");
 
 type Incoming =
-  | { type: "hello"; who: string; epoch: number; stopped: boolean; refusal: string | null }
+  | { type: "hello"; build: string; who: string; epoch: number; stopped: boolean; refusal: string | null }
   | { type: "beat"; n: number; t: number; fresh: boolean }
   | { type: "accepted"; n: number }
   | { type: "refused"; n: number; kind: string; sentence: string; hint: string | null }
   | { type: "lease"; n: number; drive: string; lease: number }
   | { type: "axes"; axes: Axis[] }
-  | { type: "stopped"; epoch: number; by: string; claimed_name: string | null; drives: string[] }
+  | ({ type: "stopped" } & Stopping)
   | { type: "reset"; epoch: number }
   | { type: "wanted"; drive: string; by: string; claimed_name: string | null };
 
@@ -111,8 +126,11 @@ let beats = 0;
 let last = 0;
 let frame = 0;
 let trips: number[] = [];
-/** When a beat came back last. */
+/** When a beat came back last, and when anything came. */
 let echoed = 0;
+let came = 0;
+/** The pause before the socket is opened again. */
+let waiting = 0;
 /** Commands without an answer: of which drive. */
 const pending = new Map<number, string>();
 
@@ -287,7 +305,7 @@ export async function pressStop(byRequest: () => Promise<string>): Promise<void>
   });
   const ask = async () => {
     const text = await byRequest();
-    if (press !== presses || stopState.value === "confirmed") return;
+    if (press !== presses || stopState.value === "confirmed" || stopState.value === "unsent") return;
     batch(() => {
       stopText.value = text;
       stopState.value = "answered";
@@ -306,6 +324,7 @@ export async function pressStop(byRequest: () => Promise<string>): Promise<void>
 function forget(): void {
   batch(() => {
     for (const drive of leases.value.keys()) say(drive, t("control.ended"), true);
+    if (leases.value.size > 0) ended.value = true;
     connected.value = false;
     leases.value = new Map();
     // the server releases them by itself
@@ -325,11 +344,13 @@ function forget(): void {
 function receive(message: Incoming): void {
   switch (message.type) {
     case "hello":
+      isOfBuild(message.build);
       session.value = message.who;
       epoch.value = message.epoch;
       stopped.value = message.stopped;
       refusal.value = message.refusal;
       connected.value = true;
+      ended.value = false;
       tries = 0;
       return;
     case "beat":
@@ -365,7 +386,7 @@ function receive(message: Incoming): void {
         stopped.value = true;
         held.value = null;
         lastStop.value = message;
-        if (stopState.value !== "") stopState.value = "confirmed";
+        if (stopState.value !== "") stopState.value = message.confirmed ? "confirmed" : "unsent";
       });
       return;
     case "reset":
@@ -403,7 +424,13 @@ function open(): void {
   const address = `${location.protocol === "https:" ? "wss" : "ws"}://${location.host}/api/v1/control`;
   const opened = new WebSocket(address, PROTOCOL);
   socket = opened;
-  opened.onmessage = ({ data }) => receive(JSON.parse(data) as Incoming);
+  came = performance.now();
+  opened.onmessage = ({ data }) => {
+    came = performance.now();
+    heard();
+    receive(JSON.parse(data) as Incoming);
+    look();
+  };
   opened.onclose = () => lost(opened);
 }
 
@@ -415,18 +442,38 @@ function lost(gone: WebSocket): void {
   gone.close();
   forget();
   if (access.value.kind === "in") {
-    setTimeout(open, Math.min(LONGEST, FIRST * 2 ** tries) * (0.5 + Math.random() / 2));
+    waiting = window.setTimeout(again, pause(tries, Math.random()));
     tries += 1;
   }
+}
+
+/** Opens the socket once more, at the end of a pause or before. */
+function again(): void {
+  if (waiting === 0) return;
+  clearTimeout(waiting);
+  waiting = 0;
+  open();
+}
+
+/** Looks whether what is shown of the axes is old. Returns the time without an echo, in ms. */
+function look(): number {
+  const time = performance.now();
+  const silence = leases.value.size > 0 ? time - echoed : 0;
+  old.value = silence > MISSED || time - came > QUIET;
+  return silence;
+}
+
+/** Gives up what is too old to be true; the page calls it all the time. */
+export function listenForControl(): void {
+  const silence = look();
+  // without beats the workbench has ended control by now
+  if (socket !== null && (silence > ENDED || performance.now() - came > DEAD)) lost(socket);
 }
 
 /** Opens the socket, and gives everything back when the page is not visible. */
 export function runControl(): void {
   open();
-  setInterval(() => {
-    // without beats the workbench has ended control by now
-    if (socket !== null && leases.value.size > 0 && performance.now() - echoed > ENDED) lost(socket);
-  }, 250);
+  whenBack(again);
   const leave = () => {
     letGo();
     for (const drive of leases.value.keys()) release(drive);

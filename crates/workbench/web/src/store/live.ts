@@ -1,18 +1,31 @@
 /** Brings what the workbench knows to the page. */
 import { batch } from "@preact/signals";
-import { Refused, request, type Server, type Shaft, type Station, type Stations, type Stopped } from "../api";
+import {
+  Refused,
+  request,
+  type Server,
+  type Shaft,
+  type Station,
+  type Stations,
+  type StopFrame,
+  type Stopped,
+  type StopReport,
+} from "../api";
 import { label } from "../parts/format";
-import { t } from "../text";
-import { runControl } from "./control";
+import { t, utc } from "../text";
+import { listenForControl, runControl } from "./control";
 import { name } from "./name";
 import { noteFaults } from "./seen";
 import { type Incoming, Live } from "./socket";
 import {
   access,
-  answered,
   events,
   failure,
   happened,
+  heard,
+  isOfBuild,
+  listen,
+  noteEngine,
   now,
   paused,
   received,
@@ -23,6 +36,7 @@ import {
   shafts,
   stations,
   type Track,
+  timeOf,
   topics,
   tracks,
 } from "./store";
@@ -31,6 +45,10 @@ import {
 const RATE = 10;
 const SHAFT_RATE = 10;
 const CLOCK_PERIOD = 250;
+/** How often the page looks whether the workbench is silent, in ms. */
+const LISTEN = 50;
+/** Pause before a workbench that does not answer is tried again, in ms. */
+const AGAIN = 1000;
 /** Time for a search, in ms. */
 const SEARCH = 20_000;
 /** What is kept of a value, in ms. */
@@ -45,6 +63,10 @@ export async function enter(): Promise<void> {
     // a token that stays in the address ends in bookmarks and pictures
     history.replaceState(null, "", location.pathname + location.search);
   }
+  await enterWith(token);
+}
+
+async function enterWith(token: string | null): Promise<void> {
   try {
     if (token !== null) {
       const headers = { "Content-Type": "application/json" };
@@ -54,11 +76,15 @@ export async function enter(): Promise<void> {
     access.value = { kind: "in" };
     run();
   } catch (error) {
-    const reason =
-      error instanceof Refused && error.status === 401 && token === null
-        ? t("login.text")
-        : t("login.refused", { reason: error instanceof Error ? error.message : String(error) });
-    access.value = { kind: "out", reason };
+    if (error instanceof Refused) {
+      const reason =
+        error.status === 401 && token === null ? t("login.text") : t("login.refused", { reason: error.message });
+      access.value = { kind: "out", reason, silent: false };
+      return;
+    }
+    access.value = { kind: "out", reason: t("login.silent"), silent: true };
+    // the token is in the address no more: whoever reloads the page would have to look for it
+    setTimeout(() => void enterWith(token), AGAIN);
   }
 }
 
@@ -70,14 +96,21 @@ export function want(topic: string, rate: number): () => void {
   return live?.want(topic, rate) ?? (() => {});
 }
 
-/** Returns what a STOP stopped, in words. */
-export function stopText(epoch: number, drives: readonly string[]): string {
-  if (drives.length === 0) return t("stop.done", { number: epoch });
-  const names = drives.map((id) => {
-    const station = stations.value?.find((one) => one.id === id);
-    return station ? label(station) : id;
-  });
-  return t("stop.axes", { number: epoch, axes: names.join(", ") });
+/** Returns what became of a STOP at an axis, in words. */
+function stopOf({ drive, by, state, sent_us }: StopFrame): string {
+  const station = stations.value?.find((one) => one.id === drive);
+  const name = station ? label(station) : drive;
+  if (state !== "sent") return t(`stop.axis.${state}`, { name });
+  if (by === null || by === undefined) return t("stop.axis.off", { name });
+  const time = sent_us === null || sent_us === undefined ? "" : utc(timeOf(sent_us), 3);
+  return t("stop.axis.sent", { name, by: by.toUpperCase(), time });
+}
+
+/** Returns what became of a STOP, in words. */
+export function stopText(number: number, confirmed: boolean, axes: readonly StopFrame[]): string {
+  if (axes.length === 0) return t("stop.done", { number });
+  const list = axes.map(stopOf).join("; ");
+  return t(confirmed ? "stop.axes" : "stop.axes.unconfirmed", { number, axes: list });
 }
 
 function run(): void {
@@ -85,11 +118,16 @@ function run(): void {
   setInterval(() => {
     now.value = performance.now();
   }, CLOCK_PERIOD);
+  setInterval(() => {
+    // in this order: no look at the axes that are given up may come before the word of the loss
+    if (listen()) listenForControl();
+  }, LISTEN);
   live = new Live({
     message: receive,
     refused: () => {
-      access.value = { kind: "out", reason: t("login.ended") };
+      access.value = { kind: "out", reason: t("login.ended"), silent: false };
     },
+    other: isOfBuild,
   });
   live.want("network", RATE);
   if (server.value?.simulation) {
@@ -98,7 +136,9 @@ function run(): void {
 }
 
 function receive(message: Incoming): void {
-  answered.value = performance.now();
+  heard();
+  noteEngine(message.t);
+  if (message.type === "hello") isOfBuild(message.build);
   if (message.type === "event") {
     happened.value = message;
     return;
@@ -214,8 +254,25 @@ function extended(all: ReadonlyMap<string, Track>, report: Station[]): Map<strin
 export async function stop(): Promise<string> {
   try {
     const stopped = await request<Stopped>("stop", { method: "POST", keepalive: true });
-    return stopText(stopped.stops, stopped.axes);
+    return stopText(stopped.stops, stopped.confirmed, stopped.frames);
   } catch {
     return t("stop.failed");
+  }
+}
+
+/** Time for the stop of a drive that no controller has, in ms: it ramps down meanwhile. */
+const RAMP = 15_000;
+
+/** Stops a drive that no controller has. Returns what became of it, in words. */
+export async function stopBeside(station: Station): Promise<string> {
+  const name = label(station);
+  try {
+    const signal = AbortSignal.timeout(RAMP);
+    const path = `drives/${encodeURIComponent(station.id)}/stop`;
+    const report = await request<StopReport>(path, { method: "POST", keepalive: true, signal });
+    return t(report.at_rest ? "stop.beside.done" : "stop.beside.turns", { name });
+  } catch (error) {
+    const reason = error instanceof Error ? error.message : String(error);
+    return t("stop.beside.failed", { name, reason });
   }
 }

@@ -1,13 +1,15 @@
 /** The socket by which the workbench sends what changes. Only the modules of this folder use it. */
-import { request } from "../api";
+import { request, type Server } from "../api";
 import type { Happening } from "./store";
 
 const PROTOCOL = "profidrive.live.1";
 /** The first pause before another try, and the longest, in ms. */
 const FIRST = 250;
 const LONGEST = 5000;
-/** The workbench sends a sign of life each second; a socket without any for this time is lost, in ms. */
-const LOST = 10_000;
+/** The workbench sends a sign of life each 250 ms; a socket without any for this time is opened again, in ms. */
+const DEAD = 3000;
+/** Time for the answer whether there is a session, in ms: whatever is wrong, the socket is tried again soon. */
+const ANSWER = 2000;
 
 /** What the workbench sends. */
 export type Incoming =
@@ -20,11 +22,21 @@ interface Handlers {
   message(message: Incoming): void;
   /** The workbench lets this browser in no more. */
   refused(): void;
+  /** The sockets cannot be opened, and there is a session: what the server is then. */
+  other(build: string): void;
 }
 
 /** Returns the pause before a try, with a part by chance, so that many pages do not come back at once. */
 export function pause(tries: number, chance: number): number {
   return Math.min(LONGEST, FIRST * 2 ** tries) * (0.5 + chance / 2);
+}
+
+/** Calls `open` when a pause is not worth its end: the network is back, or somebody looks at the page again. */
+export function whenBack(open: () => void): void {
+  addEventListener("online", open);
+  document.addEventListener("visibilitychange", () => {
+    if (!document.hidden) open();
+  });
 }
 
 /** A socket that comes back by itself, with the same topics. */
@@ -38,20 +50,17 @@ export class Live {
   private readonly topics = new Map<string, { rate: number; users: number }>();
 
   constructor(private readonly handlers: Handlers) {
-    addEventListener("online", () => this.now());
     document.addEventListener("visibilitychange", () => {
       this.send({ type: "visible", visible: !document.hidden });
-      if (!document.hidden) {
-        this.now();
-      }
     });
+    whenBack(() => this.now());
     setInterval(() => this.check(), 1000);
     this.open();
   }
 
   /** Gives up a socket that is open and dead, as after a cut cable. */
   private check(): void {
-    if (this.socket !== null && performance.now() - this.heard > LOST) {
+    if (this.socket !== null && performance.now() - this.heard > DEAD) {
       const dead = this.socket;
       dead.onclose = null;
       dead.onmessage = null;
@@ -137,10 +146,17 @@ export class Live {
 
   /** Finds out whether there is a session at all, then tries again. */
   private async again(): Promise<void> {
-    const answer = await request<unknown>("session").catch((error: unknown) => error);
+    const answer = await request<unknown>("session", { signal: AbortSignal.timeout(ANSWER) }).catch(
+      (error: unknown) => error,
+    );
     if (typeof answer === "object" && answer !== null && "status" in answer && answer.status === 401) {
       this.handlers.refused();
       return;
+    }
+    if (this.tries > 1) {
+      // the answer to a protocol that the server does not have is not shown to a page
+      const server = await request<Server>("server", { signal: AbortSignal.timeout(ANSWER) }).catch(() => null);
+      if (server !== null) this.handlers.other(server.build);
     }
     this.timer = window.setTimeout(
       () => {

@@ -1,9 +1,13 @@
 /** What the page shows. Only `live.ts` writes, views read. */
-import { computed, signal } from "@preact/signals";
+import { batch, signal } from "@preact/signals";
 import type { Server, Shaft, Station } from "../api";
 
 /** Whether this browser is let in. */
-export type Access = { kind: "entering" } | { kind: "in" } | { kind: "out"; reason: string };
+export type Access =
+  | { kind: "entering" }
+  | { kind: "in" }
+  /** `silent`: nothing answers yet, and the page tries again by itself. */
+  | { kind: "out"; reason: string; silent: boolean };
 
 export const access = signal<Access>({ kind: "entering" });
 export const server = signal<Server | null>(null);
@@ -25,20 +29,73 @@ export const shafts = signal<ReadonlyMap<string, Shaft>>(new Map());
 
 /** The clock of this page in ms, a few times a second: ages are made of it. */
 export const now = signal(performance.now());
-/** When the workbench answered last, by that clock. */
-export const answered = signal(performance.now());
+/** When the workbench sent something last, by either socket and by that clock. */
+let answered = performance.now();
 
-/** Without an answer for this time the connection is lost, in ms. */
-const LOST = 3000;
-/** Seconds without an answer of the workbench; `null` while it answers. */
-export const silent = computed(() => {
-  const silence = now.value - answered.value;
-  return silence > LOST ? silence / 1000 : null;
-});
+/** The workbench sends a sign of life each 250 ms. Without any for so long, in ms, nothing is current any more; the connection is lost. */
+const QUIET = 500;
+const LOST = 1000;
+/** A page that did nothing for this time, in ms, has messages that it has not looked at. */
+const ASLEEP = 500;
+
+/** Whether the workbench has missed a sign of life: what is shown may be old. */
+export const quiet = signal(false);
+/** Whole seconds without a sign of life of the workbench; `null` while the connection is not lost. */
+export const silent = signal<number | null>(null);
+
+/** Notes that the workbench sent something. */
+export function heard(): void {
+  answered = performance.now();
+  batch(() => {
+    quiet.value = false;
+    silent.value = null;
+  });
+}
+
+let looked = performance.now();
+
+/** Looks how long the workbench has been silent; the page calls it all the time. Returns whether it could have heard something. */
+export function listen(): boolean {
+  const time = performance.now();
+  const awake = time - looked < ASLEEP;
+  looked = time;
+  if (!awake) return false;
+  const silence = time - answered;
+  batch(() => {
+    quiet.value = silence > QUIET;
+    silent.value = silence > LOST ? Math.floor(silence / 1000) : null;
+  });
+  return true;
+}
 
 /** Returns the present age of something that had an age when it came, in s. */
 export function aged(then: number | null): number | null {
   return then === null ? null : then + Math.max(0, now.value - received.value) / 1000;
+}
+
+/** The build of the server that this page came from. */
+let build: string | null = null;
+/** Whether the server is another one than the page was made for: then the page has to be loaded again. */
+export const outdated = signal(false);
+
+/** Notes the build that a server says of itself. */
+export function isOfBuild(now: string): void {
+  build ??= now;
+  outdated.value = now !== build;
+}
+
+/** Times of this page, ms since 1970, less those of the engine that came with them, ms. The least had the shortest way. */
+let distances: number[] = [];
+const DISTANCES = 40;
+
+/** Notes the time of the engine, us, of a message that has just come. */
+export function noteEngine(time: number): void {
+  distances = [...distances, Date.now() - time / 1000].slice(-DISTANCES);
+}
+
+/** Returns the time of day of a time of the engine, us. */
+export function timeOf(engine: number): Date {
+  return new Date(Math.min(...distances) + engine / 1000);
 }
 
 /** One value over time. */

@@ -15,6 +15,9 @@ const BUTTONS = [
   { share: 1, key: "ArrowRight", arrow: "\u2192" },
 ];
 
+/** Which button began which command last, to show it as pressed. */
+let pressed = { n: 0, share: 0 };
+
 /** Rounds as people read it. */
 function rpm(speed: number): number {
   return Math.round(speed * 100) / 100;
@@ -42,7 +45,7 @@ export function JogPad({
   const begin = (share: number) => {
     if (!usable || speed === null) return;
     control.hold(drive, rpm(speed * share));
-    shares.set(control.held.value?.n ?? 0, share);
+    pressed = { n: control.held.value?.n ?? 0, share };
   };
   return (
     <fieldset
@@ -73,7 +76,7 @@ export function JogPad({
           aria-keyshortcuts={key}
           class="jog"
           disabled={!usable}
-          aria-pressed={held?.drive === drive && share === shareOf(held.n)}
+          aria-pressed={held?.drive === drive && pressed.n === held.n && pressed.share === share}
           onPointerDown={(event) => {
             if (event.button !== 0) return;
             event.currentTarget.setPointerCapture(event.pointerId);
@@ -91,11 +94,4 @@ export function JogPad({
       ))}
     </fieldset>
   );
-}
-
-/** Which button began which command, to show it as pressed. */
-const shares = new Map<number, number>();
-
-function shareOf(n: number): number | undefined {
-  return shares.get(n);
 }

@@ -13,7 +13,7 @@ import * as control from "../../store/control";
 import { named } from "../../store/name";
 import { perDrive } from "../../store/perDrive";
 import * as scope from "../../store/scope";
-import { aged, now, server, silent } from "../../store/store";
+import { aged, now, outdated, server, silent } from "../../store/store";
 import { t } from "../../text";
 import { JogPad } from "./JogPad";
 
@@ -110,6 +110,7 @@ function Field({
 /** Why this page cannot take control, in words; nothing where it can. */
 function obstacle(station: Station): string | null {
   const refusal = control.refusal.value;
+  if (outdated.value) return t("frame.outdated");
   if (silent.value !== null || !control.connected.value) return t("control.lost");
   if (refusal === "view" || refusal === "read_only") return t("control.view");
   if (refusal === "addresses") return t("control.addresses");
@@ -549,8 +550,6 @@ const OLD = 3;
 
 /** A beat that came too late is shown for this time, in ms. */
 const LATE = 2000;
-/** Without an answer for this time beats do not arrive, in ms. */
-const MISSED = 200;
 
 /** Whether the beats of this page arrive: without them the axis stops. */
 function Beat({ held }: { held: boolean }) {
@@ -558,7 +557,7 @@ function Beat({ held }: { held: boolean }) {
   const at = Math.max(now.value, last?.at ?? 0);
   const state = !held
     ? "none"
-    : last === null || at - last.at > MISSED
+    : last === null || control.old.value
       ? "missing"
       : at - control.late.value < LATE
         ? "late"
@@ -588,7 +587,7 @@ function Values({ station }: { station: Station }) {
     axis !== undefined && (cyclic ?? null) === null && value !== null ? t("control.read", { name }) : name;
   const unit = axis?.unit ?? read?.speed_actual?.unit ?? "rpm";
   return (
-    <section class="control-values" aria-label={t("overview.values")}>
+    <section class={control.old.value ? "control-values stale" : "control-values"} aria-label={t("overview.values")}>
       <dl>
         <div class="value">
           <dt>{title(t("value.speed"), axis?.speed, speed)}</dt>

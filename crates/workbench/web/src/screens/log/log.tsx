@@ -121,6 +121,11 @@ function who(record: Record): string {
   return record.who === "token" ? t("frame.event.program") : t("frame.event.session", { who: of });
 }
 
+/** From which computer it came; records of older versions do not have that. */
+function from(record: Record & { address?: string | null }): string {
+  return record.address ? t("log.from", { address: foreign(record.address) }) : "";
+}
+
 function day(iso: string): string {
   return iso.replace("T", " ").replace("Z", "");
 }
@@ -163,6 +168,7 @@ function Records() {
               <td class="number">{day(requested ?? record.time)}</td>
               <td>
                 <bdi>{who(record)}</bdi>
+                {from(record) && <bdi class="muted small"> {from(record)}</bdi>}
               </td>
               <td>
                 <bdi>{foreign(record.name ?? record.drive ?? "\u2013")}</bdi>

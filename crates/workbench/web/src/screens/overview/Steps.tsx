@@ -1,9 +1,10 @@
-/** What the library advises next, as links to where it is done. Nothing is done by a link. */
+/** What the library advises next, as links to where it is done. Nothing is done by a link, and a drive is stopped by a button. */
 import { useLocation } from "preact-iso";
 import type { Station } from "../../api";
+import { besideOf, pressStop } from "../../app/Frame";
 import { address } from "../../app/selected";
-import { foreign } from "../../parts/format";
-import { server } from "../../store/store";
+import { foreign, label } from "../../parts/format";
+import { server, silent } from "../../store/store";
 import { t } from "../../text";
 import { shown } from "../network/address";
 import { stepsOf } from "./advice";
@@ -13,6 +14,8 @@ export function Steps({ station }: { station: Station }) {
   const { route } = useLocation();
   const nameless = station.remarks.some((remark) => remark === "no_name" || remark === "no_address");
   const names = nameless && server.value?.searches && server.value.role === "control";
+  const advised = station.status?.actions.some(({ action }) => action === "stop") ?? false;
+  const stops = advised ? besideOf(station) : null;
   return (
     <>
       {stepsOf(station.status?.actions ?? []).map(({ screen, hash, text, name = "" }) => (
@@ -24,6 +27,11 @@ export function Steps({ station }: { station: Station }) {
           {t(text, { name: foreign(name) })}
         </a>
       ))}
+      {stops && (
+        <button type="button" class="primary" disabled={silent.value !== null} onClick={() => void pressStop()}>
+          {t(`stop.beside.${stops}`, { name: label(station) })}
+        </button>
+      )}
       {names && (
         <button
           type="button"

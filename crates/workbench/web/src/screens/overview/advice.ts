@@ -16,7 +16,6 @@ const SCREENS: Readonly<Record<string, Step>> = {
   faults: { screen: "faults", text: "step.faults" },
   monitor: { screen: "scope", text: "step.monitor" },
   backup: { screen: "compare", text: "step.backup" },
-  stop: { screen: "control", text: "step.stop" },
   disable: { screen: "control", text: "step.control" },
   run: { screen: "control", text: "step.control" },
   jog: { screen: "control", text: "step.control" },

@@ -16,10 +16,16 @@ interface Word {
   meaning: string | null;
 }
 
-function word(name: string, sources: Word | null): Condition[] {
+/** What keeps something off; where a word has no bit of a known name, its number says that there is a cause. */
+function word(
+  name: string,
+  sources: Word | null,
+  held: "condition.off" | "condition.blocked",
+  free: string,
+): Condition[] {
   if (sources === null) return [];
-  const bits = sources.bits.length > 0 ? sources.bits.join(", ") : sources.hex;
-  return [{ name, met: sources.number === 0, value: sources.number === 0 ? t("condition.none") : bits }];
+  const list = sources.bits.length > 0 ? sources.bits.join(", ") : sources.hex;
+  return [{ name, met: sources.number === 0, value: sources.number === 0 ? free : t(held, { list }) }];
 }
 
 /** Returns the conditions that a drive reports; what it does not report is left out. */
@@ -32,8 +38,9 @@ export function conditions(status: Status, owner: string | null): Condition[] {
     const value = t(status.torque_allowed ? "condition.sto.on" : "condition.sto.off");
     all.push({ name: t("condition.sto"), met: status.torque_allowed, value });
   }
-  all.push(...word(t("condition.sources"), status.disable_sources));
-  all.push(...word(t("condition.motion"), status.motion_disable_sources));
+  all.push(...word(t("condition.sources"), status.disable_sources, "condition.off", t("condition.free")));
+  const { motion_disable_sources: motion } = status;
+  all.push(...word(t("condition.motion"), motion, "condition.blocked", t("condition.unblocked")));
   const switches = [
     status.negative_switch ? t("condition.switch.negative") : "",
     status.positive_switch ? t("condition.switch.positive") : "",

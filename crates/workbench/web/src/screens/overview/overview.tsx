@@ -93,7 +93,12 @@ function Conditions({ station, status }: { station: Station; status: Status }) {
       <ul class="conditions">
         {conditions(status, ownerName(station)).map(({ name, met, value }) => (
           <li key={name}>
-            <Icon name={met === null ? "dash" : met ? "tick" : "square"} tone={met === false ? "accent" : "muted"} />
+            {/* a fact that is neither good nor bad has no sign: a dash would say that it is missing */}
+            {met === null ? (
+              <span class="icon" />
+            ) : (
+              <Icon name={met ? "tick" : "square"} tone={met ? "muted" : "accent"} />
+            )}
             <span class="unseen">
               {t(met === null ? "condition.info" : met ? "condition.met" : "condition.unmet")}:{" "}
             </span>

@@ -222,6 +222,7 @@ export function Scope() {
         {header?.source === "acyclic" && <bdi class="muted">{owner(station)}</bdi>}
         <span class="muted">{state()}</span>
         {status !== null && status.lost > 0 && <span class="warn">{t("scope.lost", { count: status.lost })}</span>}
+        {status !== null && status.bad > 0 && <span class="warn">{t("scope.bad", { count: status.bad })}</span>}
         {status !== null && status.dropped > 0 && (
           <span class="warn">{t("scope.dropped", { count: status.dropped })}</span>
         )}

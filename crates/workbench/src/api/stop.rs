@@ -1,0 +1,62 @@
+//! Stopping one drive, which this server need not control.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use axum::extract::{Path, State};
+use axum::{Extension, Json};
+use profidrive::motion::{self, StopReport};
+
+use super::drives::find;
+use crate::access::Caller;
+use crate::act::{self, Intent};
+use crate::control::stop_and_note;
+use crate::problem::Problem;
+use crate::shared::Shared;
+
+/// How long a drive may take to come to rest before the answer is that it is not; a ramp that takes longer by its settings gets its
+/// time.
+const LIMIT: Duration = Duration::from_secs(10);
+
+/// Stops one drive and waits until it is at rest: one that turns without a controller by its parameter or by its control word, as
+/// `stop` of its station has it. A drive that this server controls is stopped by STOP, with all others that it controls. Each session may
+/// do this, also one that is view-only. A drive that another controller has is left alone: its next command would take the stop back.
+#[utoipa::path(post, path = "/api/v1/drives/{id}/stop", responses(
+    (status = 200, description = "It is at rest", body = ref("#/components/schemas/StopReport")),
+    (status = 403, description = "Another origin"),
+    (status = 409, description = "Another controller has the drive, it is in local operation, or it is not at rest"),
+))]
+pub(super) async fn stop_drive(
+    State(shared): State<Arc<Shared>>,
+    Extension(caller): Extension<Caller>,
+    Path(id): Path<String>,
+) -> Result<Json<StopReport>, Problem> {
+    let id = id.to_lowercase();
+    if shared.control.drives().contains(&id) {
+        stop_and_note(&shared, &caller).await;
+    }
+    let (mut network, mut drive) = find(&shared, &id).await?;
+    // it goes on when its page goes away
+    let stopping = tokio::spawn(async move {
+        let stopped = motion::stop_unowned(&mut network, &mut drive, LIMIT).await;
+        let stopped = stopped.and_then(|report| report.check().map(|()| report));
+        let result = stopped.map_err(|error| Problem::of(&error));
+        let intent = Intent {
+            action: "stop",
+            drive: Some(id),
+            value: None,
+            changes: Vec::new(),
+        };
+        let text = match &result {
+            Ok(report) => report.to_string(),
+            Err(problem) => problem.message().to_owned(),
+        };
+        // as each stop it is logged after it was done, whether that succeeds or not
+        act::note(&shared, &caller, &intent, text).await;
+        result
+    });
+    stopping
+        .await
+        .unwrap_or_else(|_| Err(Problem::defect()))
+        .map(Json)
+}

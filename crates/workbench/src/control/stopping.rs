@@ -1,0 +1,357 @@
+//! A STOP on its way: from the moment it was pressed until the frames with it have left.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use axum::extract::ws::Utf8Bytes;
+use futures::future::join_all;
+use profidrive::client::StopHandle;
+use schemars::JsonSchema;
+use serde::Serialize;
+use tokio::time::timeout;
+
+use super::Control;
+use super::messages::Reset;
+use super::running::StopBy;
+use crate::access::Caller;
+use crate::act;
+use crate::shared::Shared;
+
+/// The longest time until a STOP is reported. A frame leaves once in each update time, so more is a sign that none leaves; a page
+/// reports after 500 ms by itself that nothing confirms its STOP.
+const CONFIRM: Duration = Duration::from_millis(400);
+
+/// A STOP that was posted to the engine.
+#[derive(Debug, Clone)]
+pub(crate) struct Stopping {
+    /// How often STOP was pressed.
+    pub epoch: u64,
+    /// Who pressed it.
+    pub by: String,
+    /// What that one is called by its own words, which nothing verifies.
+    pub claimed_name: Option<String>,
+    /// The axes that are stopped, as they are called in paths.
+    pub axes: Vec<(String, Posted)>,
+}
+
+/// The stop of one axis that was posted to the engine.
+#[derive(Debug, Clone)]
+pub(crate) enum Posted {
+    /// The axis is being taken: there is nothing that could be enabled before the STOP is reset.
+    Untaken,
+    /// How it stops, where it was in operation, and where its frame is looked for.
+    To(Option<StopBy>, StopHandle),
+}
+
+/// What became of the stop of one axis.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
+pub(crate) struct StopFrame {
+    /// The drive, as it is called in paths.
+    drive: String,
+    /// How it stops; null where its power stage was not switched on by this server, so that there was nothing to stop.
+    by: Option<StopBy>,
+    /// What became of it.
+    state: StopState,
+    /// When the frame with it was handed to the network, in microseconds of the clock of the engine, as in the log; null in other
+    /// states than `sent`.
+    sent_us: Option<u64>,
+}
+
+/// How far the stop of an axis came.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub(crate) enum StopState {
+    /// The first frame with it was handed to the network.
+    Sent,
+    /// The axis is being taken: no frame is sent to it yet, and it cannot be enabled before the STOP is reset.
+    Taking,
+    /// Its connection is lost, or it was given back meanwhile: no frame reaches it.
+    Lost,
+    /// No frame with it has left within 400 ms.
+    Unconfirmed,
+}
+
+/// What a STOP did.
+#[derive(Debug, Clone, Serialize)]
+pub(crate) struct Stopped {
+    r#type: &'static str,
+    /// How often STOP was pressed.
+    pub epoch: u64,
+    /// Who pressed it.
+    pub by: String,
+    /// What that one is called by its own words, which nothing verifies.
+    pub claimed_name: Option<String>,
+    /// The axes that are stopped, as they are called in paths.
+    pub drives: Vec<String>,
+    /// Whether the stop of each of them is on its way to the drive.
+    pub confirmed: bool,
+    /// The stop of each of them.
+    pub axes: Vec<StopFrame>,
+}
+
+/// What pages hear of STOP: the last one, and whether it was reset.
+#[derive(Debug, Clone, Default)]
+pub(super) struct StopNews {
+    /// With how often STOP was pressed then.
+    pub stopped: Option<(u64, Utf8Bytes)>,
+    pub reset: Option<(u64, Utf8Bytes)>,
+}
+
+/// What one page has heard of it.
+#[derive(Debug, Default)]
+pub(super) struct StopsTold {
+    stopped: u64,
+    reset: u64,
+}
+
+impl StopNews {
+    /// Returns what a page is to hear next; a reset comes after its STOP.
+    pub fn next(&self, told: &mut StopsTold) -> Option<Utf8Bytes> {
+        if let Some((epoch, text)) = &self.stopped
+            && *epoch > told.stopped
+        {
+            told.stopped = *epoch;
+            return Some(text.clone());
+        }
+        if let Some((epoch, text)) = &self.reset
+            && *epoch > told.reset
+        {
+            told.reset = *epoch;
+            return (*epoch >= told.stopped).then(|| text.clone());
+        }
+        None
+    }
+
+    /// Returns what a new page has heard, as its first message has the present state.
+    pub fn all_told(&self) -> StopsTold {
+        let of = |news: &Option<(u64, Utf8Bytes)>| news.as_ref().map_or(0, |(epoch, _)| *epoch);
+        StopsTold {
+            stopped: of(&self.stopped),
+            reset: of(&self.reset),
+        }
+    }
+}
+
+impl Stopping {
+    /// Waits until the frames with the stop have left, or for as long as that may take.
+    pub(super) async fn confirmed(self) -> Stopped {
+        let axes = self.axes.into_iter().map(|(drive, posted)| async move {
+            let (by, state, sent_us) = match posted {
+                Posted::Untaken => (None, StopState::Taking, None),
+                Posted::To(by, handle) => match timeout(CONFIRM, handle.sent()).await {
+                    Ok(Ok(Some(at))) => (by, StopState::Sent, Some(at.as_nanos() / 1000)),
+                    Ok(Ok(None) | Err(_)) => (by, StopState::Lost, None),
+                    Err(_) => (by, StopState::Unconfirmed, None),
+                },
+            };
+            StopFrame {
+                drive,
+                by,
+                state,
+                sent_us,
+            }
+        });
+        let axes = join_all(axes).await;
+        Stopped {
+            r#type: "stopped",
+            epoch: self.epoch,
+            by: self.by,
+            claimed_name: self.claimed_name,
+            drives: axes.iter().map(|axis| axis.drive.clone()).collect(),
+            confirmed: axes.iter().all(StopFrame::is_confirmed),
+            axes,
+        }
+    }
+}
+
+impl StopFrame {
+    /// Returns whether the stop is on its way, or nothing needs it.
+    pub fn is_confirmed(&self) -> bool {
+        matches!(self.state, StopState::Sent | StopState::Taking)
+    }
+
+    pub fn drive(&self) -> &str {
+        &self.drive
+    }
+}
+
+impl Control {
+    /// Reports a STOP to all pages, once it is known what became of it.
+    pub(super) fn tell_stopped(&self, stopped: &Stopped) {
+        self.stop_news.send_if_modified(|news| {
+            // one that was slow to be confirmed takes nothing back
+            let is_newest = news
+                .stopped
+                .as_ref()
+                .is_none_or(|(epoch, _)| stopped.epoch > *epoch);
+            if is_newest {
+                news.stopped = Some((stopped.epoch, text(stopped)));
+            }
+            is_newest
+        });
+    }
+
+    /// Reports to all pages the STOP that a flood of them has come to.
+    pub(super) fn tell_newest(&self, stopped: Stopped) {
+        let epoch = self.stops();
+        self.tell_stopped(&Stopped { epoch, ..stopped });
+    }
+
+    /// Reports to all pages that the STOP of this epoch was reset.
+    pub(super) fn tell_reset(&self, epoch: u64) {
+        self.stop_news
+            .send_modify(|news| news.reset = Some((epoch, text(&Reset::of(epoch)))));
+    }
+}
+
+fn text(message: &impl Serialize) -> Utf8Bytes {
+    serde_json::to_string(message).unwrap_or_default().into()
+}
+
+/// Stops every axis, and returns once the frames with that have left or do not. It is reported and logged whether the caller waits
+/// or not.
+pub(crate) async fn stop_and_note(shared: &Arc<Shared>, caller: &Caller) -> Stopped {
+    let stopping = shared.control.stop(&caller.who, caller.claimed.name());
+    confirm_and_note(shared, caller, stopping).await
+}
+
+/// Reports and logs a STOP that was posted.
+pub(super) async fn confirm_and_note(shared: &Arc<Shared>, caller: &Caller, stopping: Stopping) -> Stopped {
+    let unknown = stopping.clone();
+    let (shared, caller) = (Arc::clone(shared), caller.clone());
+    let noted = tokio::spawn(async move {
+        let stopped = stopping.confirmed().await;
+        shared.control.tell_stopped(&stopped);
+        act::note_stop(&shared, &caller, &stopped).await;
+        stopped
+    });
+    match noted.await {
+        Ok(stopped) => stopped,
+        // a panic was printed: the STOP was posted before it, and nothing confirms it
+        Err(_) => Stopped {
+            r#type: "stopped",
+            epoch: unknown.epoch,
+            by: unknown.by,
+            claimed_name: unknown.claimed_name,
+            drives: unknown.axes.into_iter().map(|(drive, _)| drive).collect(),
+            confirmed: false,
+            axes: Vec::new(),
+        },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::Duration;
+
+    use profidrive::motion::{self, Hold, Observer};
+    use profidrive::profile::notation::figures;
+    use profidrive::{Transport, client};
+
+    use super::*;
+    use crate::settings::Source;
+
+    fn stopped(epoch: u64) -> Stopped {
+        Stopped {
+            r#type: "stopped",
+            epoch,
+            by: "1".to_owned(),
+            claimed_name: None,
+            drives: Vec::new(),
+            confirmed: true,
+            axes: Vec::new(),
+        }
+    }
+
+    fn kinds(news: &StopNews, told: &mut StopsTold) -> Vec<String> {
+        let mut all = Vec::new();
+        while let Some(text) = news.next(told) {
+            let message: serde_json::Value = serde_json::from_str(&text).unwrap();
+            let epoch = message["epoch"].as_f64().unwrap();
+            all.push(format!(
+                "{} {}",
+                message["type"].as_str().unwrap(),
+                figures(epoch)
+            ));
+        }
+        all
+    }
+
+    #[test]
+    fn a_page_hears_the_newest_stop_and_a_reset_only_behind_its_stop() {
+        let control = Control::new();
+        let now = || control.stop_news.borrow().clone();
+        let mut told = now().all_told();
+        for _ in 0..3 {
+            control.ledger().stop();
+        }
+        control.tell_stopped(&stopped(2));
+        // its frame was late: the newer one is what counts
+        control.tell_stopped(&stopped(1));
+        assert_eq!(kinds(&now(), &mut told), ["stopped 2"]);
+        control.tell_newest(stopped(2));
+        control.tell_reset(3);
+        assert_eq!(kinds(&now(), &mut told), ["stopped 3", "reset 3"]);
+        assert_eq!(kinds(&now(), &mut told), [""; 0]);
+        // of a reset that was overtaken by a STOP nothing is heard
+        control.tell_reset(3);
+        control.ledger().stop();
+        control.tell_stopped(&stopped(4));
+        let mut late = StopsTold::default();
+        assert_eq!(kinds(&now(), &mut late), ["stopped 4"]);
+        assert_eq!(kinds(&now(), &mut now().all_told()), [""; 0]);
+    }
+
+    /// The time of a plant that stands still is that of a thread that hangs: nothing leaves.
+    #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+    async fn a_stop_whose_frame_does_not_leave_is_not_confirmed() {
+        let network = Source::Demo.opening().unwrap().open().unwrap();
+        let mut caller: profidrive::Caller = network.clone();
+        let address: client::DriveAddress = "axis-1".parse().unwrap();
+        let mut drive = caller.find(&address).await.unwrap();
+        let observer = Observer::default();
+        let hold = Hold::for_speed();
+        let mut axis = motion::hold(&mut caller, &mut drive, &hold, &observer)
+            .await
+            .unwrap();
+        axis.enable().await.unwrap();
+        let posted = |handle: &StopHandle| Stopping {
+            epoch: 1,
+            by: "1".to_owned(),
+            claimed_name: None,
+            axes: vec![
+                (
+                    "axis-1".to_owned(),
+                    Posted::To(Some(StopBy::Off3), handle.clone()),
+                ),
+                ("axis-2".to_owned(), Posted::Untaken),
+            ],
+        };
+        let Transport::Plant(plant) = network.transport() else {
+            panic!("it is a plant");
+        };
+        let handle = axis.stop_handle();
+        plant.pause(true);
+        // a step that was under way ends
+        tokio::time::sleep(Duration::from_millis(50)).await;
+        handle.quick_stop();
+        let late = posted(&handle).confirmed().await;
+        assert!(!late.confirmed, "{late:?}");
+        assert_eq!(
+            (late.axes[0].state, late.axes[0].sent_us),
+            (StopState::Unconfirmed, None)
+        );
+        plant.pause(false);
+        let sent = posted(&handle).confirmed().await;
+        assert!(sent.confirmed, "{sent:?}");
+        assert_eq!(
+            (sent.axes[0].state, sent.axes[1].state),
+            (StopState::Sent, StopState::Taking)
+        );
+        assert!(sent.axes[0].sent_us.is_some() && sent.axes[0].by == Some(StopBy::Off3));
+        axis.release().await.unwrap();
+        handle.quick_stop();
+        let gone = posted(&handle).confirmed().await;
+        assert_eq!(gone.axes[0].state, StopState::Lost);
+    }
+}
