@@ -10,7 +10,7 @@ use profidrive::listed;
 use crate::access::Caller;
 use crate::api::LogTopic;
 use crate::audit::{AuditError, Record};
-use crate::control::Stopped;
+use crate::control::{Stopped, Stopping};
 use crate::live::{Event, Topic};
 use crate::problem::Problem;
 use crate::shared::Shared;
@@ -28,12 +28,31 @@ pub(crate) struct Intent {
     pub changes: Vec<String>,
 }
 
+/// Who wants something, and from where.
+#[derive(Debug, Clone)]
+pub(crate) struct Author {
+    pub who: String,
+    pub claimed_name: Option<String>,
+    pub address: Option<String>,
+}
+
+impl Author {
+    pub fn caller(caller: &Caller) -> Self {
+        Self {
+            who: caller.who.clone(),
+            claimed_name: caller.claimed.name(),
+            address: caller.address.clone(),
+        }
+    }
+}
+
 impl Intent {
-    fn record(&self, shared: &Shared, who: &str, claimed_name: Option<String>) -> Record {
+    fn record(&self, shared: &Shared, author: Author) -> Record {
         let drive = self.drive.as_ref();
         Record {
-            who: who.to_owned(),
-            claimed_name,
+            who: author.who,
+            claimed_name: author.claimed_name,
+            address: author.address,
             drive: self.drive.clone(),
             name: drive.and_then(|id| shared.board.name(id)),
             serial: drive.and_then(|id| shared.board.serial(id)),
@@ -46,7 +65,7 @@ impl Intent {
     }
 
     fn record_of(&self, shared: &Shared, caller: &Caller) -> Record {
-        self.record(shared, &caller.who, caller.claimed.name())
+        self.record(shared, Author::caller(caller))
     }
 }
 
@@ -124,8 +143,29 @@ pub(crate) async fn noted_quietly(shared: &Shared, caller: &Caller, intent: &Int
     written(shared, record).await;
 }
 
+/// Stops every axis, and returns once the frames with that have left or do not. It is reported and logged whether the caller waits
+/// or not.
+pub(crate) async fn stop(shared: &Arc<Shared>, caller: &Caller) -> Stopped {
+    let stopping = shared.control.stop(&caller.who, caller.claimed.name());
+    confirm_stop(shared, caller, stopping).await
+}
+
+/// Reports and logs a STOP that was posted, once it is known what became of it.
+pub(crate) async fn confirm_stop(shared: &Arc<Shared>, caller: &Caller, stopping: Stopping) -> Stopped {
+    let unconfirmed = stopping.unconfirmed();
+    let (shared, caller) = (Arc::clone(shared), caller.clone());
+    let confirmed = tokio::spawn(async move {
+        let stopped = stopping.confirmed().await;
+        shared.control.tell_stopped(&stopped);
+        note_stop(&shared, &caller, &stopped).await;
+        stopped
+    });
+    // a panic was printed: the STOP was posted before it, and nothing confirms it
+    confirmed.await.unwrap_or(unconfirmed)
+}
+
 /// Writes a STOP, and reports it to all pages, after it was carried out.
-pub(crate) async fn note_stop(shared: &Shared, caller: &Caller, stopped: &Stopped) {
+async fn note_stop(shared: &Shared, caller: &Caller, stopped: &Stopped) {
     let intent = Intent {
         action: "stop",
         drive: None,
@@ -150,13 +190,7 @@ pub(crate) async fn note_stop(shared: &Shared, caller: &Caller, stopped: &Stoppe
 
 /// Writes that something was refused, behind the refusal. A flood of refusals is counted instead. Where the log cannot be written the
 /// refusal stands alone: nothing was done.
-pub(crate) fn note_refusal(
-    shared: &Arc<Shared>,
-    who: &str,
-    claimed_name: Option<String>,
-    intent: Intent,
-    reason: &str,
-) {
+pub(crate) fn note_refusal(shared: &Arc<Shared>, author: Author, intent: Intent, reason: &str) {
     let Some(left_out) = shared.refusals().admit(Instant::now()) else {
         return;
     };
@@ -164,11 +198,11 @@ pub(crate) fn note_refusal(
         0 => format!("refused: {reason}"),
         more => format!("refused: {reason} ({more} refusals before this one are not in the log)"),
     };
-    let (shared, who) = (Arc::clone(shared), who.to_owned());
+    let shared = Arc::clone(shared);
     tokio::spawn(async move {
         let record = Record {
             result: Some(result),
-            ..intent.record(&shared, &who, claimed_name)
+            ..intent.record(&shared, author)
         };
         let _ = write(&shared, record).await;
     });

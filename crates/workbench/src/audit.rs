@@ -30,6 +30,9 @@ pub(crate) struct Record {
     /// What the people of that session call themselves, which nothing verifies.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub claimed_name: Option<String>,
+    /// The IP address that its connection came from; that of a proxy or a tunnel where one is between.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub address: Option<String>,
     /// The drive, as it is called in paths.
     pub drive: Option<String>,
     /// What the drive is called.
@@ -75,6 +78,10 @@ pub(crate) struct LogRecord {
     /// What the people of that session called themselves, which nothing has verified.
     #[serde(default)]
     pub claimed_name: Option<String>,
+    /// The IP address that its connection came from, that of a proxy or a tunnel where one was between; absent in records of older
+    /// versions.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub address: Option<String>,
     /// The drive, as it is called in paths.
     pub drive: Option<String>,
     /// What the drive was called.

@@ -555,12 +555,12 @@ mod tests {
         assert_eq!(board.name("a"), None);
         board.stations().survey(answers(&["a"]), Instant::now());
         let failed = || Err(Error::new(ErrorKind::Lost, "", &[], &"".into(), &PageWords));
-        board.note(before, "a", None, failed());
+        board.note(before, "a", None, failed(), None);
         assert!(
             board.stations().known["a"].read.is_none(),
             "it is of another drive"
         );
-        board.note(board.restarts(), "a", None, failed());
+        board.note(board.restarts(), "a", None, failed(), None);
         assert!(board.stations().known["a"].read.is_some());
     }
 

@@ -33,6 +33,7 @@ mod live;
 mod plan;
 mod problem;
 mod query;
+mod room;
 mod serve;
 mod settings;
 mod shared;

@@ -16,6 +16,10 @@ use serde::Serialize;
 
 use crate::board::explained;
 
+/// Why no drive answers.
+pub(crate) const STANDS_STILL: &str =
+    "the time of the plant stands still, so no drive answers: let it go on first";
+
 /// Why a request failed, and the status of its answer.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Problem {

@@ -34,11 +34,10 @@ use crate::control::Control;
 use crate::frames::{Frames, follow};
 use crate::jobs::Jobs;
 use crate::live::{Feeds, Hub, produce};
+use crate::room::{self, Room};
 use crate::settings::{Settings, Source};
 use crate::shared::Shared;
 
-/// Connections served at once; further ones wait in the queue of the system.
-const CONNECTIONS: usize = 256;
 /// Sockets of pages at once.
 const SOCKETS: usize = 64;
 /// The longest head of a request, in octets.
@@ -77,6 +76,9 @@ pub enum ServeError {
         /// Why.
         error: io::Error,
     },
+    /// What carries the network has failed: no frame leaves any more, and each drive stops its axis by its own watchdog.
+    #[error("{0}")]
+    Carrier(profidrive::client::Error),
     /// The network cannot be opened.
     #[error(transparent)]
     Open(#[from] OpenError),
@@ -94,6 +96,7 @@ impl Explained for ServeError {
             Self::NotLocal(_) | Self::PublicUrl(_) | Self::Tls(_) | Self::Plant(_) => ErrorKind::Usage,
             Self::Open(error) => error.kind(),
             Self::Listen { .. } | Self::System(_) => ErrorKind::Local,
+            Self::Carrier(_) => ErrorKind::Internal,
         }
     }
 
@@ -108,6 +111,9 @@ impl Explained for ServeError {
                 format!("`chmod 600 {}` keeps it from them", path.display()).into()
             }
             Self::Open(error) => error.advice(),
+            Self::Carrier(_) => Advice::from(
+                "each axis that was under control stops by the watchdog of its drive: look at the drives, then start the server again",
+            ),
             _ => Advice::default(),
         }
     }
@@ -285,11 +291,13 @@ impl Server {
             tokio::spawn(Arc::clone(&shared.board).read(network.clone()));
             tokio::spawn(produce(Arc::clone(&shared)));
             tokio::spawn(follow(Arc::clone(&shared)));
+            let caller = network.clone();
             tokio::select! {
-                () = accept(listener, Arc::clone(&shared), tls) => {}
-                () = rested(&stop, &shared.control, network.transport()) => {}
+                () = accept(listener, Arc::clone(&shared), tls) => Ok(()),
+                () = rested(&stop, &shared.control, network.transport()) => Ok(()),
+                // pages of a network that nothing carries any more would show what is not so: they lose their server instead
+                failure = caller.carrier_ended() => Err(ServeError::Carrier(failure)),
             }
-            Ok(())
         });
         runtime.shutdown_timeout(Duration::from_secs(1));
         drop(network);
@@ -340,25 +348,34 @@ fn app(shared: Arc<Shared>) -> Router {
 
 async fn accept(listener: TcpListener, shared: Arc<Shared>, tls: Option<Tls>) {
     let app = app(shared);
-    let room = Arc::new(Semaphore::new(CONNECTIONS));
-    while let Ok(place) = Arc::clone(&room).acquire_owned().await {
+    let room = Arc::new(Room::default());
+    loop {
         let Ok((stream, peer)) = listener.accept().await else {
             sleep(RETRY).await;
             continue;
         };
-        let app = app.clone().layer(Extension(Peer(peer)));
+        let place = room.enter().await;
+        let app = app
+            .clone()
+            .layer(Extension(Peer(peer)))
+            .layer(from_fn_with_state(place.requests(), room::note));
         let tls = tls.clone();
         tokio::spawn(async move {
-            // a client that is too slow or uses another protocol is disconnected
-            match tls {
-                None => attend(stream, app).await,
-                Some(tls) => {
-                    if let Ok(Ok(stream)) = timeout(HEAD_TIME, tls.accept(stream)).await {
-                        attend(stream, app).await;
+            let served = async {
+                // a client that is too slow or uses another protocol is disconnected
+                match tls {
+                    None => attend(stream, app).await,
+                    Some(tls) => {
+                        if let Ok(Ok(stream)) = timeout(HEAD_TIME, tls.accept(stream)).await {
+                            attend(stream, app).await;
+                        }
                     }
                 }
+            };
+            tokio::select! {
+                () = served => {}
+                () = place.ended() => {}
             }
-            drop(place);
         });
     }
 }
@@ -372,4 +389,62 @@ async fn attend(stream: impl AsyncRead + AsyncWrite + Unpin + Send + 'static, ap
         .serve_connection(TokioIo::new(stream), TowerToHyperService::new(app))
         .with_upgrades();
     let _ = connection.await;
+}
+
+#[cfg(test)]
+mod tests {
+    use std::future::Future;
+    use std::pin::pin;
+    use std::sync::atomic::{AtomicBool, Ordering};
+    use std::task::{Context, Wake, Waker};
+
+    use super::*;
+
+    /// Panics in the thread that wakes it first: that which carries the network.
+    struct Bomb(AtomicBool);
+
+    impl Wake for Bomb {
+        fn wake(self: Arc<Self>) {
+            assert!(
+                self.0.swap(true, Ordering::Relaxed),
+                "an error in the thread that carries the network"
+            );
+        }
+    }
+
+    #[test]
+    fn a_server_whose_network_thread_panics_ends_with_that_error() {
+        let settings = Settings {
+            listen: "127.0.0.1:0".parse().unwrap(),
+            log: None,
+            ..Settings::new(Source::Demo)
+        };
+        let server = Server::open(settings, Stop::new().unwrap()).unwrap();
+        let mut network: profidrive::Caller = server.network.clone();
+        let address = server.address();
+        let serving = std::thread::spawn(move || server.run());
+        let waker = Waker::from(Arc::new(Bomb(AtomicBool::new(false))));
+        {
+            let mut call = pin!(network.pass(Duration::from_millis(20)));
+            let looked = call.as_mut().poll(&mut Context::from_waker(&waker));
+            assert!(looked.is_pending());
+            let begin = Instant::now();
+            while !serving.is_finished() {
+                assert!(
+                    begin.elapsed() < Duration::from_secs(30),
+                    "it serves a dead network"
+                );
+                std::thread::sleep(Duration::from_millis(10));
+            }
+        }
+        let error = serving.join().unwrap().unwrap_err();
+        assert!(matches!(error, ServeError::Carrier(_)), "{error}");
+        assert_eq!(error.kind(), ErrorKind::Internal);
+        assert!(
+            error.to_string().contains("nothing is carried any more"),
+            "{error}"
+        );
+        // pages lose their connection
+        assert!(std::net::TcpStream::connect(address).is_err());
+    }
 }

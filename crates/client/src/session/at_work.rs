@@ -1,9 +1,15 @@
 //! Whether a drive is at work: what a reset, another name or another address would disturb. Reads only.
 
+use std::time::Duration;
+
 use profile::catalogue::Part;
 
 use super::{STANDS, Session};
+use crate::engine::Interest;
 use crate::{AtWork, Drive, Error};
+
+/// Longer than any wait.
+const FOREVER: Duration = Duration::from_secs(365 * 24 * 3600);
 
 impl Session {
     /// Checks that no controller is connected to a drive. `undone` is the action that is not done otherwise: `renamed`.
@@ -35,6 +41,18 @@ impl Session {
     #[must_use]
     pub fn has_axis(&self, drive: &Drive) -> bool {
         self.engine.records().own_axis(drive).is_some()
+    }
+
+    /// Waits until nothing carries the network any more, and returns why: it was closed, or the thread that carries it has failed.
+    pub async fn carrier_ended(&self) -> Error {
+        loop {
+            let due = self.now() + FOREVER;
+            match self.engine.next_turn(due, Interest::Events).await {
+                Err(error) if error.is_final() => return error,
+                // a wire that failed may come back
+                _ => {}
+            }
+        }
     }
 
     /// Returns whether cyclic data can travel from here, so that a control word reaches the drive: not over UDP alone.

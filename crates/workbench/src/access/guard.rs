@@ -10,7 +10,7 @@ use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 
 use super::{Claimed, Peer, Role};
-use crate::act::{self, Intent};
+use crate::act::{self, Author, Intent};
 use crate::problem::Problem;
 use crate::shared::Shared;
 
@@ -26,6 +26,8 @@ pub(crate) struct Caller {
     pub claimed: Claimed,
     /// Whether it is on another computer.
     pub remote: bool,
+    /// The address that its connection came from; that of a proxy or a tunnel where one is between.
+    pub address: Option<String>,
 }
 
 /// Refuses requests for other hosts, from other origins and without a session. What passes carries its [`Caller`].
@@ -57,8 +59,11 @@ fn note(shared: &Arc<Shared>, request: &Request, problem: &Problem) {
     let short = |text: &str| text.chars().take(LONGEST).collect::<String>();
     let origin = text(request.headers(), &ORIGIN)
         .map_or_else(String::new, |origin| format!(", from {}", short(origin)));
-    let peer = request.extensions().get::<Peer>();
-    let peer = peer.map_or_else(String::new, |Peer(peer)| peer.ip().to_string());
+    let author = Author {
+        who: address_of(request).unwrap_or_default(),
+        claimed_name: None,
+        address: address_of(request),
+    };
     let intent = Intent {
         action: "request",
         drive: None,
@@ -69,7 +74,12 @@ fn note(shared: &Arc<Shared>, request: &Request, problem: &Problem) {
         )),
         changes: Vec::new(),
     };
-    act::note_refusal(shared, &peer, None, intent, problem.message());
+    act::note_refusal(shared, author, intent, problem.message());
+}
+
+fn address_of(request: &Request) -> Option<String> {
+    let Peer(peer) = request.extensions().get::<Peer>()?;
+    Some(peer.ip().to_canonical().to_string())
 }
 
 fn check(shared: &Shared, request: &Request) -> Result<Option<Caller>, Problem> {
@@ -92,6 +102,7 @@ fn check(shared: &Shared, request: &Request) -> Result<Option<Caller>, Problem> 
         return Ok(None);
     }
     let remote = is_remote(shared, request);
+    let address = address_of(request);
     let bearer = text(headers, &AUTHORIZATION).and_then(|value| value.strip_prefix("Bearer "));
     if bearer.is_none() {
         from_here(shared, headers, method)?;
@@ -107,6 +118,7 @@ fn check(shared: &Shared, request: &Request) -> Result<Option<Caller>, Problem> 
             who: "token".to_owned(),
             claimed: Claimed::default(),
             remote,
+            address,
         },
         None => {
             let id = session_of(headers, &shared.cookie);
@@ -119,6 +131,7 @@ fn check(shared: &Shared, request: &Request) -> Result<Option<Caller>, Problem> 
                 who: number.unwrap_or_default().to_string(),
                 claimed: claimed.unwrap_or_default(),
                 remote,
+                address,
             }
         }
     };

@@ -29,7 +29,8 @@ const CHUNK: usize = 64 << 10;
 const CHUNKS: usize = 4;
 
 /// The first row of the log as CSV. Programs read its columns by place: a new one is behind the others.
-const HEAD: &str = "time,who,drive,name,action,value,changes,result,serial,engine_us,epoch,claimed_name\r\n";
+const HEAD: &str =
+    "time,who,drive,name,action,value,changes,result,serial,engine_us,epoch,claimed_name,address\r\n";
 
 /// How many records there are.
 #[derive(Debug, Serialize, JsonSchema)]
@@ -164,6 +165,7 @@ fn row(record: &LogRecord) -> String {
         number(record.engine_us),
         number(record.epoch),
         of(&record.claimed_name),
+        of(&record.address),
     ];
     cells.join(",") + "\r\n"
 }
@@ -190,6 +192,7 @@ mod tests {
             boot: "b".to_owned(),
             who: "3".to_owned(),
             claimed_name: Some("=Anna, shift 2".to_owned()),
+            address: Some("192.168.0.9".to_owned()),
             drive: Some("02:00:00:00:00:01".to_owned()),
             name: Some("axis-1".to_owned()),
             serial: Some("S-1".to_owned()),
@@ -202,17 +205,18 @@ mod tests {
         };
         assert_eq!(
             row(&record),
-            "2026-01-02T03:04:05.678Z,3,02:00:00:00:00:01,axis-1,write,1,a; b,done,S-1,12345,2,\"'=Anna, shift 2\"\r\n"
+            "2026-01-02T03:04:05.678Z,3,02:00:00:00:00:01,axis-1,write,1,a; b,done,S-1,12345,2,\"'=Anna, shift 2\",192.168.0.9\r\n"
         );
-        assert_eq!(HEAD.split(',').count(), 12);
+        assert_eq!(HEAD.split(',').count(), 13);
         let older = LogRecord {
             claimed_name: None,
+            address: None,
             serial: None,
             engine_us: None,
             epoch: None,
             ..record
         };
-        assert!(row(&older).ends_with(",done,,,,\r\n"), "{}", row(&older));
+        assert!(row(&older).ends_with(",done,,,,,\r\n"), "{}", row(&older));
     }
 
     #[test]

@@ -20,7 +20,7 @@ mod virtual_drives;
 
 pub(crate) use drives::find;
 pub(crate) use log::LogTopic;
-pub(crate) use plant::{STANDS_STILL, of_a_simulation, while_it_runs};
+pub(crate) use plant::{of_a_simulation, while_it_runs};
 pub(crate) use stations::StationsReport;
 pub(crate) use virtual_drives::VirtualDrives;
 

@@ -16,12 +16,8 @@ use serde::{Deserialize, Serialize};
 use super::virtual_drives::no_simulation;
 use crate::access::Caller;
 use crate::act::{Intent, carry_out};
-use crate::problem::Problem;
+use crate::problem::{Problem, STANDS_STILL};
 use crate::shared::Shared;
-
-/// Why no drive answers.
-pub(crate) const STANDS_STILL: &str =
-    "the time of the plant stands still, so no drive answers: let it go on first";
 
 /// A plant file that is checked or started.
 #[derive(Debug, Deserialize, Serialize, JsonSchema)]

@@ -8,8 +8,9 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::access::{Caller, Role};
+use crate::act;
 use crate::assets;
-use crate::control::{StopFrame, stop_and_note};
+use crate::control::StopFrame;
 use crate::settings::Source;
 use crate::shared::Shared;
 
@@ -94,7 +95,7 @@ pub(super) async fn stop(
     State(shared): State<Arc<Shared>>,
     Extension(caller): Extension<Caller>,
 ) -> Json<StoppedReport> {
-    let stopped = stop_and_note(&shared, &caller).await;
+    let stopped = act::stop(&shared, &caller).await;
     Json(StoppedReport {
         stops: stopped.epoch,
         confirmed: stopped.confirmed,

@@ -10,7 +10,6 @@ use profidrive::motion::{self, StopReport};
 use super::drives::find;
 use crate::access::Caller;
 use crate::act::{self, Intent};
-use crate::control::stop_and_note;
 use crate::problem::Problem;
 use crate::shared::Shared;
 
@@ -33,7 +32,7 @@ pub(super) async fn stop_drive(
 ) -> Result<Json<StopReport>, Problem> {
     let id = id.to_lowercase();
     if shared.control.drives().contains(&id) {
-        stop_and_note(&shared, &caller).await;
+        act::stop(&shared, &caller).await;
     }
     let (mut network, mut drive) = find(&shared, &id).await?;
     // it goes on when its page goes away

@@ -8,6 +8,7 @@ use std::collections::BTreeMap;
 use profidrive::profile::notation::figures;
 
 use crate::access::person;
+use crate::problem::STANDS_STILL;
 
 /// What a new holder may do at most before the direction is confirmed, of its own limit.
 const FIRST: f64 = 0.1;
@@ -39,6 +40,32 @@ struct Held {
 /// Why something is not permitted.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub(crate) enum Denied {
+    #[error("this session is view-only: open the link for control to move an axis")]
+    View,
+    #[error("this server was started view-only: pages can look and stop")]
+    ReadOnly,
+    #[error(
+        "this page is on another computer: whoever moves a machine must see it, and this server was not started to permit it from there"
+    )]
+    Remote,
+    #[error("drives that are given by their addresses have parameters only: control needs an interface")]
+    Addresses,
+    #[error(
+        "on a machine a person confirms first that the axis is in sight, that its way is clear and that an emergency stop is at hand"
+    )]
+    Unchecked,
+    #[error("the highest speed has to be a number above 0 rpm")]
+    NoLimit,
+    #[error("the longest travel has to be a number above 0 rev")]
+    NoTravel,
+    #[error("this page has control of {most} axes, which is the most")]
+    TooMany { most: usize },
+    #[error("no such drive has answered")]
+    Unknown,
+    #[error("{}", STANDS_STILL)]
+    StandsStill,
+    #[error("this jog came too late: the button may be up by now")]
+    LateJog,
     #[error("{who} has control of this drive")]
     Taken { who: String },
     #[error("this page has no control of the drive, or has it no more")]
@@ -82,6 +109,19 @@ pub(crate) fn permit_round_trip(ms: Option<f64>) -> Result<(), Denied> {
         // not a number is no short one
         Some(ms) if (0.0..=ROUND_TRIP).contains(&ms) => Ok(()),
         Some(ms) => Err(Denied::RoundTrip { ms }),
+    }
+}
+
+impl Denied {
+    /// Returns the stable name of what is denied to a page whatever it requests; nothing of other refusals.
+    pub const fn of_page(&self) -> Option<&'static str> {
+        Some(match self {
+            Self::View => "view",
+            Self::ReadOnly => "read_only",
+            Self::Remote => "remote",
+            Self::Addresses => "addresses",
+            _ => return None,
+        })
     }
 }
 

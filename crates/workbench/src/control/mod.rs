@@ -27,7 +27,7 @@ use running::Running;
 use stopping::StopNews;
 
 pub(crate) use socket::{__path_control, control};
-pub(crate) use stopping::{StopFrame, Stopped, Stopping, stop_and_note};
+pub(crate) use stopping::{StopFrame, Stopped, Stopping};
 
 /// A motion that a button keeps going ends this long after the last beat.
 pub(crate) const HOLD: Duration = Duration::from_millis(200);

@@ -11,7 +11,7 @@ use tokio::sync::mpsc;
 
 use super::axis::turn;
 use super::ledger::{Holder, Stamp};
-use super::running::{Command, Order, Reply, Running, StopBy};
+use super::running::{Command, Order, Out, Reply, Running, StopBy};
 use super::{Control, HOLD};
 
 const MS: Duration = Duration::from_millis(1);
@@ -57,7 +57,7 @@ struct Play {
     silent: Duration,
     /// Time since the last STOP that is not reset, and since the last button went up.
     stopped: Option<Duration>,
-    answers: mpsc::Receiver<String>,
+    answers: mpsc::Receiver<Out>,
     reply: Reply,
     moved: bool,
 }
@@ -169,7 +169,7 @@ impl Play {
                 .insert("a".to_owned(), Arc::clone(&taken.running));
         }
         let stopping = self.control.stop("x", None);
-        assert_eq!(stopping.drives.len(), usize::from(self.taken.is_some()));
+        assert_eq!(stopping.axes.len(), usize::from(self.taken.is_some()));
         self.control.axes().clear();
         self.stopped = Some(Duration::ZERO);
     }

@@ -127,9 +127,20 @@ pub(super) struct Command {
     pub reply: Reply,
 }
 
+/// What is on its way out of one socket.
+#[derive(Debug)]
+pub(super) enum Out {
+    Text(String),
+    /// The last one: why this side closes the socket.
+    Close(Closing),
+}
+
+/// Why a socket is closed by this side: its code and its reason.
+pub(super) type Closing = (u16, &'static str);
+
 /// Where answers of one socket go. A socket that takes no more is closed by its own task.
 #[derive(Debug, Clone)]
-pub(super) struct Reply(pub mpsc::Sender<String>);
+pub(super) struct Reply(pub mpsc::Sender<Out>);
 
 #[derive(Serialize)]
 struct Accepted {
@@ -152,9 +163,13 @@ struct Refused<'r> {
 impl Reply {
     pub fn send(&self, message: &impl Serialize) {
         // a full queue: the socket ends by itself
-        let _ = self
-            .0
-            .try_send(serde_json::to_string(message).unwrap_or_default());
+        let text = serde_json::to_string(message).unwrap_or_default();
+        let _ = self.0.try_send(Out::Text(text));
+    }
+
+    /// Closes the socket behind what is on its way.
+    pub fn close(&self, closing: Closing) {
+        let _ = self.0.try_send(Out::Close(closing));
     }
 
     pub fn accepted(&self, n: u64) {

@@ -19,12 +19,11 @@ use super::axis::attend;
 use super::fresh::Freshness;
 use super::ledger::{Denied, Holder, Stamp, permit_round_trip};
 use super::messages::{Axes, Echo, For, HeldGoal, Hello, Request, Stamped, Wanted};
-use super::running::{Command, Order, Reply, Running, StopBy, conflict};
-use super::stopping::{StopsTold, confirm_and_note};
+use super::running::{Closing, Command, Order, Out, Reply, Running, StopBy, conflict};
+use super::stopping::StopsTold;
 use super::{HOLD, LEASE};
 use crate::access::{Caller, Role};
-use crate::act::{self, Intent};
-use crate::api::STANDS_STILL;
+use crate::act::{self, Author, Intent};
 use crate::assets;
 use crate::problem::Problem;
 use crate::settings::Source;
@@ -70,9 +69,6 @@ pub(crate) async fn control(
     Ok(upgrade.on_upgrade(move |socket| serve(shared, caller, socket, place)))
 }
 
-/// Why a socket is closed by this side.
-type Closing = (u16, &'static str);
-
 async fn serve(shared: Arc<Shared>, caller: Caller, socket: WebSocket, place: OwnedSemaphorePermit) {
     let (sink, mut stream) = socket.split();
     let (answers, queue) = mpsc::channel(ANSWERS);
@@ -99,22 +95,18 @@ async fn serve(shared: Arc<Shared>, caller: Caller, socket: WebSocket, place: Ow
     // first: nothing that follows may keep an axis
     page.end();
     drop(place);
-    if let Some((code, reason)) = closing {
-        let reason = format!("{code} {reason}");
-        let _ = page.reply.0.try_send(format!("{CLOSE}{reason}"));
+    if let Some(closing) = closing {
+        page.reply.close(closing);
     }
     drop(page);
     let _ = timeout(GONE, writer).await;
 }
 
-/// Stands before the code with which a socket is closed, in the queue of its answers; no JSON begins with it.
-const CLOSE: &str = "close ";
-
 /// Sends answers, news and pictures of the axes until the page is gone.
 async fn write(
     shared: Arc<Shared>,
     mut sink: SplitSink<WebSocket, Message>,
-    mut queue: mpsc::Receiver<String>,
+    mut queue: mpsc::Receiver<Out>,
     mut told: StopsTold,
 ) {
     let mut news = shared.control.news.subscribe();
@@ -147,13 +139,11 @@ async fn write(
             },
             answer = queue.recv() => match answer {
                 None => return,
-                Some(answer) => match answer.strip_prefix(CLOSE).and_then(|text| text.split_once(' ')) {
-                    Some((code, reason)) => Message::Close(Some(CloseFrame {
-                        code: code.parse().unwrap_or(close_code::POLICY),
-                        reason: reason.into(),
-                    })),
-                    None => Message::Text(answer.into()),
-                },
+                Some(Out::Text(text)) => Message::Text(text.into()),
+                Some(Out::Close((code, reason))) => Message::Close(Some(CloseFrame {
+                    code,
+                    reason: reason.into(),
+                })),
             },
             _ = pictures.tick() => {
                 let axes: Vec<_> = shared.control.axes().values().map(|running| running.picture()).collect();
@@ -173,9 +163,6 @@ async fn write(
         }
     }
 }
-
-/// Why an axis of a real machine is not given.
-const UNCHECKED: &str = "on a machine a person confirms first that the axis is in sight, that its way is clear and that an emergency stop is at hand";
 
 /// Why a text is no message of a page.
 fn no_message(error: &serde_json::Error) -> &'static str {
@@ -226,12 +213,13 @@ impl Page {
         }
     }
 
-    fn refusal(&self) -> Option<&'static str> {
+    /// Returns why this page controls nothing here, whatever it requests.
+    fn refusal(&self) -> Option<Denied> {
         match (&self.shared.source, self.caller.role) {
-            _ if self.shared.read_only => Some("read_only"),
-            (_, Role::View) => Some("view"),
-            _ if self.caller.remote && !self.shared.moves_remotely => Some("remote"),
-            (Source::Addresses(_), _) => Some("addresses"),
+            _ if self.shared.read_only => Some(Denied::ReadOnly),
+            (_, Role::View) => Some(Denied::View),
+            _ if self.caller.remote && !self.shared.moves_remotely => Some(Denied::Remote),
+            (Source::Addresses(_), _) => Some(Denied::Addresses),
             _ => None,
         }
     }
@@ -245,7 +233,7 @@ impl Page {
             who: &self.caller.who,
             epoch: ledger.epoch(),
             stopped: ledger.is_stopped(),
-            refusal: self.refusal(),
+            refusal: self.refusal().and_then(|denied| denied.of_page()),
             hold_ms: HOLD.as_millis(),
             lease_ms: LEASE.as_millis(),
         });
@@ -314,7 +302,7 @@ impl Page {
             .stop(&self.caller.who, self.caller.claimed.name());
         let (shared, caller) = (Arc::clone(&self.shared), self.caller.clone());
         if self.messages <= RATE {
-            tokio::spawn(async move { confirm_and_note(&shared, &caller, stopping).await });
+            tokio::spawn(async move { act::confirm_stop(&shared, &caller, stopping).await });
             return;
         }
         let confirming = Arc::clone(&self.confirming);
@@ -388,7 +376,7 @@ impl Page {
                 let confirmed = self.shared.control.ledger().confirm(&of.drive, self.stamp(&of));
                 match confirmed {
                     Ok(()) => self.reply.accepted(of.n),
-                    Err(denied) => self.refuse(of.n, Some(&of.drive), "confirm", None, &denied.to_string()),
+                    Err(denied) => self.refuse(of.n, Some(&of.drive), "confirm", None, &denied),
                 }
             }
             Request::Reset { n, epoch } => self.reset(n, epoch),
@@ -398,14 +386,14 @@ impl Page {
             Request::Jog { of, t, speed, rtt } => {
                 let fresh = self.freshness.is_fresh(self.begin.elapsed(), t);
                 let permitted = match fresh {
-                    true => permit_round_trip(rtt).map_err(|denied| denied.to_string()),
-                    false => Err("this jog came too late: the button may be up by now".to_owned()),
+                    true => permit_round_trip(rtt),
+                    false => Err(Denied::LateJog),
                 };
                 match permitted {
                     Ok(()) => self.order(of, Order::Jog(speed)),
-                    Err(reason) => {
+                    Err(denied) => {
                         let value = Order::Jog(speed).value();
-                        self.refuse(of.n, Some(&of.drive), "jog", value, &reason);
+                        self.refuse(of.n, Some(&of.drive), "jog", value, &denied);
                     }
                 }
             }
@@ -444,16 +432,23 @@ impl Page {
     }
 
     /// Refuses what a page wants, and notes that.
-    fn refuse(&self, n: u64, drive: Option<&str>, action: &'static str, value: Option<String>, reason: &str) {
-        self.reply.refused(n, &conflict(reason));
+    fn refuse(
+        &self,
+        n: u64,
+        drive: Option<&str>,
+        action: &'static str,
+        value: Option<String>,
+        denied: &Denied,
+    ) {
+        let reason = denied.to_string();
+        self.reply.refused(n, &conflict(&reason));
         let intent = Intent {
             action,
             drive: drive.map(str::to_owned),
             value,
             changes: Vec::new(),
         };
-        let claimed = self.caller.claimed.name();
-        act::note_refusal(&self.shared, &self.caller.who, claimed, intent, reason);
+        act::note_refusal(&self.shared, Author::caller(&self.caller), intent, &reason);
     }
 
     fn beat(&mut self, n: u64, t: f64, held: Option<&HeldGoal>) {
@@ -472,38 +467,30 @@ impl Page {
         });
     }
 
+    /// Returns why an axis is not given to this page, whoever has it.
+    fn take_refusal(&self, drive: &str, hold: &Hold, checks: bool) -> Option<Denied> {
+        if let Some(denied) = self.refusal() {
+            return Some(denied);
+        }
+        let is_positive = |number: f64| number > 0.0 && number.is_finite();
+        let is_known = |drive: &str| {
+            let board = &self.shared.board;
+            board.look(|stations| stations.known.contains_key(drive))
+        };
+        match () {
+            () if !checks && needs_checks(&self.shared.source) => Some(Denied::Unchecked),
+            () if !is_positive(hold.limit) => Some(Denied::NoLimit),
+            () if !hold.travel.is_none_or(is_positive) => Some(Denied::NoTravel),
+            () if self.own.len() >= AXES => Some(Denied::TooMany { most: AXES }),
+            () if !is_known(drive) => Some(Denied::Unknown),
+            () => None,
+        }
+    }
+
     fn take(&mut self, n: u64, drive: &str, hold: Hold, stop_by: StopBy, checks: bool) {
-        let refused = |detail: &str| self.refuse(n, Some(drive), "take", None, detail);
-        match self.refusal() {
-            Some("addresses") => {
-                return refused(
-                    "drives that are given by their addresses have parameters only: control needs an interface",
-                );
-            }
-            Some(_) => return refused("this session is view-only"),
-            None => {}
-        }
-        if !checks && needs_checks(&self.shared.source) {
-            return refused(UNCHECKED);
-        }
-        if !(hold.limit > 0.0 && hold.limit.is_finite()) {
-            return refused("the highest speed has to be a number above 0 rpm");
-        }
-        if hold
-            .travel
-            .is_some_and(|travel| !(travel > 0.0 && travel.is_finite()))
-        {
-            return refused("the longest travel has to be a number above 0 rev");
-        }
-        if self.own.len() >= AXES {
-            return refused("this page has control of 8 axes, which is the most");
-        }
-        if !self
-            .shared
-            .board
-            .look(|stations| stations.known.contains_key(drive))
-        {
-            return refused("no such drive has answered");
+        let refused = |denied: &Denied| self.refuse(n, Some(drive), "take", None, denied);
+        if let Some(denied) = self.take_refusal(drive, &hold, checks) {
+            return refused(&denied);
         }
         let control = &self.shared.control;
         let holder = Holder {
@@ -514,7 +501,7 @@ impl Page {
         let taken = control.ledger().take(drive, holder.clone(), hold.limit);
         let lease = match taken {
             Ok(lease) => lease,
-            Err(denied) => return refused(&denied.to_string()),
+            Err(denied) => return refused(&denied),
         };
         let (running, queue) = Running::new(drive, lease, holder, hold.purpose, stop_by);
         control.axes().insert(drive.to_owned(), Arc::clone(&running));
@@ -522,7 +509,7 @@ impl Page {
         if self.shared.is_paused() {
             control.axes().remove(drive);
             control.ledger().give_back(drive, lease);
-            return refused(STANDS_STILL);
+            return refused(&Denied::StandsStill);
         }
         self.own.push(Arc::clone(&running));
         let (shared, caller) = (Arc::clone(&self.shared), self.caller.clone());
@@ -552,7 +539,7 @@ impl Page {
         };
         if let Err(denied) = permitted {
             let value = order.value();
-            self.refuse(of.n, Some(&of.drive), order.action(), value, &denied.to_string());
+            self.refuse(of.n, Some(&of.drive), order.action(), value, &denied);
             return;
         }
         let command = Command {
@@ -562,24 +549,18 @@ impl Page {
         };
         match self.own(&of.drive) {
             Some(running) => running.order(command),
-            None => self.refuse(
-                of.n,
-                Some(&of.drive),
-                order.action(),
-                None,
-                &Denied::NotHeld.to_string(),
-            ),
+            None => self.refuse(of.n, Some(&of.drive), order.action(), None, &Denied::NotHeld),
         }
     }
 
     fn reset(&self, n: u64, epoch: u64) {
-        if self.refusal().is_some() {
-            self.refuse(n, None, "reset", None, "this session is view-only");
+        if let Some(denied) = self.refusal() {
+            self.refuse(n, None, "reset", None, &denied);
             return;
         }
         let reset = self.shared.control.ledger().reset(epoch);
         if let Err(denied) = reset {
-            self.refuse(n, None, "reset", None, &denied.to_string());
+            self.refuse(n, None, "reset", None, &denied);
         } else {
             self.reply.accepted(n);
             self.shared.control.tell_reset(epoch);

@@ -1,6 +1,5 @@
 //! A STOP on its way: from the moment it was pressed until the frames with it have left.
 
-use std::sync::Arc;
 use std::time::Duration;
 
 use axum::extract::ws::Utf8Bytes;
@@ -13,9 +12,6 @@ use tokio::time::timeout;
 use super::Control;
 use super::messages::Reset;
 use super::running::StopBy;
-use crate::access::Caller;
-use crate::act;
-use crate::shared::Shared;
 
 /// The longest time until a STOP is reported. A frame leaves once in each update time, so more is a sign that none leaves; a page
 /// reports after 500 ms by itself that nothing confirms its STOP.
@@ -133,8 +129,21 @@ impl StopNews {
 }
 
 impl Stopping {
+    /// Returns what is known of it before its frames were looked for.
+    pub fn unconfirmed(&self) -> Stopped {
+        Stopped {
+            r#type: "stopped",
+            epoch: self.epoch,
+            by: self.by.clone(),
+            claimed_name: self.claimed_name.clone(),
+            drives: self.axes.iter().map(|(drive, _)| drive.clone()).collect(),
+            confirmed: false,
+            axes: Vec::new(),
+        }
+    }
+
     /// Waits until the frames with the stop have left, or for as long as that may take.
-    pub(super) async fn confirmed(self) -> Stopped {
+    pub async fn confirmed(self) -> Stopped {
         let axes = self.axes.into_iter().map(|(drive, posted)| async move {
             let (by, state, sent_us) = match posted {
                 Posted::Untaken => (None, StopState::Taking, None),
@@ -177,7 +186,7 @@ impl StopFrame {
 
 impl Control {
     /// Reports a STOP to all pages, once it is known what became of it.
-    pub(super) fn tell_stopped(&self, stopped: &Stopped) {
+    pub fn tell_stopped(&self, stopped: &Stopped) {
         self.stop_news.send_if_modified(|news| {
             // one that was slow to be confirmed takes nothing back
             let is_newest = news
@@ -206,38 +215,6 @@ impl Control {
 
 fn text(message: &impl Serialize) -> Utf8Bytes {
     serde_json::to_string(message).unwrap_or_default().into()
-}
-
-/// Stops every axis, and returns once the frames with that have left or do not. It is reported and logged whether the caller waits
-/// or not.
-pub(crate) async fn stop_and_note(shared: &Arc<Shared>, caller: &Caller) -> Stopped {
-    let stopping = shared.control.stop(&caller.who, caller.claimed.name());
-    confirm_and_note(shared, caller, stopping).await
-}
-
-/// Reports and logs a STOP that was posted.
-pub(super) async fn confirm_and_note(shared: &Arc<Shared>, caller: &Caller, stopping: Stopping) -> Stopped {
-    let unknown = stopping.clone();
-    let (shared, caller) = (Arc::clone(shared), caller.clone());
-    let noted = tokio::spawn(async move {
-        let stopped = stopping.confirmed().await;
-        shared.control.tell_stopped(&stopped);
-        act::note_stop(&shared, &caller, &stopped).await;
-        stopped
-    });
-    match noted.await {
-        Ok(stopped) => stopped,
-        // a panic was printed: the STOP was posted before it, and nothing confirms it
-        Err(_) => Stopped {
-            r#type: "stopped",
-            epoch: unknown.epoch,
-            by: unknown.by,
-            claimed_name: unknown.claimed_name,
-            drives: unknown.axes.into_iter().map(|(drive, _)| drive).collect(),
-            confirmed: false,
-            axes: Vec::new(),
-        },
-    }
 }
 
 #[cfg(test)]
@@ -349,7 +326,8 @@ mod tests {
             (StopState::Sent, StopState::Taking)
         );
         assert!(sent.axes[0].sent_us.is_some() && sent.axes[0].by == Some(StopBy::Off3));
-        axis.release().await.unwrap();
+        // that a stop has ended its operation is what this reports
+        let _ = axis.release().await;
         handle.quick_stop();
         let gone = posted(&handle).confirmed().await;
         assert_eq!(gone.axes[0].state, StopState::Lost);

@@ -244,6 +244,7 @@ mod tests {
         Rows {
             lost,
             gap: lost > 0,
+            bad: false,
             rows: (0..count as u64).map(row).collect(),
         }
     }

@@ -1,12 +1,14 @@
 //! Who is let in: hosts, origins, sessions, tokens and limits, by requests as an attacker would make them.
 
+use std::io::{ErrorKind, Read, Write};
 use std::net::TcpStream;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use profidrive::Stop;
 use profidrive_workbench::{ServeError, Server, Settings, Source, openapi};
 use serde_json::Value;
 
+use crate::control::Hands;
 use crate::live::open_at;
 use crate::namespace;
 use crate::server::{JSON, PAGE, Running, eventually};
@@ -462,14 +464,60 @@ fn nothing_but_the_page_is_served_and_each_answer_has_the_headers() {
 }
 
 #[test]
-fn connections_without_a_request_hold_places_only_while_they_stay() {
+fn connections_that_stay_idle_hold_up_nobody() {
     let server = Running::demo();
-    let idle: Vec<TcpStream> = (0..300)
-        .map_while(|_| TcpStream::connect(server.address).ok())
-        .collect();
-    assert_eq!(idle.len(), 300);
+    let mut socket = Hands::of(&server, &server.view);
+    // one that is within a request keeps its place
+    let mut slow = TcpStream::connect(server.address).unwrap();
+    let bearer = Running::bearer(&server.control).replace("{address}", &server.address.to_string());
+    let head =
+        format!("POST /api/v1/captures HTTP/1.1\r\n{bearer}Connection: close\r\nContent-Length: 4\r\n\r\nab");
+    slow.write_all(head.as_bytes()).unwrap();
+    // some send nothing, some a part of a head, and all of them stay
+    let mut idle: Vec<TcpStream> = Vec::new();
+    for number in 0..300 {
+        let mut stream = TcpStream::connect(server.address).unwrap();
+        if number % 3 == 0 {
+            // one that was ended already takes nothing
+            let _ = stream.write_all(b"POST /api/v1/stop HTTP/1.1\r\nHost: ");
+        }
+        idle.push(stream);
+    }
+    let begin = Instant::now();
+    let stopped = server.ask("POST", "/api/v1/stop", &Running::bearer(&server.view), "");
+    let time = begin.elapsed();
+    assert_eq!(stopped.status, 200);
+    // far below the time that an idle connection has
+    assert!(time < Duration::from_secs(4), "{time:?}");
+    assert_eq!(socket.stopped()["epoch"], 1, "a socket goes on");
+    slow.write_all(b"cd").unwrap();
+    let mut answer = String::new();
+    slow.read_to_string(&mut answer).unwrap();
+    assert!(answer.starts_with("HTTP/1.1 200"), "{answer}");
     drop(idle);
-    assert_eq!(server.ask("GET", "/", PAGE, "").status, 200);
+}
+
+#[test]
+fn a_head_that_comes_too_slowly_ends_its_connection() {
+    let server = Running::demo();
+    let mut slow = TcpStream::connect(server.address).unwrap();
+    slow.set_read_timeout(Some(Duration::from_millis(200))).unwrap();
+    let begin = Instant::now();
+    let head = b"POST /api/v1/stop HTTP/1.1\r\nHost: "
+        .iter()
+        .chain(std::iter::repeat(&b'a'));
+    for octet in head {
+        assert!(begin.elapsed() < Duration::from_secs(30), "it is still open");
+        let sent = slow.write_all(&[*octet]);
+        let mut buffer = [0; 256];
+        match (sent, slow.read(&mut buffer)) {
+            (Ok(()), Err(error)) if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut) => {}
+            // an answer, an end or a reset
+            _ => break,
+        }
+    }
+    assert!(begin.elapsed() > Duration::from_secs(5), "it had its time");
+    assert_eq!(server.stops(), 0);
 }
 
 #[test]

@@ -40,6 +40,11 @@ impl Hands {
         }
     }
 
+    /// Returns the next STOP that it hears of.
+    pub fn stopped(&mut self) -> Value {
+        self.page.next("stopped")
+    }
+
     fn time(&self) -> f64 {
         self.begin.elapsed().as_secs_f64() * 1000.0
     }
@@ -306,6 +311,14 @@ fn a_record_has_the_drive_the_time_of_the_engine_and_the_stops() {
     );
     let take = log.iter().find(|record| record["action"] == "take").unwrap();
     assert_eq!((&take["serial"], &take["epoch"]), (serial, &1.into()), "{take}");
+    let from = |action: &str| {
+        let record = log.iter().find(|record| record["action"] == action).unwrap();
+        record["address"].clone()
+    };
+    assert_eq!(
+        (from("take"), from("stop")),
+        ("127.0.0.1".into(), "127.0.0.1".into())
+    );
     let times: Vec<u64> = log
         .iter()
         .map(|record| record["engine_us"].as_u64().unwrap())
@@ -411,7 +424,7 @@ fn who_people_say_they_are_stands_beside_what_they_hold_and_in_the_log() {
     });
     let csv = server.ask("GET", "/api/v1/logs/log.csv", &session, "").body;
     assert!(
-        csv.contains(",claimed_name\r\n") && csv.contains(",Anna\r\n"),
+        csv.contains(",claimed_name,address\r\n") && csv.contains(",Anna,127.0.0.1\r\n"),
         "{csv}"
     );
     // an empty one is none
@@ -986,4 +999,175 @@ fn a_stop_of_one_drive_that_this_server_controls_is_stop() {
     assert!(speed(&server, &id).abs() < 1.0);
     assert_eq!(hands.page.next("stopped")["epoch"], 1);
     assert_eq!(server.stops(), 1);
+}
+
+#[test]
+fn a_lease_is_of_no_other_tab_of_its_session_and_of_no_socket_after_a_reconnect() {
+    let server = Running::demo();
+    let id = known(&server, "axis-1");
+    let session = server.session(&server.control);
+    let mut hands = Hands::at(&server, &session);
+    let lease = lease(&hands.take(&id));
+    let mut tab = Hands::at(&server, &session);
+    assert!(sentence(&tab.take(&id)).contains("has control"));
+    for kind in ["enable", "disable", "acknowledge", "velocity", "home"] {
+        let refused = tab.order(kind, &id, lease, 0, &json!({ "speed": 20 }));
+        assert!(sentence(&refused).contains("no control"), "{kind}: {refused}");
+    }
+    tab.send("release", &id, &json!({}));
+    tab.send("halt", &id, &json!({ "lease": lease }));
+    let own = hands.order("enable", &id, lease, 0, &json!({}));
+    assert_eq!(own["type"], "accepted", "its own tab keeps it: {own}");
+    drop(hands);
+    let mut again = Hands::at(&server, &session);
+    for _ in 0..2 {
+        let refused = again.order("enable", &id, lease, 0, &json!({}));
+        assert!(sentence(&refused).contains("no control"), "{refused}");
+        // while the axis is given back, and afterwards
+        eventually(&server, "/api/v1/server", |report| {
+            report["controlled"] == json!([])
+        });
+    }
+    server.logged(|log| {
+        log.iter().any(|record| {
+            let result = record["result"].as_str().unwrap_or_default();
+            record["action"] == "enable" && result.starts_with("refused: ") && result.contains("no control")
+        })
+    });
+}
+
+#[test]
+fn what_one_page_floods_its_socket_with_leaves_the_beats_of_another_alone() {
+    let server = Running::demo();
+    let id = known(&server, "axis-1");
+    let mut hands = Hands::of(&server, &server.control);
+    let lease = lease(&hands.take(&id));
+    hands.order("enable", &id, lease, 0, &json!({}));
+    hands.order("velocity", &id, lease, 0, &json!({ "speed": 20 }));
+    turns(&server, &mut hands, &id, &Value::Null);
+    let session = server.session(&server.view);
+    let attack = || {
+        let mut large = Hands::at(&server, &session);
+        large.page.text(&"x".repeat(1 << 20));
+        let mut closed = vec![large.page.closed()];
+        let mut binary = Hands::at(&server, &session);
+        binary.page.octets(vec![1; 64]);
+        closed.push(binary.page.closed());
+        let mut flood = Hands::at(&server, &session);
+        for _ in 0..10_000 {
+            flood.page.text("{\"type\":\"tomorrow\"}");
+        }
+        closed.push(flood.page.closed());
+        closed
+    };
+    std::thread::scope(|scope| {
+        let attack = scope.spawn(attack);
+        hands.page.patience(Duration::from_millis(20));
+        let mut echoes = 0;
+        while !attack.is_finished() || echoes < 10 {
+            hands.beat(&Value::Null);
+            let (sent, number) = (Instant::now(), hands.beats);
+            let echo = loop {
+                assert!(
+                    sent.elapsed() < Duration::from_secs(1),
+                    "beat {number} is not answered"
+                );
+                match hands.page.poll() {
+                    Some(message) if message["type"] == "beat" && message["n"] == number => break message,
+                    _ => {}
+                }
+            };
+            assert_eq!(echo["n"], number);
+            echoes += 1;
+            std::thread::sleep(Duration::from_millis(20));
+        }
+        let closed = attack.join().unwrap();
+        for (code, closed) in [1009, 1008, 1008].into_iter().zip(closed) {
+            assert!(closed == Some(code) || closed.is_none(), "{code} {closed:?}");
+        }
+    });
+    assert!(speed(&server, &id).abs() > 15.0, "it turns on");
+    // a flood of STOPs stops, and each page hears of it
+    let mut flood = Hands::at(&server, &session);
+    for _ in 0..2000 {
+        flood.page.send(&json!({ "type": "stop" }));
+    }
+    while hands.stopped()["epoch"] != 2000 {
+        hands.beat(&Value::Null);
+    }
+    rests(&server, &id);
+    let reset = hands.send("reset", &id, &json!({ "epoch": 2000 }));
+    assert_eq!(hands.answer(reset)["type"], "accepted", "its socket is open");
+}
+
+/// The log is full while an axis moves.
+#[cfg(unix)]
+#[test]
+fn a_disk_that_fills_while_an_axis_moves_keeps_no_stop_from_it() {
+    let server = Running::demo();
+    let id = known(&server, "axis-1");
+    let mut hands = Hands::of(&server, &server.control);
+    let mut page = Page::of(&server);
+    let lease = lease(&hands.take(&id));
+    hands.order("enable", &id, lease, 0, &json!({}));
+    hands.order("velocity", &id, lease, 0, &json!({ "speed": 20 }));
+    turns(&server, &mut hands, &id, &Value::Null);
+    // the file of today is said to be as long as one may be, and no other one has room
+    let mut files = std::fs::read_dir(&server.folder).unwrap();
+    let file = files
+        .find_map(|entry| {
+            let path = entry.unwrap().path();
+            path.to_string_lossy().ends_with("-000.jsonl").then_some(path)
+        })
+        .unwrap();
+    let full = file.to_string_lossy().replace("-000.jsonl", "-001.jsonl");
+    std::os::unix::fs::symlink("/dev/full", &full).unwrap();
+    let log = std::fs::OpenOptions::new().append(true).open(&file).unwrap();
+    let length = log.metadata().unwrap().len();
+    log.set_len(64 << 20).unwrap();
+    let refused = hands.order("velocity", &id, lease, 0, &json!({ "speed": 25 }));
+    assert!(sentence(&refused).contains("cannot be logged"), "{refused}");
+    let inject = json!({ "drive": id, "event": "fault=439!" });
+    assert_eq!(server.post("/api/v1/plant/inject", &inject).status, 503);
+    assert!(speed(&server, &id).abs() > 15.0, "what was under way goes on");
+    hands.page.send(&json!({ "type": "stop" }));
+    let stopped = hands.stopped();
+    assert_eq!(stopped["confirmed"], true, "{stopped}");
+    rests(&server, &id);
+    // that it is not in the log is said to all pages
+    while page.next("event")["kind"] != "log" {}
+    // nothing of what was written is lost, and with room there is a log again
+    log.set_len(length).unwrap();
+    std::fs::remove_file(&full).unwrap();
+    assert_eq!(server.post("/api/v1/stop", &json!({})).status, 200);
+    server.logged(|log| {
+        ["take", "enable", "velocity", "stop"]
+            .iter()
+            .all(|action| log.iter().any(|record| record["action"] == *action))
+    });
+}
+
+#[test]
+fn a_page_that_controls_nothing_is_refused_with_its_own_reason() {
+    let server = Running::demo();
+    let id = known(&server, "axis-1");
+    let remote = server.session(&server.control) + "X-Forwarded-For: 192.168.0.9\r\n";
+    let only = Running::start(Settings {
+        read_only: true,
+        ..Settings::new(Source::Demo)
+    });
+    let view = server.session(&server.view);
+    let read_only = only.session(&only.control);
+    for (server, session, reason) in [
+        (&server, &view, "this session is view-only"),
+        (&server, &remote, "another computer"),
+        (&only, &read_only, "this server was started view-only"),
+    ] {
+        let mut hands = Hands::at(server, session);
+        let taken = hands.take(&id);
+        assert!(sentence(&taken).contains(reason), "{taken}");
+        let reset = hands.send("reset", &id, &json!({ "epoch": 0 }));
+        let reset = hands.answer(reset);
+        assert!(sentence(&reset).contains(reason), "{reset}");
+    }
 }

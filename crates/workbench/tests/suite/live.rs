@@ -70,6 +70,11 @@ impl Page {
         let _ = self.0.send(Message::text(text));
     }
 
+    /// Sends octets, which is no message of any protocol here.
+    pub fn octets(&mut self, octets: Vec<u8>) {
+        let _ = self.0.send(Message::binary(octets));
+    }
+
     /// Sets how long a read waits.
     pub fn patience(&mut self, time: Duration) {
         self.0.get_ref().set_read_timeout(Some(time)).unwrap();
@@ -141,9 +146,13 @@ fn only_a_page_of_this_server_with_a_session_gets_a_socket() {
         let headers = headers.trim_start_matches("\r\n");
         let refused = open(&server, headers, Some(PROTOCOL)).err();
         assert_eq!(refused, Some(status), "{origin}");
+        let control = open_at(&server, "/api/v1/control", headers, Some("profidrive.control.1"));
+        assert_eq!(control.err(), Some(status), "{origin}");
     }
     let rebound = session.replace("{address}", "evil.example");
     assert_eq!(open(&server, &rebound, Some(PROTOCOL)).err(), Some(421));
+    let control = open_at(&server, "/api/v1/control", &rebound, Some("profidrive.control.1"));
+    assert_eq!(control.err(), Some(421));
     let without = format!("Host: {{address}}\r\n{own}\r\n");
     assert_eq!(open(&server, &without, Some(PROTOCOL)).err(), Some(401));
     for other in [None, Some("profidrive.live.2"), Some("chat")] {

@@ -20,7 +20,7 @@ pub struct Running {
     pub view: String,
     pub once: String,
     /// The folder with its log.
-    folder: PathBuf,
+    pub folder: PathBuf,
     stop: Stop,
     thread: Option<JoinHandle<()>>,
 }

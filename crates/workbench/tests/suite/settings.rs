@@ -322,6 +322,7 @@ fn a_file_that_is_uploaded_has_a_name_of_this_server_and_no_name_leads_elsewhere
     let kept = server.post("/api/v1/backups", &json!({ "text": hostile })).json();
     let name = kept["file"].as_str().unwrap();
     assert!(!name.contains('/') && !name.contains(".."), "{name}");
+    let before = tree(&server.folder);
     for text in ["", "profidrive", "profidrive backup 1\nmodel: AKD\n\0\n"] {
         let answer = server.post("/api/v1/backups", &json!({ "text": text }));
         assert_eq!(answer.status, 400, "{answer:?}");
@@ -342,6 +343,21 @@ fn a_file_that_is_uploaded_has_a_name_of_this_server_and_no_name_leads_elsewhere
         let answer = server.post(&format!("/api/v1/drives/{id}/plans"), &body);
         assert_eq!(answer.status, 404, "{name}: {answer:?}");
     }
+    assert_eq!(tree(&server.folder), before, "the state folder is as it was");
+}
+
+/// Returns the files below a folder, without what is in them.
+fn tree(folder: &std::path::Path) -> Vec<std::path::PathBuf> {
+    let mut all = Vec::new();
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        match path.is_dir() {
+            true => all.extend(tree(&path)),
+            false => all.push(path),
+        }
+    }
+    all.sort();
+    all
 }
 
 #[test]

@@ -1710,6 +1710,11 @@ export interface components {
         LogRecord: {
             /** @description What was done. */
             action: string;
+            /**
+             * @description The IP address that its connection came from, that of a proxy or a tunnel where one was between; absent in records of older
+             *     versions.
+             */
+            address?: string | null;
             /** @description Distinguishes the start of the server that wrote it from others. */
             boot: string;
             /**
