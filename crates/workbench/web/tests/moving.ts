@@ -30,6 +30,13 @@ export async function options(page: Page): Promise<void> {
   await page.getByText(/^Options: /).click();
 }
 
+/** Confirms what a person has seen of a real machine. */
+export async function confirmChecks(page: Page): Promise<void> {
+  for (const line of ["I see the axis", "The travel range", "I can reach"]) {
+    await page.getByRole("checkbox", { name: line }).check();
+  }
+}
+
 /** Takes control of the drive on the page and enables it. */
 export async function enable(page: Page, mode = false): Promise<void> {
   if (mode) {
@@ -130,6 +137,50 @@ export async function turning(page: Page, origin: string, id: string, name = "+2
     await hold(page, name);
     await expect.poll(async () => speed(page, origin, id), { intervals: [5], timeout: 2000 }).toBeGreaterThan(least);
   }).toPass({ timeout: 40_000 });
+}
+
+/** What a button is held with. */
+export interface Hand {
+  name: string;
+  /** Brings it to the button. */
+  reach(): Promise<void>;
+  down(): Promise<void>;
+  up(): Promise<void>;
+}
+
+/** Mouse, finger and key, on the button for this speed. */
+export async function hands(page: Page): Promise<Hand[]> {
+  const button = page.getByRole("button", { name: "+20 rpm" });
+  const protocol = await page.context().newCDPSession(page);
+  const touch = (type: "touchStart" | "touchEnd", touchPoints: { x: number; y: number }[]) =>
+    protocol.send("Input.dispatchTouchEvent", { type, touchPoints });
+  let place = { x: 0, y: 0 };
+  let touched = false;
+  return [
+    { name: "mouse", reach: () => button.hover(), down: () => page.mouse.down(), up: () => page.mouse.up() },
+    {
+      name: "touch",
+      async reach() {
+        const { x = 0, y = 0, width = 0, height = 0 } = (await button.boundingBox()) ?? {};
+        place = { x: x + width / 2, y: y + height / 2 };
+      },
+      async down() {
+        touched = true;
+        await touch("touchStart", [place]);
+      },
+      async up() {
+        // the browser refuses the end of nothing
+        if (touched) await touch("touchEnd", []);
+        touched = false;
+      },
+    },
+    {
+      name: "key",
+      reach: () => button.focus(),
+      down: () => page.keyboard.down("ArrowRight"),
+      up: () => page.keyboard.up("ArrowRight"),
+    },
+  ];
 }
 
 /** What ends a hold, each by its name. */
