@@ -107,7 +107,8 @@ export function* packets(file: Buffer): Generator<{ time: number; frame: Buffer 
   }
 }
 
-function parse(file: Buffer): Frame[] {
+/** Returns the cyclic frames of a pcapng file. */
+export function parse(file: Buffer): Frame[] {
   const frames: Frame[] = [];
   for (const { time, frame } of packets(file)) {
     const tagged = frame.readUInt16BE(12) === 0x8100 ? 4 : 0;
