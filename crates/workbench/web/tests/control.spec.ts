@@ -142,6 +142,8 @@ test("a hold ends by each of its ways, with setpoint 0 in the frames", async ({ 
             await hand.up();
             if (await take.isVisible()) await enable(page);
             await turningBy(page, server.origin, id, hand);
+            // the frame that is read is not one of before the motion
+            await expect.poll(() => setpoint(page, server.origin, id), { intervals: [20] }).not.toBe(0);
           });
           await end();
           await expect.poll(() => setpoint(page, server.origin, id), { message: name, intervals: [20] }).toBe(0);
