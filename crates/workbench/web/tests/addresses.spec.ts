@@ -1,6 +1,8 @@
 import { execFileSync, spawn, spawnSync } from "node:child_process";
+import { readFileSync, rmSync } from "node:fs";
+import { join } from "node:path";
 import type { Page } from "@playwright/test";
-import { end, expect, program, serve, test } from "./bench";
+import { end, expect, idOfStation, pictures, program, serve, test } from "./bench";
 
 /** What belongs to a plant is neither in the menu nor in the interface, whatever a request has in its body. */
 async function noPlant(page: Page): Promise<void> {
@@ -32,7 +34,7 @@ test("drives given by their addresses are read, and the page says what a search 
   ip("link", "set", "here", "up");
   ip("link", "set", "there", "up");
   const drive = spawn(program, ["simulate", "-q", "--name", "akd-9", "--ip", "192.168.99.9/24", "-i", "there"], {
-    stdio: "inherit",
+    stdio: ["ignore", "ignore", "inherit"],
   });
   const server = await serve("--ip", "192.168.99.9", "--listen", "127.0.0.1:0");
   try {
@@ -64,6 +66,19 @@ test("drives given by their addresses are read, and the page says what a search 
         timeout: 30_000,
       });
       await noPlant(page);
+      // the file of the page is that of the program, in each octet
+      const id = await idOfStation(page, "akd-9");
+      await page.goto(`${other.origin}/drives/${encodeURIComponent(id)}/compare`);
+      await page.getByRole("button", { name: "Back up akd-9" }).click();
+      const link = page.getByRole("link", { name: "Download" });
+      await expect(link).toBeVisible({ timeout: 30_000 });
+      const [download] = await Promise.all([page.waitForEvent("download"), link.click()]);
+      const file = join(pictures, "program.backup");
+      rmSync(file, { force: true });
+      execFileSync(program, ["backup", "akd-9", "-o", file], { env, stdio: "ignore" });
+      const [theirs, own] = [readFileSync(await download.path()), readFileSync(file)];
+      expect(own.length).toBeGreaterThan(10_000);
+      expect(theirs.equals(own)).toBe(true);
     } finally {
       await end(other);
     }

@@ -3,7 +3,26 @@ import { join } from "node:path";
 import { type Browser, chromium, type Page } from "@playwright/test";
 import { end, expect, idOf, idOfStation, pictures, rows, serve, test, watch } from "./bench";
 import { wire } from "./bench/wire";
-import { alone, enable, ends, enter, open, operate, options, rest, speed, turning, underControl } from "./moving";
+import {
+  alone,
+  enable,
+  ends,
+  enter,
+  open,
+  operate,
+  options,
+  rest,
+  sent,
+  setpoint,
+  shaft,
+  speed,
+  stays,
+  turning,
+  turningBy,
+  underControl,
+  withLateBeats,
+  write,
+} from "./moving";
 
 /** Of a STOP: its frame went out, and when. */
 const SENT = /STOP \d is confirmed\. axis-1: OFF3 sent at \d\d:\d\d:\d\d\.\d{3} UTC\./;
@@ -72,7 +91,7 @@ test("STOP of any page stops the axis, and nothing moves before it is reset", as
       /at (\S+) UTC/.exec((await other.getByRole("alert").filter({ hasText: SENT }).textContent()) ?? "") ?? [];
     const day = new Date().toISOString().slice(0, 11);
     expect(Math.abs(Date.now() - Date.parse(`${day}${at}Z`))).toBeLessThan(30_000);
-    await page.waitForTimeout(300);
+    await stays(page, server.origin, id);
     expect(Math.abs(await speed(page, server.origin, id))).toBeLessThan(0.5);
     await page.mouse.up();
     // the frame has what Control has, and not what was read before
@@ -165,27 +184,35 @@ test("with a server that hangs values are grey within 0.5 s, and after 1 s none 
   });
 });
 
-test("whatever ends a hold halts the axis", async ({ page }) => {
+/** How often each way to end a hold is tried. */
+const HOLDS = Number(process.env.HOLDS ?? 3);
+
+test("a hold ends by each of its ways, with setpoint 0 in the frames", async ({ page }) => {
+  test.setTimeout(60_000 + HOLDS * 60_000);
   await alone(async (server) => {
+    await withLateBeats(page);
     const id = await open(page, server.url, "axis-1");
-    await enable(page);
-    const button = page.getByRole("button", { name: "+20 rpm" });
-    for (const [name, finish] of ends(page)) {
-      for (let round = 0; round < 3; round += 1) {
-        await turning(page, server.origin, id);
-        const since = performance.now();
-        await finish();
-        const time = await rest(page, server.origin, id, since);
-        if (round === 0) console.log(`${name}: at rest after ${time.toFixed(0)} ms`);
-        await page.mouse.up();
-      }
+    const take = page.getByRole("button", { name: "Take control" });
+    await expect(take).toBeEnabled();
+    for (const { name, hand, end, back, releases } of await ends(page)) {
+      await test.step(name, async () => {
+        for (let round = 0; round < HOLDS; round += 1) {
+          await underControl(page, async () => {
+            await hand.up();
+            if (await take.isVisible()) await enable(page);
+            await turningBy(page, server.origin, id, hand);
+            // the frame that is read is not one of before the motion
+            await expect.poll(() => setpoint(page, server.origin, id), { intervals: [20] }).not.toBe(0);
+          });
+          await end();
+          await expect.poll(() => setpoint(page, server.origin, id), { message: name, intervals: [20] }).toBe(0);
+          await back?.();
+          await rest(page, server.origin, id, performance.now());
+          await hand.up();
+          if (releases) await expect(take).toBeEnabled();
+        }
+      });
     }
-    // one key after another, and one that repeats
-    await button.focus();
-    await page.keyboard.down("ArrowRight");
-    await expect.poll(async () => speed(page, server.origin, id), { intervals: [5] }).toBeGreaterThan(15);
-    await page.keyboard.up("ArrowRight");
-    await rest(page, server.origin, id, performance.now());
   });
 });
 
@@ -195,6 +222,7 @@ test("a drive of another controller and a second page are refused in words", asy
     await expect(page.getByText("plc-1 controls this drive. Release the drive there first.")).toBeVisible();
     await expect(page.getByRole("button", { name: "Take control" })).toBeDisabled();
     const id = await idOf(page, "axis-1");
+    await write(page, id, { "DRV.DEC": "10" });
     await page.goto(`${server.origin}/drives/${encodeURIComponent(id)}/control`);
     await enable(page);
     const other = await (await (browser as Browser).newContext()).newPage();
@@ -223,8 +251,18 @@ test("a drive of another controller and a second page are refused in words", asy
     await other.locator(".why-not").getByRole("link", { name: "Open Control" }).click();
     await other.getByRole("button", { name: "Request the drive" }).click();
     await expect(page.getByText("Session 2 requests control of this drive.")).toBeVisible();
+    // handed over while the axis turns: along a ramp of two seconds, and only after it the other page may take it
+    await page.getByRole("tab", { name: "Velocity" }).click();
+    await page.getByRole("button", { name: "Turn at this speed" }).click();
+    await expect.poll(() => speed(page, server.origin, id), { intervals: [5] }).toBeGreaterThan(19);
+    const take = other.getByRole("button", { name: "Take control" });
+    await expect(take).toBeDisabled();
     await page.getByRole("button", { name: "Hand over" }).click();
-    await expect(other.getByRole("button", { name: "Take control" })).toBeEnabled();
+    await expect.poll(() => speed(page, server.origin, id), { intervals: [5] }).toBeLessThan(19);
+    await expect(take).toBeDisabled();
+    expect(await speed(page, server.origin, id)).toBeGreaterThan(1);
+    await expect(take).toBeEnabled({ timeout: 15_000 });
+    expect(Math.abs(await speed(page, server.origin, id))).toBeLessThan(0.5);
     await enable(other);
     await other.context().close();
     const third = await (await (browser as Browser).newContext()).newPage();
@@ -292,6 +330,8 @@ test("a drive that may run on needs consent, and one with a fault says why it is
 test("the first motion is slow, limits hold, and a move stops where STOP finds it", async ({ page }) => {
   await alone(async (server) => {
     const id = await open(page, server.url, "axis-1");
+    // 12 rev
+    await write(page, id, { "SWLS.LIMIT1": String(12 * 65_536), "SWLS.EN": "2" });
     await enable(page, true);
     await page.getByRole("tab", { name: "Move" }).click();
     const speedField = page.getByRole("textbox", { name: "Speed" });
@@ -327,14 +367,34 @@ test("the first motion is slow, limits hold, and a move stops where STOP finds i
     await page.getByRole("button", { name: "Home", exact: true }).click();
     await expect(page.getByText("Home position known")).toBeVisible();
     await page.getByRole("tab", { name: "Move" }).click();
+    // past a software limit: refused with the limit, and no frame has another setpoint
+    const all = () => sent(page, server.origin, id);
+    const since = (await all()).at(-1)?.time ?? Number.NaN;
+    await distance.fill("20");
+    await go.click();
+    await expect(page.locator(".control > [role=status]")).toContainText("is above the software limit of 12.000 rev");
+    const after = async () => (await all()).filter(({ time }) => time >= since);
+    await expect.poll(async () => (await after()).length).toBeGreaterThan(20);
+    expect(new Set((await after()).map(({ data }) => data.toString("hex"))).size).toBe(1);
+    await distance.fill("10");
+    const from = (await shaft(page, server.origin, id)).position;
     await go.click();
     await expect.poll(async () => speed(page, server.origin, id), { intervals: [5] }).toBeGreaterThan(150);
     await expect(values.locator(".value").first()).toHaveText(/^Speed \(read\).*\d{3}\.\d/);
     await page.keyboard.press("Control+Space");
     await rest(page, server.origin, id, performance.now());
     await expect(page.getByRole("alert").filter({ hasText: SENT })).toBeVisible();
-    const position = page.getByRole("region", { name: "Values" });
-    await expect(position).not.toContainText("10.00");
+    // the message has where it rests and where it was to go, and there it stays
+    const said = page.locator(".control > [role=status]");
+    await expect(said).toHaveText(/^The move ended at \d\.\d{3} rev, before its target at 10\.\d{3} rev\.$/);
+    const stands = Number(/at (\d\.\d{3}) rev/.exec((await said.textContent()) ?? "")?.[1]);
+    const where = async () => (await shaft(page, server.origin, id)).position - from;
+    expect(await where()).toBeCloseTo(stands, 1);
+    const held = await where();
+    await page.getByRole("button", { name: "Reset STOP" }).click();
+    await page.getByRole("button", { name: "Enable" }).click();
+    await expect(page.locator("main").getByText("Torque on, at rest")).toBeVisible();
+    expect(await where()).toBeCloseTo(held, 2);
   });
 });
 
@@ -388,19 +448,7 @@ test("a speed that is stored in the drive is within the highest speed of the ses
     await expect(said).toContainText(/is stored in the drive and cannot be read now: .*limit of 100 rpm/);
     await expect(said).toContainText("Set a limit of the drive itself that is as low");
     await release();
-    await page.evaluate(async (id) => {
-      const post = async (path: string, body: unknown) => {
-        const headers = { "Content-Type": "application/json" };
-        const answer = await fetch(`/api/v1/${path}`, { method: "POST", headers, body: JSON.stringify(body) });
-        return (await answer.json()) as { id: number };
-      };
-      const changes = [
-        { parameter: "HOME.MODE", value: "4" },
-        { parameter: "HOME.V", value: "600rpm" },
-      ];
-      const plan = await post(`drives/${encodeURIComponent(id)}/plans`, { changes, save: false });
-      await post(`plans/${plan.id}/apply`, {});
-    }, id);
+    await write(page, id, { "HOME.MODE": "4", "HOME.V": "600" });
     await underControl(page, homing);
     await expect(said).toContainText(/600 rpm, the speed that is stored in the drive, .*limit of 100 rpm/);
     await expect(said).toContainText("Store a lower speed in the drive, or take control with a higher limit");
@@ -469,7 +517,7 @@ test("a fault ends the motion, and after it is acknowledged nothing starts by it
     await rest(page, server.origin, id, performance.now());
     await page.getByRole("button", { name: "Acknowledge" }).click();
     await expect(page.locator("main").getByText("Power stage off")).toBeVisible();
-    await page.waitForTimeout(500);
+    await stays(page, server.origin, id);
     expect(Math.abs(await speed(page, server.origin, id))).toBeLessThan(0.5);
     await page.getByRole("button", { name: "Enable" }).click();
     await expect(page.locator("main").getByText("Torque on, at rest")).toBeVisible();
@@ -479,6 +527,8 @@ test("a fault ends the motion, and after it is acknowledged nothing starts by it
 test("a page that is frozen, hidden, closed or killed, and a network that is cut, stop the axis", async ({
   browser,
 }) => {
+  // control is taken five times
+  test.setTimeout(120_000);
   await alone(async (server) => {
     const watcher = await (await browser.newContext()).newPage();
     await watcher.goto(server.viewUrl);
@@ -490,11 +540,11 @@ test("a page that is frozen, hidden, closed or killed, and a network that is cut
       await open(page, server.url, "axis-1", false);
       await enable(page);
       await turning(page, server.origin, id);
+      // how soon is measured by a benchmark (bench/gone.spec.ts)
       const since = performance.now();
       await end(page);
       const time = await rest(watcher, server.origin, id, since);
       console.log(`${name}: at rest after ${time.toFixed(0)} ms`);
-      expect(time).toBeLessThan(600);
       // and control ends, so that another page can take it
       await expect
         .poll(async () => {
@@ -546,7 +596,6 @@ test("a browser that is killed while a button is held stops the axis", async ({ 
     doomed.process().kill("SIGKILL");
     const time = await rest(watcher, server.origin, id, since);
     console.log(`the browser is killed: at rest after ${time.toFixed(0)} ms`);
-    expect(time).toBeLessThan(600);
     await watcher.context().close();
   });
 });
@@ -623,8 +672,8 @@ test("a server that ends serves until its axes rest, and ends their ramps by a q
     // along its ramp, of ten seconds, and pages are served meanwhile
     await expect.poll(() => speed(page, server.origin, id)).toBeLessThan(18);
     expect(server.process.exitCode).toBeNull();
-    // signals within a second are one
-    await page.waitForTimeout(1_100);
+    // signals within a second are one: of its ramp that is 2 rpm
+    await expect.poll(() => speed(page, server.origin, id)).toBeLessThan(15);
     const before = await speed(page, server.origin, id);
     expect(before).toBeGreaterThan(8);
     const since = performance.now();

@@ -1,6 +1,7 @@
 /** Verbs of the tests that move axes. */
 import type { Page } from "@playwright/test";
 import { end, expect, idOf, type Running, rows, serve } from "./bench";
+import { commanded, type Frame, parse } from "./bench/wire";
 
 /** A server of its own for a test that moves drives. */
 export async function alone(test: (server: Running) => Promise<void>): Promise<void> {
@@ -28,6 +29,13 @@ export async function open(page: Page, url: string, name: string, free = true): 
 /** Unfolds what rarely is other than before. */
 export async function options(page: Page): Promise<void> {
   await page.getByText(/^Options: /).click();
+}
+
+/** Confirms what a person has seen of a real machine. */
+export async function confirmChecks(page: Page): Promise<void> {
+  for (const line of ["I see the axis", "The travel range", "I can reach"]) {
+    await page.getByRole("checkbox", { name: line }).check();
+  }
 }
 
 /** Takes control of the drive on the page and enables it. */
@@ -90,11 +98,43 @@ export async function underControl(page: Page, steps: () => Promise<void>): Prom
   }
 }
 
+/** Writes parameters of a drive as a program does it, beside what the page shows. */
+export async function write(page: Page, id: string, values: Record<string, string>): Promise<void> {
+  const changes = Object.entries(values).map(([parameter, value]) => ({ parameter, value }));
+  const status = await page.evaluate(
+    async ({ id, changes }) => {
+      const post = (path: string, body: unknown) => {
+        const headers = { "Content-Type": "application/json" };
+        return fetch(`/api/v1/${path}`, { method: "POST", headers, body: JSON.stringify(body) });
+      };
+      const planned = await post(`drives/${encodeURIComponent(id)}/plans`, { changes, save: false });
+      const plan = (await planned.json()) as { id: number };
+      return (await post(`plans/${plan.id}/apply`, {})).status;
+    },
+    { id, changes },
+  );
+  expect(status).toBe(200);
+  // it is written by and by
+  const number = Object.keys(values).join(",");
+  const wanted = Object.values(values);
+  await expect
+    .poll(async () => {
+      const path = `/api/v1/drives/${encodeURIComponent(id)}/values/${encodeURIComponent(number)}`;
+      const answer = await page.request.get(new URL(path, page.url()).href);
+      return ((await answer.json()) as { parameters: { text: string }[] }).parameters.map(({ text }) => text);
+    }, number)
+    .toEqual(wanted);
+}
+
 /** Where a shaft really is and how fast it turns, as the plant says beside the server. */
 export async function speed(page: Page, origin: string, id: string): Promise<number> {
+  return (await shaft(page, origin, id)).speed;
+}
+
+export async function shaft(page: Page, origin: string, id: string): Promise<{ position: number; speed: number }> {
   const answer = await page.request.get(`${origin}/api/v1/plant/drives`);
-  const { drives } = (await answer.json()) as { drives: { id: string; speed: number }[] };
-  return drives.find((drive) => drive.id === id)?.speed ?? Number.NaN;
+  const { drives } = (await answer.json()) as { drives: { id: string; position: number; speed: number }[] };
+  return drives.find((drive) => drive.id === id) ?? { position: Number.NaN, speed: Number.NaN };
 }
 
 /** Waits until the shaft rests; returns after how many ms. */
@@ -113,6 +153,95 @@ export async function rest(page: Page, origin: string, id: string, since: number
   return stood;
 }
 
+interface Node {
+  name: string;
+  start: number;
+  end: number;
+  children?: Node[];
+}
+
+function nodes(node: Node): Node[] {
+  return [node, ...(node.children ?? []).flatMap(nodes)];
+}
+
+/** The set speed in the last frame to a drive, in steps of its telegram. */
+export async function setpoint(page: Page, origin: string, id: string): Promise<number> {
+  const answer = await page.request.get(`${origin}/api/v1/drives/${encodeURIComponent(id)}/telegram`);
+  const { halves } = (await answer.json()) as { halves: { direction: string; octets: string; tree: Node }[] };
+  const output = halves.find(({ direction }) => direction === "output");
+  const field = output && nodes(output.tree).find(({ name }) => name === "NSOLL_A");
+  if (output === undefined || field === undefined) return Number.NaN;
+  return Buffer.from(output.octets.replaceAll(" ", ""), "hex").readInt16BE(field.start);
+}
+
+/** The frames to a drive of the last minute. */
+export async function sent(page: Page, origin: string, id: string): Promise<Frame[]> {
+  const answer = await page.request.get(`${origin}/api/v1/traffic`);
+  return parse(await answer.body()).filter(({ to }) => to === id.replaceAll(":", ""));
+}
+
+/** Waits for the next frames to a drive with telegram 1, in each of which the setpoint has to be 0. */
+export async function stays(page: Page, origin: string, id: string): Promise<void> {
+  const since = (await sent(page, origin, id)).at(-1)?.time ?? Number.NaN;
+  let next: Frame[] = [];
+  const count = async () => {
+    next = (await sent(page, origin, id)).filter(({ time }) => time > since);
+    return next.length;
+  };
+  await expect.poll(count).toBeGreaterThan(20);
+  expect(next.filter((frame) => commanded(frame).speed !== 0)).toEqual([]);
+}
+
+/** What a button is held with. */
+export interface Hand {
+  name: string;
+  /** Brings it to the button. */
+  reach(): Promise<void>;
+  down(): Promise<void>;
+  up(): Promise<void>;
+  /** Lets the browser take the finger for something else, as it does when it scrolls. */
+  cancel?(): Promise<void>;
+}
+
+/** Mouse, finger and key, on the button for this speed. */
+export async function hands(page: Page): Promise<Hand[]> {
+  const button = page.getByRole("button", { name: "+20 rpm" });
+  const protocol = await page.context().newCDPSession(page);
+  const touch = (type: "touchStart" | "touchEnd" | "touchCancel", touchPoints: { x: number; y: number }[]) =>
+    protocol.send("Input.dispatchTouchEvent", { type, touchPoints });
+  let place = { x: 0, y: 0 };
+  let touched = false;
+  return [
+    { name: "mouse", reach: () => button.hover(), down: () => page.mouse.down(), up: () => page.mouse.up() },
+    {
+      name: "touch",
+      async reach() {
+        const { x = 0, y = 0, width = 0, height = 0 } = (await button.boundingBox()) ?? {};
+        place = { x: x + width / 2, y: y + height / 2 };
+      },
+      async down() {
+        touched = true;
+        await touch("touchStart", [place]);
+      },
+      async up() {
+        // the browser refuses the end of nothing
+        if (touched) await touch("touchEnd", []);
+        touched = false;
+      },
+      async cancel() {
+        await touch("touchCancel", []);
+        touched = false;
+      },
+    },
+    {
+      name: "key",
+      reach: () => button.focus(),
+      down: () => page.keyboard.down("ArrowRight"),
+      up: () => page.keyboard.up("ArrowRight"),
+    },
+  ];
+}
+
 export async function hold(page: Page, name = "+20 rpm"): Promise<void> {
   const button = page.getByRole("button", { name });
   // the round trip of the first beats is measured before
@@ -123,25 +252,96 @@ export async function hold(page: Page, name = "+20 rpm"): Promise<void> {
 
 /** Holds the jog button until the axis turns. On a computer with much to do the round trip of beats may forbid that for a while. */
 export async function turning(page: Page, origin: string, id: string, name = "+20 rpm", least = 15): Promise<void> {
+  const hand = {
+    up: () => page.mouse.up(),
+    reach: () => page.getByRole("button", { name }).hover(),
+    down: () => page.mouse.down(),
+  };
+  await turningBy(page, origin, id, hand, name, least);
+}
+
+/** The same with another hand than the mouse. */
+export async function turningBy(
+  page: Page,
+  origin: string,
+  id: string,
+  hand: Pick<Hand, "reach" | "down" | "up">,
+  name = "+20 rpm",
+  least = 15,
+): Promise<void> {
   const button = page.getByRole("button", { name });
   await expect(async () => {
-    await page.mouse.up();
+    await hand.up();
     await expect(button).toBeEnabled();
-    await hold(page, name);
+    await hand.reach();
+    await hand.down();
     await expect.poll(async () => speed(page, origin, id), { intervals: [5], timeout: 2000 }).toBeGreaterThan(least);
   }).toPass({ timeout: 40_000 });
 }
 
-/** What ends a hold, each by its name. */
-export function ends(page: Page): [string, () => Promise<unknown>][] {
+/** A way in which a hold ends. */
+export interface End {
+  name: string;
+  /** What holds the button. */
+  hand: Hand;
+  end(): Promise<unknown>;
+  /** What puts the page back, where something has to. */
+  back?(): Promise<unknown>;
+  /** Whether the page gives control back as well. */
+  releases?: boolean;
+}
+
+/** Lets beats wait that are sent while `late` is set on the page. Called before the page is opened. */
+export async function withLateBeats(page: Page): Promise<void> {
+  await page.addInitScript(() => {
+    const send = WebSocket.prototype.send;
+    WebSocket.prototype.send = function (data) {
+      const late = (window as unknown as { late?: boolean }).late === true;
+      if (late && typeof data === "string" && data.includes('"beat"')) setTimeout(() => send.call(this, data), 300);
+      else send.call(this, data);
+    };
+  });
+}
+
+/** All that ends a hold; the page was prepared by `withLateBeats`. */
+export async function ends(page: Page): Promise<End[]> {
+  const [mouse, touch, key] = (await hands(page)) as [Hand, Hand, Hand];
   const button = page.getByRole("button", { name: "+20 rpm" });
-  const fire = (type: string) => button.dispatchEvent(type, { pointerId: 1 });
+  const hidden = (value: boolean) =>
+    page.evaluate((value) => {
+      Object.defineProperty(document, "hidden", { value, configurable: true });
+      document.dispatchEvent(new Event("visibilitychange"));
+    }, value);
+  const late = (late: boolean) => page.evaluate((late) => Object.assign(window, { late }), late);
   return [
-    ["pointerup", () => page.mouse.up()],
-    ["pointercancel", () => fire("pointercancel")],
-    ["lostpointercapture", () => fire("lostpointercapture")],
-    ["blur of the window", () => page.evaluate(() => dispatchEvent(new Event("blur")))],
-    ["focus into a field", () => page.getByRole("textbox", { name: "Speed" }).focus()],
-    ["blur of the pad", () => page.getByRole("button", { name: "Disable" }).focus()],
+    { name: "pointerup", hand: mouse, end: mouse.up },
+    { name: "pointerup of a finger", hand: touch, end: touch.up },
+    { name: "pointercancel", hand: touch, end: async () => touch.cancel?.() },
+    {
+      name: "lostpointercapture",
+      hand: mouse,
+      end: () =>
+        button.evaluate((one) =>
+          [1, 2, 3].forEach((id) => void (one.hasPointerCapture(id) && one.releasePointerCapture(id))),
+        ),
+    },
+    { name: "keyup", hand: key, end: key.up },
+    { name: "blur of the window", hand: mouse, end: () => page.evaluate(() => dispatchEvent(new Event("blur"))) },
+    { name: "blur of the pad", hand: mouse, end: () => page.getByRole("button", { name: "Disable" }).focus() },
+    {
+      name: "focus into a field",
+      hand: mouse,
+      end: () => page.getByRole("textbox", { name: "Speed" }).focus(),
+    },
+    { name: "dialog", hand: mouse, end: () => page.keyboard.press("?"), back: () => page.keyboard.press("Escape") },
+    { name: "late beat", hand: mouse, end: () => late(true), back: () => late(false) },
+    { name: "hidden tab", hand: mouse, end: () => hidden(true), back: () => hidden(false), releases: true },
+    {
+      name: "pagehide",
+      hand: mouse,
+      end: () => page.evaluate(() => dispatchEvent(new Event("pagehide"))),
+      back: () => page.reload(),
+      releases: true,
+    },
   ];
 }

@@ -250,6 +250,26 @@ test("the log has what was done, follows it, and exports it", async ({ page }) =
     // one row for what was requested and what became of it
     await expect(row).toHaveCount(1);
     await expect(row).toContainText("done");
+    // nothing that a page can send changes a record or deletes one
+    const log = async () => {
+      const { records } = (await (await page.request.get(`${server.origin}/api/v1/audit`)).json()) as {
+        records: { action: string; time: string }[];
+      };
+      return records.filter(({ action }) => action !== "request").map(({ action, time }) => `${time} ${action}`);
+    };
+    const records = await log();
+    const answers = await page.evaluate(async () => {
+      const found: number[] = [];
+      for (const path of ["audit", "logs", "audit/1", "logs/audit.jsonl"]) {
+        for (const method of ["DELETE", "PUT", "PATCH", "POST"]) {
+          const headers = { "Content-Type": "application/json" };
+          found.push((await fetch(`/api/v1/${path}`, { method, headers, body: "{}" })).status);
+        }
+      }
+      return found;
+    });
+    expect(answers.filter((status) => status !== 404 && status !== 405)).toEqual([]);
+    expect(await log()).toEqual(records);
     await page.getByRole("searchbox", { name: "Search" }).fill("no such text");
     await expect(page.getByText("No matching records.")).toBeVisible();
     await page.getByRole("searchbox", { name: "Search" }).fill(torque);
@@ -298,7 +318,7 @@ test("the log has what was done, follows it, and exports it", async ({ page }) =
     expect(around.suggestedFilename()).toMatch(/^frames-from-\d+\.pcapng$/);
     expect(frameCount(join(folder, "b.pcapng"))).toBeGreaterThan(5);
     rmSync(folder, { recursive: true });
-    expect(wrong).toEqual([]);
+    expect(wrong.filter((text) => !/40[45]/.test(text))).toEqual([]);
   } finally {
     await end(server);
   }

@@ -87,6 +87,39 @@ test("the axes of a picture have the colours of the system where they are forced
   });
 });
 
+test("pictures do not pile up before a page that is busy", async ({ entered: page }) => {
+  await page.addInitScript(() => {
+    const seen = { frames: 0, obeyed: 0 };
+    const Real = Worker;
+    class Counted extends Real {
+      constructor(address: string | URL, options?: WorkerOptions) {
+        super(address, options);
+        Object.assign(window, { seen, worker: this });
+        this.addEventListener("message", ({ data }) => {
+          if (data.type === "frame") seen.frames += 1;
+          if (data.type === "status") seen.obeyed = data.obeyed;
+        });
+      }
+    }
+    Object.assign(window, { Worker: Counted });
+  });
+  await page.goto(`/drives/${encodeURIComponent(await idOf(page, "axis-1"))}/scope`);
+  await page.getByRole("combobox", { name: "Source" }).selectOption("test");
+  await expect(page.getByText(/test signal, \d+/)).toBeVisible();
+  const piled = await page.evaluate(async () => {
+    const { seen, worker } = window as unknown as { seen: { frames: number; obeyed: number }; worker: Worker };
+    const before = seen.frames;
+    for (const until = performance.now() + 1000; performance.now() < until; );
+    // what was sent meanwhile comes before the answer to this
+    const asked = seen.obeyed;
+    worker.postMessage({ type: "visible", visible: true });
+    while (seen.obeyed <= asked) await new Promise((resolve) => setTimeout(resolve));
+    return seen.frames - before;
+  });
+  // 30 in a second would have been made
+  expect(piled).toBeLessThan(8);
+});
+
 test("each frame of an axis under control is a row, a cut cable a gap, and cursors measure what the table says", async ({
   page,
 }) => {
@@ -159,7 +192,7 @@ test("a single shot waits for a fault and keeps what was before it", async ({ pa
     await page.getByRole("combobox", { name: "Time" }).selectOption({ label: "1 s" });
     // what is before the trigger is recorded
     await expect.poll(async () => (await measured(page, "speed")).Max).toBeCloseTo(0, 0);
-    await page.waitForTimeout(400);
+    await expect.poll(async () => (await saved(page, "Save CSV")).length, { intervals: [50] }).toBeGreaterThan(15);
     await page.keyboard.press("s");
     await expect(page.getByText("Waiting for the trigger ..")).toBeVisible();
     await inject(page, id, "fault=439", null);

@@ -16,18 +16,21 @@ test("an event injected into a virtual drive shows on its other screens at once"
     await expect(page.getByRole("row", { name: "press-1" })).toContainText(/\d+\.\d/);
     await expect(page.getByRole("row", { name: "press-1" })).toContainText("25");
     await page.getByRole("button", { name: "Select axis-1" }).click();
+    // beside it, on another page
+    const overview = await page.context().newPage();
+    await overview.goto(`${server.origin}/drives/${encodeURIComponent(await idOf(page, "axis-1"))}/overview`);
+    const why = overview.locator(".why-not");
+    await expect(why).toHaveAttribute("data-cause", "no-controller");
     await page.getByRole("button", { name: "STO on" }).click();
+    await expect(why).toHaveAttribute("data-cause", "sto", { timeout: 1000 });
     await expect(page.getByRole("status").filter({ hasText: "axis-1: sto=on" }).first()).toBeVisible();
-    const overview = `${server.origin}/drives/${encodeURIComponent(await idOf(page, "axis-1"))}/overview`;
-    await page.goto(overview);
-    await expect(page.locator(".why-not")).toHaveAttribute("data-cause", "sto");
-    await page.goto(`${server.origin}/virtual`);
-    await page.getByRole("button", { name: "Select axis-1" }).click();
     // what lasts is named in its row, and has a button that ends it
     const row = page.getByRole("row", { name: "axis-1" });
     await expect(row).toContainText("sto=on");
     await page.getByRole("button", { name: "End sto=on" }).click();
     await expect(row).not.toContainText("sto=on");
+    await expect(why).toHaveAttribute("data-cause", "no-controller", { timeout: 1000 });
+    await overview.close();
     await expect(page.getByText("No injected event is in effect.")).toBeVisible();
     await page.getByRole("combobox", { name: /^Fault/ }).selectOption("439");
     await page.getByRole("button", { name: "Until its cause is cleared" }).click();

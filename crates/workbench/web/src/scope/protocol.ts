@@ -17,6 +17,8 @@ export type ToWorker =
   /** Forgets what is recorded: the drive is no more, and another one has its place. */
   | { type: "forget" }
   | { type: "visible"; visible: boolean }
+  /** The page has taken a picture: the next one may come. */
+  | { type: "drawn" }
   /** What is shown: columns by name, so many pixels wide, a time in us, cursors as parts of the picture. */
   | { type: "show"; columns: string[]; pixels: number; span: number; cursors: [number, number] | null }
   /** Shows another part of what is recorded, of a stopped recording. */

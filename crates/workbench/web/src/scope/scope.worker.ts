@@ -36,6 +36,8 @@ let overlay: { ring: Ring; view: Span } | null = null;
 let generator = 0;
 /** Something is to be drawn. */
 let changed = true;
+/** The page has not taken the last picture yet. Those of a page that is too slow would pile up, and be older and older. */
+let owed = false;
 let statusAt = 0;
 let measured: { at: number; key: string; names: string; ring: Ring; values: Measured[] } | null = null;
 
@@ -107,6 +109,7 @@ function frame(now: number): void {
     message,
     buffers.map((buffer) => buffer.buffer as ArrayBuffer),
   );
+  owed = true;
 }
 
 /** A shorter time without values is no pause of the recording, in us. */
@@ -139,7 +142,7 @@ function status(): void {
 
 setInterval(() => {
   const now = performance.now();
-  if (changed && visible) {
+  if (changed && visible && !owed) {
     changed = false;
     frame(now);
   }
@@ -270,7 +273,7 @@ function keep(on: boolean): void {
       : null;
 }
 
-function obey(message: ToWorker): void {
+function obey(message: Exclude<ToWorker, { type: "drawn" }>): void {
   switch (message.type) {
     case "open":
       open(message);
@@ -325,6 +328,10 @@ function obey(message: ToWorker): void {
 
 addEventListener("message", ({ data }: MessageEvent<ToWorker>) => {
   obeyed += 1;
+  if (data.type === "drawn") {
+    owed = false;
+    return;
+  }
   obey(data);
   changed = true;
   statusAt = 0;

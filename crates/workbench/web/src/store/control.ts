@@ -208,8 +208,27 @@ function note(ms: number): void {
   trip.value = sorted[Math.ceil(sorted.length * 0.99) - 1] ?? null;
 }
 
+/** Where the move of each drive is to end, in turns, until it has ended. */
+const targets = new Map<string, number>();
+/** A move that ended so near to its target was not broken off, in turns. */
+const NEAR = 0.01;
+
+/** Says where a move was broken off: by STOP, by "Halt", or by anything else. */
+function endMoves(before: readonly Axis[], mine: readonly Axis[]): void {
+  for (const { drive, phase, position, reached } of mine) {
+    const target = targets.get(drive);
+    const was = before.find((axis) => axis.drive === drive)?.phase;
+    const ended = (was === "moving" || was === "stopping") && (phase === "enabled" || phase === "off");
+    if (target === undefined || position === null || !ended) continue;
+    targets.delete(drive);
+    if (reached || Math.abs(position - target) < NEAR) continue;
+    say(drive, t("control.move.ended", { position: position.toFixed(3), target: target.toFixed(3) }), true);
+  }
+}
+
 /** Sends a command for an axis of this page. Returns its number. */
 function command(type: string, drive: string, more: object = {}): number {
+  targets.delete(drive);
   number += 1;
   pending.set(number, drive);
   said.value = new Map([...said.value].filter(([of]) => of !== drive));
@@ -256,8 +275,11 @@ export const acknowledge = (drive: string) => command("acknowledge", drive);
 export const home = (drive: string) => command("home", drive);
 export const task = (drive: string, n: number) => command("task", drive, { number: n });
 export const velocity = (drive: string, speed: number) => command("velocity", drive, { speed });
-export const move = (drive: string, turns: number, relative: boolean, speed: number) =>
+export function move(drive: string, turns: number, relative: boolean, speed: number): void {
+  const from = relative ? own(drive)?.position : 0;
   command("move", drive, { turns, relative, speed });
+  if (typeof from === "number") targets.set(drive, from + turns);
+}
 
 export function confirmDirection(drive: string): void {
   command("confirm", drive);
@@ -366,6 +388,7 @@ function receive(message: Incoming): void {
       const drive = pending.get(message.n) ?? "";
       pending.delete(message.n);
       if (held.value?.n === message.n) held.value = null;
+      targets.delete(drive);
       const hint = message.hint === null ? "" : `. ${message.hint.charAt(0).toUpperCase()}${message.hint.slice(1)}`;
       say(drive, message.sentence + hint, true);
       return;
@@ -401,6 +424,7 @@ function receive(message: Incoming): void {
 function show(all: Axis[]): void {
   batch(() => {
     noteReleased(all);
+    const before = axes.value;
     axes.value = all;
     const left = [...leases.value].filter(([drive, lease]) =>
       all.some((axis) => axis.drive === drive && axis.lease === lease),
@@ -413,6 +437,7 @@ function show(all: Axis[]): void {
     }
     const time = performance.now();
     const mine = all.filter(({ drive, lease }) => leases.value.get(drive) === lease);
+    endMoves(before, mine);
     const begun = mine.filter(({ drive, phase }) => phase === "moving" && !moved.value.has(drive));
     if (begun.length > 0) moved.value = new Set([...moved.value, ...begun.map(({ drive }) => drive)]);
     const now = mine.map(({ drive, speed, position }) => ({ drive, time, speed, position }));

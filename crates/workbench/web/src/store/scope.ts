@@ -123,6 +123,7 @@ function receive(message: FromWorker): void {
     }
     case "frame":
       frame.value = message;
+      send({ type: "drawn" });
       if (!waitsForReaders) {
         waitsForReaders = true;
         setTimeout(() => {

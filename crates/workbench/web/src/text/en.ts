@@ -480,6 +480,7 @@ export const en = {
   "control.target": "Target",
   "control.relative": "By a distance from here",
   "control.move.go": "Move",
+  "control.move.ended": "The move ended at {position} rev, before its target at {target} rev.",
   "control.home.go": "Home",
   "control.homed": "Home position known",
   "control.unhomed": "Home position not known",

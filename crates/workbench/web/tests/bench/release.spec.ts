@@ -1,6 +1,7 @@
 /** Each way to end a hold, many times: at rest, and after which time. Not a part of `make test`: tools/web-bench. */
 import { expect, test } from "@playwright/test";
-import { alone, enable, ends, open, rest, turning } from "../moving";
+import { alone, enable, ends, open, rest, turningBy, underControl, withLateBeats } from "../moving";
+import { Verdicts } from "./verdict";
 import { percentile } from "./wire";
 
 const ROUNDS = Number(process.env.ROUNDS ?? 50);
@@ -11,48 +12,29 @@ test("each way to end a hold, again and again", async ({ page }) => {
   // some rounds begin with taking control anew
   test.setTimeout(60_000 + ROUNDS * 60_000);
   await alone(async (server) => {
+    await withLateBeats(page);
     const id = await open(page, server.url, "axis-1");
-    await enable(page);
-    const button = page.getByRole("button", { name: "+20 rpm" });
-    const all = ends(page);
-    all.push(
-      ["keyup", async () => {}],
-      ["hidden tab", () => page.evaluate(() => document.dispatchEvent(new Event("visibilitychange")))],
-      ["pagehide", () => page.evaluate(() => dispatchEvent(new Event("pagehide")))],
-    );
-    for (const [name, finish] of all) {
+    const take = page.getByRole("button", { name: "Take control" });
+    await expect(take).toBeEnabled();
+    const verdicts = new Verdicts();
+    for (const { name, hand, end, back, releases } of await ends(page)) {
       const took: number[] = [];
       for (let round = 0; round < ROUNDS; round += 1) {
-        if (name === "hidden tab") {
-          await page.evaluate(() => Object.defineProperty(document, "hidden", { value: false, configurable: true }));
-        }
-        if (name === "keyup") {
-          await button.focus();
-          await page.keyboard.down("ArrowRight");
-          await expect(page.locator("main").getByText("Torque on, moving")).toBeVisible();
-        } else {
-          await turning(page, server.origin, id);
-        }
-        if (name === "hidden tab") {
-          await page.evaluate(() => Object.defineProperty(document, "hidden", { value: true, configurable: true }));
-        }
+        await underControl(page, async () => {
+          await hand.up();
+          if (await take.isVisible()) await enable(page);
+          await turningBy(page, server.origin, id, hand);
+        });
         const since = performance.now();
-        await (name === "keyup" ? page.keyboard.up("ArrowRight") : finish());
+        await end();
         took.push(await rest(page, server.origin, id, since));
-        await page.mouse.up();
-        if (name === "hidden tab" || name === "pagehide") {
-          // the page gives control back by itself
-          await page.evaluate(() => {
-            Object.defineProperty(document, "hidden", { value: false, configurable: true });
-            document.dispatchEvent(new Event("visibilitychange"));
-          });
-          await page.goto(page.url());
-          await enable(page);
-        }
+        await back?.();
+        await hand.up();
+        if (releases) await expect(take).toBeEnabled();
       }
-      const [median, most] = [50, 100].map((percent) => percentile(took, percent).toFixed(0));
-      console.log(`${name}: at rest after ${median} ms (median), ${most} ms (most), ${ROUNDS} times`);
-      expect(Math.max(...took)).toBeLessThan(LIMIT);
+      const more = `median ${percentile(took, 50).toFixed(0)} ms, ${ROUNDS} times`;
+      verdicts.most(`${name} -> at rest, max`, Math.max(...took), LIMIT, "ms", more, 0);
     }
+    verdicts.end();
   });
 });

@@ -7,6 +7,9 @@ import { pictures, program } from "../bench";
 
 const ip = (...words: string[]) => execFileSync("ip", words, { stdio: "inherit" });
 
+/** How long an event of the drives is waited for, ms. */
+const HAPPENS = 10_000;
+
 /** Drives at the end of a cable. */
 export interface Wire {
   drives: ChildProcess;
@@ -34,11 +37,12 @@ export function wire(count: number, least = 4): Wire {
   return {
     drives,
     async happens(text, since) {
-      for (;;) {
+      for (const until = performance.now() + HAPPENS; performance.now() < until; ) {
         const found = seen.find((line) => line.time >= since && line.text.includes(text));
         if (found !== undefined) return found.time - since;
         await new Promise((resolve) => setTimeout(resolve, 5));
       }
+      throw new Error(`the drives did not report "${text}" within ${HAPPENS} ms`);
     },
     end() {
       drives.kill("SIGKILL");
@@ -103,7 +107,8 @@ export function* packets(file: Buffer): Generator<{ time: number; frame: Buffer 
   }
 }
 
-function parse(file: Buffer): Frame[] {
+/** Returns the cyclic frames of a pcapng file. */
+export function parse(file: Buffer): Frame[] {
   const frames: Frame[] = [];
   for (const { time, frame } of packets(file)) {
     const tagged = frame.readUInt16BE(12) === 0x8100 ? 4 : 0;
@@ -120,19 +125,39 @@ function parse(file: Buffer): Frame[] {
   return frames;
 }
 
-/** Returns the time of the first frame to a drive after `since` whose data differ from those at that time. */
-export function changed(frames: readonly Frame[], to: string, since: number): number | null {
-  const own = frames.filter((frame) => frame.to === to);
-  const before = own.findLast((frame) => frame.time < since);
-  const after = own.find((frame) => frame.time >= since && before !== undefined && !frame.data.equals(before.data));
-  return after === undefined ? null : after.time;
+/** Place of the control word in the data to a virtual AKD with telegram 1: behind the states of its four submodules. */
+const STW1 = 4;
+/** Bits of the control word. OFF3 and ON are active where they are 0. */
+const [ON, OFF3] = [1 << 0, 1 << 2];
+
+/** What a frame with telegram 1 commands. */
+export interface Commanded {
+  /** The set speed, in steps of the telegram; only whether it is 0 matters here. */
+  speed: number;
+  on: boolean;
+  quickStop: boolean;
 }
 
-/** Returns whether a drive got the same data at two times: a motion that began after the first one had ended before the second. */
-export function same(frames: readonly Frame[], to: string, first: number, second: number): boolean {
-  const own = frames.filter((frame) => frame.to === to);
-  const [one, other] = [first, second].map((time) => own.findLast((frame) => frame.time < time));
-  return one !== undefined && other !== undefined && one.data.equals(other.data);
+export function commanded({ data }: Frame): Commanded {
+  const word = data.readUInt16BE(STW1);
+  return { speed: data.readInt16BE(STW1 + 2), on: (word & ON) !== 0, quickStop: (word & OFF3) === 0 };
+}
+
+/** Returns whether a drive was commanded to turn at that time. */
+export function turned(frames: readonly Frame[], to: string, time: number): boolean {
+  const before = frames.findLast((frame) => frame.to === to && frame.time < time);
+  return before !== undefined && commanded(before).speed !== 0;
+}
+
+/** Returns the time of the first frame to a drive after `since` that commands this. */
+export function first(
+  frames: readonly Frame[],
+  to: string,
+  since: number,
+  wanted: (of: Commanded) => boolean,
+): number | null {
+  const found = frames.find((frame) => frame.to === to && frame.time >= since && wanted(commanded(frame)));
+  return found === undefined ? null : found.time;
 }
 
 /** Returns which value so many parts in a hundred are at most. */
