@@ -22,14 +22,14 @@ test("an event injected into a virtual drive shows on its other screens at once"
     const why = overview.locator(".why-not");
     await expect(why).toHaveAttribute("data-cause", "no-controller");
     await page.getByRole("button", { name: "STO on" }).click();
-    await expect(why).toHaveAttribute("data-cause", "sto", { timeout: 1000 });
+    await expect(why).toHaveAttribute("data-cause", "sto", { timeout: 2000 });
     await expect(page.getByRole("status").filter({ hasText: "axis-1: sto=on" }).first()).toBeVisible();
     // what lasts is named in its row, and has a button that ends it
     const row = page.getByRole("row", { name: "axis-1" });
     await expect(row).toContainText("sto=on");
     await page.getByRole("button", { name: "End sto=on" }).click();
     await expect(row).not.toContainText("sto=on");
-    await expect(why).toHaveAttribute("data-cause", "no-controller", { timeout: 1000 });
+    await expect(why).toHaveAttribute("data-cause", "no-controller", { timeout: 2000 });
     await overview.close();
     await expect(page.getByText("No injected event is in effect.")).toBeVisible();
     await page.getByRole("combobox", { name: /^Fault/ }).selectOption("439");
