@@ -299,7 +299,7 @@ test("the log has what was done, follows it, and exports it", async ({ page }) =
     };
     const csv = (await file("Export CSV")).toString();
     expect(csv.split("\r\n")[0]).toBe(
-      "time,who,drive,name,action,value,changes,result,serial,engine_us,epoch,claimed_name",
+      "time,who,drive,name,action,value,changes,result,serial,engine_us,epoch,claimed_name,address",
     );
     expect(csv).toContain(`load=${torque}Nm`);
     const lines = (await file("Export JSON Lines")).toString().trim().split("\n");
