@@ -156,7 +156,7 @@ pub(crate) async fn confirm_stop(shared: &Arc<Shared>, caller: &Caller, stopping
     let (shared, caller) = (Arc::clone(shared), caller.clone());
     let confirmed = tokio::spawn(async move {
         let stopped = stopping.confirmed().await;
-        shared.control.tell_stopped(&stopped);
+        shared.control.report_stopped(&stopped);
         note_stop(&shared, &caller, &stopped).await;
         stopped
     });

@@ -6,11 +6,13 @@ use std::task::{Context, Poll};
 use std::time::Instant;
 
 use axum::body::{Body, Bytes, HttpBody};
-use axum::extract::{Request, State};
+use axum::extract::Request;
 use axum::middleware::Next;
 use axum::response::Response;
 use hyper::body::{Frame, SizeHint};
 use tokio::sync::Notify;
+
+use crate::access::Caller;
 
 /// Connections served at once.
 pub(crate) const CONNECTIONS: usize = 256;
@@ -33,7 +35,7 @@ struct Seat {
 
 #[derive(Debug)]
 struct Activity {
-    /// Requests that are not answered to their end.
+    /// Requests of a session or with a token that are not answered to their end.
     requests: u32,
     /// When it came, or when its last request was answered.
     idle: Instant,
@@ -144,9 +146,18 @@ impl Drop for Within {
     }
 }
 
-/// Notes that a connection is within a request, until its answer was handed over to the end.
-pub(crate) async fn note(State(requests): State<Requests>, request: Request, next: Next) -> Response {
-    let within = Within::begin(requests);
+/// Notes that a connection is within a request, until its answer was handed over to the end. This stands behind the guard: what has neither
+/// a session nor a token, a login too, keeps no place from others.
+pub(crate) async fn note(request: Request, next: Next) -> Response {
+    let is_known = request.extensions().get::<Caller>().is_some();
+    let requests = request
+        .extensions()
+        .get::<Requests>()
+        .filter(|_| is_known)
+        .cloned();
+    let Some(within) = requests.map(Within::begin) else {
+        return next.run(request).await;
+    };
     next.run(request).await.map(|body| {
         Body::new(Answer {
             body,

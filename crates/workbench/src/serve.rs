@@ -25,7 +25,7 @@ use tower_http::limit::RequestBodyLimitLayer;
 use tower_http::timeout::TimeoutLayer;
 
 use crate::access::{Attempts, Once, Peer, Places, Sessions, Tls, TlsError, Tokens, guard, secure};
-use crate::api::{large_router, nothing, of_a_simulation, router, while_it_runs};
+use crate::api::{large_router, long_router, nothing, of_a_simulation, router, while_it_runs};
 use crate::assets;
 use crate::audit::{Audit, Refusals};
 use crate::board::Board;
@@ -48,6 +48,8 @@ const BODY: usize = 256 << 10;
 const HEAD_TIME: Duration = Duration::from_secs(10);
 /// Time for a request and its answer.
 const REQUEST_TIME: Duration = Duration::from_secs(20);
+/// The longest time of the stop of one drive: that of its ramp.
+const STOP_TIME: Duration = Duration::from_secs(120);
 /// Time for a large file.
 const UPLOAD_TIME: Duration = Duration::from_secs(300);
 /// Pause after a connection that could not be taken, as when the process has no file handle left.
@@ -324,7 +326,7 @@ async fn rested(stop: &Stop, control: &Control, transport: &Transport) {
         // what ends needs the time of the plant
         plant.pause(false);
     }
-    while control.has_axes() {
+    while control.has_axes() || control.stops.is_any() {
         // one that a page takes meanwhile too
         control.end();
         turn.tick().await;
@@ -333,14 +335,20 @@ async fn rested(stop: &Stop, control: &Control, transport: &Transport) {
 
 fn app(shared: Arc<Shared>) -> Router {
     let in_time = |time| TimeoutLayer::with_status_code(StatusCode::REQUEST_TIMEOUT, time);
-    router()
+    let bounded = |routes: Router<Arc<Shared>>, time| {
+        routes
+            .layer(RequestBodyLimitLayer::new(BODY))
+            .layer(from_fn_with_state(Arc::clone(&shared), while_it_runs))
+            .layer(from_fn_with_state(Arc::clone(&shared), of_a_simulation))
+            .layer(in_time(time))
+    };
+    let all = router()
         .route("/api/{*path}", any(nothing))
-        .fallback(assets::serve)
-        .layer(RequestBodyLimitLayer::new(BODY))
-        .layer(from_fn_with_state(Arc::clone(&shared), while_it_runs))
-        .layer(from_fn_with_state(Arc::clone(&shared), of_a_simulation))
-        .layer(in_time(REQUEST_TIME))
+        .fallback(assets::serve);
+    bounded(all, REQUEST_TIME)
+        .merge(bounded(long_router(), STOP_TIME))
         .merge(large_router().layer(in_time(UPLOAD_TIME)))
+        .layer(from_fn(room::note))
         .layer(from_fn_with_state(Arc::clone(&shared), guard))
         .layer(from_fn(secure))
         .with_state(shared)
@@ -358,7 +366,7 @@ async fn accept(listener: TcpListener, shared: Arc<Shared>, tls: Option<Tls>) {
         let app = app
             .clone()
             .layer(Extension(Peer(peer)))
-            .layer(from_fn_with_state(place.requests(), room::note));
+            .layer(Extension(place.requests()));
         let tls = tls.clone();
         tokio::spawn(async move {
             let served = async {

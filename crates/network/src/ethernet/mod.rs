@@ -35,7 +35,10 @@ pub struct Captured<'c> {
     pub time: Duration,
     /// Its octets, from the destination on.
     pub frame: &'c [u8],
-    /// Frames that were lost between the one before and this one, because they were not read in time.
+    /// Frames may have been lost between the one before and this one, because they were not read in time.
+    pub after_gap: bool,
+    /// Frames that were lost so since this was counted last. The kernel counts all gaps of its ring together: of several of them the
+    /// first one has the count of all, and the others have 0.
     pub missed: u64,
 }
 

@@ -187,7 +187,8 @@ fn receive(mut capture: Capture, kept: &Weak<Mutex<Kept>>) {
             Ok(Some(captured)) => {
                 if let Some(kept) = kept.upgrade() {
                     let mut kept = kept.lock().unwrap_or_else(PoisonError::into_inner);
-                    kept.next += captured.missed;
+                    // a gap leaves out a number, also where its frames were counted before
+                    kept.next += captured.missed.max(captured.after_gap.into());
                     // one that is too long has no octets
                     if !captured.frame.is_empty() {
                         kept.add(captured.time, captured.frame);

@@ -89,7 +89,6 @@ fn routes() -> OpenApiRouter<Arc<Shared>> {
         .routes(routes!(backups::changed))
         .routes(routes!(backups::job))
         .routes(routes!(acknowledge::acknowledge))
-        .routes(routes!(stop::stop_drive))
         .routes(routes!(inject::events))
         .routes(routes!(inject::inject))
         .routes(routes!(inject::scenario))
@@ -114,6 +113,10 @@ fn routes() -> OpenApiRouter<Arc<Shared>> {
         .routes(routes!(control::control))
 }
 
+fn long_routes() -> OpenApiRouter<Arc<Shared>> {
+    OpenApiRouter::new().routes(routes!(stop::stop_drive))
+}
+
 fn large_routes() -> OpenApiRouter<Arc<Shared>> {
     OpenApiRouter::new().routes(routes!(captures::upload_capture))
 }
@@ -121,6 +124,11 @@ fn large_routes() -> OpenApiRouter<Arc<Shared>> {
 /// Returns the routes of the interface.
 pub(crate) fn router() -> Router<Arc<Shared>> {
     routes().split_for_parts().0
+}
+
+/// Returns those of them that last as long as a drive needs.
+pub(crate) fn long_router() -> Router<Arc<Shared>> {
+    long_routes().split_for_parts().0
 }
 
 /// Returns those of them whose bodies have a limit of their own.
@@ -131,7 +139,10 @@ pub(crate) fn large_router() -> Router<Arc<Shared>> {
 /// Returns the description of the interface (OpenAPI) as JSON.
 #[must_use]
 pub fn openapi() -> String {
-    let (_, description) = routes().merge(large_routes()).split_for_parts();
+    let (_, description) = routes()
+        .merge(long_routes())
+        .merge(large_routes())
+        .split_for_parts();
     let mut description = serde_json::to_value(description).unwrap_or_default();
     let mut settings = SchemaSettings::draft2020_12();
     settings.definitions_path = "/components/schemas".into();

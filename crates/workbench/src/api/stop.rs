@@ -19,10 +19,11 @@ const LIMIT: Duration = Duration::from_secs(10);
 
 /// Stops one drive and waits until it is at rest: one that turns without a controller by its parameter or by its control word, as
 /// `stop` of its station has it. A drive that this server controls is stopped by STOP, with all others that it controls. Each session may
-/// do this, also one that is view-only. A drive that another controller has is left alone: its next command would take the stop back.
+/// do this, also one that is view-only; whoever stops a drive that is being stopped gets the answer of that stop. A drive that another controller has is left alone: its next command would take the stop back.
 #[utoipa::path(post, path = "/api/v1/drives/{id}/stop", responses(
     (status = 200, description = "It is at rest", body = ref("#/components/schemas/StopReport")),
     (status = 403, description = "Another origin"),
+    (status = 404, description = "No such drive"),
     (status = 409, description = "Another controller has the drive, it is in local operation, or it is not at rest"),
 ))]
 pub(super) async fn stop_drive(
@@ -35,27 +36,29 @@ pub(super) async fn stop_drive(
         act::stop(&shared, &caller).await;
     }
     let (mut network, mut drive) = find(&shared, &id).await?;
-    // it goes on when its page goes away
-    let stopping = tokio::spawn(async move {
-        let stopped = motion::stop_unowned(&mut network, &mut drive, LIMIT).await;
-        let stopped = stopped.and_then(|report| report.check().map(|()| report));
-        let result = stopped.map_err(|error| Problem::of(&error));
-        let intent = Intent {
-            action: "stop",
-            drive: Some(id),
-            value: None,
-            changes: Vec::new(),
-        };
-        let text = match &result {
-            Ok(report) => report.to_string(),
-            Err(problem) => problem.message().to_owned(),
-        };
-        // as each stop it is logged after it was done, whether that succeeds or not
-        act::note(&shared, &caller, &intent, text).await;
-        result
+    let mut stop = shared.control.stops.join(&id, |ended| {
+        let (shared, id) = (Arc::clone(&shared), id.clone());
+        // it goes on when its page goes away
+        tokio::spawn(async move {
+            let stopped = motion::stop_unowned(&mut network, &mut drive, LIMIT).await;
+            let stopped = stopped.and_then(|report| report.check().map(|()| report));
+            let result = stopped.map_err(|error| Problem::of(&error));
+            let intent = Intent {
+                action: "stop",
+                drive: Some(id),
+                value: None,
+                changes: Vec::new(),
+            };
+            let text = match &result {
+                Ok(report) => report.to_string(),
+                Err(problem) => problem.message().to_owned(),
+            };
+            // as each stop it is logged after it was done, whether that succeeds or not
+            act::note(&shared, &caller, &intent, text).await;
+            ended.send_replace(Some(result));
+        });
     });
-    stopping
-        .await
-        .unwrap_or_else(|_| Err(Problem::defect()))
-        .map(Json)
+    let ended = stop.wait_for(Option::is_some).await.ok();
+    let result = ended.and_then(|outcome| outcome.clone());
+    result.unwrap_or_else(|| Err(Problem::defect())).map(Json)
 }

@@ -12,6 +12,7 @@ mod model;
 mod running;
 mod socket;
 mod stopping;
+mod stops;
 
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -25,6 +26,7 @@ use tokio::sync::{broadcast, watch};
 use ledger::Ledger;
 use running::Running;
 use stopping::StopNews;
+use stops::Stops;
 
 pub(crate) use socket::{__path_control, control};
 pub(crate) use stopping::{StopFrame, Stopped, Stopping};
@@ -45,6 +47,8 @@ pub(crate) struct Control {
     /// The last STOP, and whether it was reset: a flood of them is no flood for other pages.
     stop_news: watch::Sender<StopNews>,
     sockets: AtomicU64,
+    /// Stops of single drives.
+    pub stops: Stops,
 }
 
 impl Control {
@@ -55,6 +59,7 @@ impl Control {
             news: broadcast::Sender::new(NEWS),
             stop_news: watch::Sender::new(StopNews::default()),
             sockets: AtomicU64::new(0),
+            stops: Stops::default(),
         }
     }
 

@@ -20,7 +20,7 @@ use super::fresh::Freshness;
 use super::ledger::{Denied, Holder, Stamp, permit_round_trip};
 use super::messages::{Axes, Echo, For, HeldGoal, Hello, Request, Stamped, Wanted};
 use super::running::{Closing, Command, Order, Out, Reply, Running, StopBy, conflict};
-use super::stopping::StopsTold;
+use super::stopping::StopsSent;
 use super::{HOLD, LEASE};
 use crate::access::{Caller, Role};
 use crate::act::{self, Author, Intent};
@@ -73,11 +73,11 @@ async fn serve(shared: Arc<Shared>, caller: Caller, socket: WebSocket, place: Ow
     let (sink, mut stream) = socket.split();
     let (answers, queue) = mpsc::channel(ANSWERS);
     let mut page = Page::new(shared, caller, Reply(answers));
-    // before it has the present state: what comes meanwhile is told twice rather than never
-    let told = page.shared.control.stop_news.borrow().all_told();
+    // before it has the present state: what comes meanwhile is sent twice rather than never
+    let sent_before = page.shared.control.stop_news.borrow().all_sent();
     page.hello();
     // sending waits for the page, reading must not: STOP and beats pass whatever is on its way out
-    let writer = tokio::spawn(write(Arc::clone(&page.shared), sink, queue, told));
+    let writer = tokio::spawn(write(Arc::clone(&page.shared), sink, queue, sent_before));
     let mut look = interval(LOOK);
     let closing = loop {
         tokio::select! {
@@ -107,7 +107,7 @@ async fn write(
     shared: Arc<Shared>,
     mut sink: SplitSink<WebSocket, Message>,
     mut queue: mpsc::Receiver<Out>,
-    mut told: StopsTold,
+    mut sent_before: StopsSent,
 ) {
     let mut news = shared.control.news.subscribe();
     let mut pictures = interval(PICTURES);
@@ -123,7 +123,7 @@ async fn write(
                 if changed.is_err() {
                     return;
                 }
-                let next = stops.borrow_and_update().next(&mut told);
+                let next = stops.borrow_and_update().next(&mut sent_before);
                 match next {
                     Some(text) => {
                         // a reset may come behind it
@@ -314,7 +314,7 @@ impl Page {
             let stopped = stopping.confirmed().await;
             // first: what comes from now on is reported by another one
             confirming.store(false, Ordering::Relaxed);
-            shared.control.tell_newest(stopped);
+            shared.control.report_newest(stopped);
         });
     }
 
@@ -563,7 +563,7 @@ impl Page {
             self.refuse(n, None, "reset", None, &denied);
         } else {
             self.reply.accepted(n);
-            self.shared.control.tell_reset(epoch);
+            self.shared.control.report_reset(epoch);
             let (shared, caller) = (Arc::clone(&self.shared), self.caller.clone());
             tokio::spawn(async move {
                 let intent = Intent {

@@ -1,6 +1,6 @@
 //! A STOP on its way: from the moment it was pressed until the frames with it have left.
 
-use std::time::Duration;
+use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use axum::extract::ws::Utf8Bytes;
 use futures::future::join_all;
@@ -48,9 +48,8 @@ pub(crate) struct StopFrame {
     by: Option<StopBy>,
     /// What became of it.
     state: StopState,
-    /// When the frame with it was handed to the network, in microseconds of the clock of the engine, as in the log; null in other
-    /// states than `sent`.
-    sent_us: Option<u64>,
+    /// Time of day in ms since 1970 when the frame with it was handed to the network; null in other states than `sent`.
+    sent_unix_ms: Option<u64>,
 }
 
 /// How far the stop of an axis came.
@@ -85,7 +84,7 @@ pub(crate) struct Stopped {
     pub axes: Vec<StopFrame>,
 }
 
-/// What pages hear of STOP: the last one, and whether it was reset.
+/// What is sent to pages about STOP: the last one, and whether it was reset.
 #[derive(Debug, Clone, Default)]
 pub(super) struct StopNews {
     /// With how often STOP was pressed then.
@@ -93,35 +92,35 @@ pub(super) struct StopNews {
     pub reset: Option<(u64, Utf8Bytes)>,
 }
 
-/// What one page has heard of it.
+/// What of it was sent to one page.
 #[derive(Debug, Default)]
-pub(super) struct StopsTold {
+pub(super) struct StopsSent {
     stopped: u64,
     reset: u64,
 }
 
 impl StopNews {
-    /// Returns what a page is to hear next; a reset comes after its STOP.
-    pub fn next(&self, told: &mut StopsTold) -> Option<Utf8Bytes> {
+    /// Returns what is sent to a page next; a reset comes after its STOP.
+    pub fn next(&self, sent_before: &mut StopsSent) -> Option<Utf8Bytes> {
         if let Some((epoch, text)) = &self.stopped
-            && *epoch > told.stopped
+            && *epoch > sent_before.stopped
         {
-            told.stopped = *epoch;
+            sent_before.stopped = *epoch;
             return Some(text.clone());
         }
         if let Some((epoch, text)) = &self.reset
-            && *epoch > told.reset
+            && *epoch > sent_before.reset
         {
-            told.reset = *epoch;
-            return (*epoch >= told.stopped).then(|| text.clone());
+            sent_before.reset = *epoch;
+            return (*epoch >= sent_before.stopped).then(|| text.clone());
         }
         None
     }
 
-    /// Returns what a new page has heard, as its first message has the present state.
-    pub fn all_told(&self) -> StopsTold {
+    /// Returns what a new page needs no more, as its first message has the present state.
+    pub fn all_sent(&self) -> StopsSent {
         let of = |news: &Option<(u64, Utf8Bytes)>| news.as_ref().map_or(0, |(epoch, _)| *epoch);
-        StopsTold {
+        StopsSent {
             stopped: of(&self.stopped),
             reset: of(&self.reset),
         }
@@ -145,10 +144,10 @@ impl Stopping {
     /// Waits until the frames with the stop have left, or for as long as that may take.
     pub async fn confirmed(self) -> Stopped {
         let axes = self.axes.into_iter().map(|(drive, posted)| async move {
-            let (by, state, sent_us) = match posted {
+            let (by, state, sent_unix_ms) = match posted {
                 Posted::Untaken => (None, StopState::Taking, None),
                 Posted::To(by, handle) => match timeout(CONFIRM, handle.sent()).await {
-                    Ok(Ok(Some(at))) => (by, StopState::Sent, Some(at.as_nanos() / 1000)),
+                    Ok(Ok(Some(at))) => (by, StopState::Sent, Some(unix_ms(handle.now() - at))),
                     Ok(Ok(None) | Err(_)) => (by, StopState::Lost, None),
                     Err(_) => (by, StopState::Unconfirmed, None),
                 },
@@ -157,7 +156,7 @@ impl Stopping {
                 drive,
                 by,
                 state,
-                sent_us,
+                sent_unix_ms,
             }
         });
         let axes = join_all(axes).await;
@@ -173,6 +172,13 @@ impl Stopping {
     }
 }
 
+/// Returns the time of day of something that was so long ago. The clock of a network has another zero than that of a server, and that of
+/// a plant can stand still.
+fn unix_ms(ago: Duration) -> u64 {
+    let since = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+    u64::try_from(since.saturating_sub(ago).as_millis()).unwrap_or_default()
+}
+
 impl StopFrame {
     /// Returns whether the stop is on its way, or nothing needs it.
     pub fn is_confirmed(&self) -> bool {
@@ -186,7 +192,7 @@ impl StopFrame {
 
 impl Control {
     /// Reports a STOP to all pages, once it is known what became of it.
-    pub fn tell_stopped(&self, stopped: &Stopped) {
+    pub fn report_stopped(&self, stopped: &Stopped) {
         self.stop_news.send_if_modified(|news| {
             // one that was slow to be confirmed takes nothing back
             let is_newest = news
@@ -201,13 +207,13 @@ impl Control {
     }
 
     /// Reports to all pages the STOP that a flood of them has come to.
-    pub(super) fn tell_newest(&self, stopped: Stopped) {
+    pub(super) fn report_newest(&self, stopped: Stopped) {
         let epoch = self.stops();
-        self.tell_stopped(&Stopped { epoch, ..stopped });
+        self.report_stopped(&Stopped { epoch, ..stopped });
     }
 
     /// Reports to all pages that the STOP of this epoch was reset.
-    pub(super) fn tell_reset(&self, epoch: u64) {
+    pub(super) fn report_reset(&self, epoch: u64) {
         self.stop_news
             .send_modify(|news| news.reset = Some((epoch, text(&Reset::of(epoch)))));
     }
@@ -240,9 +246,9 @@ mod tests {
         }
     }
 
-    fn kinds(news: &StopNews, told: &mut StopsTold) -> Vec<String> {
+    fn kinds(news: &StopNews, sent_before: &mut StopsSent) -> Vec<String> {
         let mut all = Vec::new();
-        while let Some(text) = news.next(told) {
+        while let Some(text) = news.next(sent_before) {
             let message: serde_json::Value = serde_json::from_str(&text).unwrap();
             let epoch = message["epoch"].as_f64().unwrap();
             all.push(format!(
@@ -255,28 +261,28 @@ mod tests {
     }
 
     #[test]
-    fn a_page_hears_the_newest_stop_and_a_reset_only_behind_its_stop() {
+    fn the_newest_stop_is_sent_to_a_page_and_a_reset_only_behind_its_stop() {
         let control = Control::new();
         let now = || control.stop_news.borrow().clone();
-        let mut told = now().all_told();
+        let mut sent_before = now().all_sent();
         for _ in 0..3 {
             control.ledger().stop();
         }
-        control.tell_stopped(&stopped(2));
+        control.report_stopped(&stopped(2));
         // its frame was late: the newer one is what counts
-        control.tell_stopped(&stopped(1));
-        assert_eq!(kinds(&now(), &mut told), ["stopped 2"]);
-        control.tell_newest(stopped(2));
-        control.tell_reset(3);
-        assert_eq!(kinds(&now(), &mut told), ["stopped 3", "reset 3"]);
-        assert_eq!(kinds(&now(), &mut told), [""; 0]);
-        // of a reset that was overtaken by a STOP nothing is heard
-        control.tell_reset(3);
+        control.report_stopped(&stopped(1));
+        assert_eq!(kinds(&now(), &mut sent_before), ["stopped 2"]);
+        control.report_newest(stopped(2));
+        control.report_reset(3);
+        assert_eq!(kinds(&now(), &mut sent_before), ["stopped 3", "reset 3"]);
+        assert_eq!(kinds(&now(), &mut sent_before), [""; 0]);
+        // a reset that was overtaken by a STOP is not sent
+        control.report_reset(3);
         control.ledger().stop();
-        control.tell_stopped(&stopped(4));
-        let mut late = StopsTold::default();
+        control.report_stopped(&stopped(4));
+        let mut late = StopsSent::default();
         assert_eq!(kinds(&now(), &mut late), ["stopped 4"]);
-        assert_eq!(kinds(&now(), &mut now().all_told()), [""; 0]);
+        assert_eq!(kinds(&now(), &mut now().all_sent()), [""; 0]);
     }
 
     /// The time of a plant that stands still is that of a thread that hangs: nothing leaves.
@@ -310,12 +316,16 @@ mod tests {
         let handle = axis.stop_handle();
         plant.pause(true);
         // a step that was under way ends
-        tokio::time::sleep(Duration::from_millis(50)).await;
+        while {
+            let before = network.now();
+            tokio::time::sleep(Duration::from_millis(10)).await;
+            network.now() != before
+        } {}
         handle.quick_stop();
         let late = posted(&handle).confirmed().await;
         assert!(!late.confirmed, "{late:?}");
         assert_eq!(
-            (late.axes[0].state, late.axes[0].sent_us),
+            (late.axes[0].state, late.axes[0].sent_unix_ms),
             (StopState::Unconfirmed, None)
         );
         plant.pause(false);
@@ -325,7 +335,9 @@ mod tests {
             (sent.axes[0].state, sent.axes[1].state),
             (StopState::Sent, StopState::Taking)
         );
-        assert!(sent.axes[0].sent_us.is_some() && sent.axes[0].by == Some(StopBy::Off3));
+        assert_eq!(sent.axes[0].by, Some(StopBy::Off3));
+        let ago = unix_ms(Duration::ZERO) - sent.axes[0].sent_unix_ms.unwrap();
+        assert!(ago < 5000, "{ago} ms");
         // that a stop has ended its operation is what this reports
         let _ = axis.release().await;
         handle.quick_stop();

@@ -473,10 +473,17 @@ fn connections_that_stay_idle_hold_up_nobody() {
     let head =
         format!("POST /api/v1/captures HTTP/1.1\r\n{bearer}Connection: close\r\nContent-Length: 4\r\n\r\nab");
     slow.write_all(head.as_bytes()).unwrap();
-    // some send nothing, some a part of a head, and all of them stay
+    // some send nothing, some a part of a head, some a part of a login, and all of them stay
     let mut idle: Vec<TcpStream> = Vec::new();
     for number in 0..300 {
         let mut stream = TcpStream::connect(server.address).unwrap();
+        if number % 3 == 1 {
+            let origin = format!("Host: {0}\r\nOrigin: http://{0}", server.address);
+            let login = format!(
+                "POST /api/v1/session HTTP/1.1\r\n{origin}\r\nContent-Type: application/json\r\nContent-Length: 100\r\n\r\n{{"
+            );
+            let _ = stream.write_all(login.as_bytes());
+        }
         if number % 3 == 0 {
             // one that was ended already takes nothing
             let _ = stream.write_all(b"POST /api/v1/stop HTTP/1.1\r\nHost: ");

@@ -174,8 +174,13 @@ pub fn live(interface: &str, args: &Decode, output: &Output) -> Result<(), Failu
     let result = loop {
         let wait = Duration::from_millis(200);
         match capture.next(wait) {
-            Ok(Some(Captured { time, frame, missed })) => {
-                if missed > 0 {
+            Ok(Some(Captured {
+                time,
+                frame,
+                after_gap,
+                ..
+            })) => {
+                if after_gap {
                     view.skip_to(time);
                 }
                 if let Some(Err(error)) = kept.as_mut().map(|kept| kept.write(time, frame)) {

@@ -55,6 +55,12 @@ impl StopHandle {
         stops
     }
 
+    /// Returns the present time of the network, as [`sent`](Self::sent) has it.
+    #[must_use]
+    pub fn now(&self) -> Instant {
+        self.engine.now()
+    }
+
     /// Waits until a frame with the last stop was handed to the network, and returns when that was, on the clock of the network;
     /// `None` where the axis was given back or its connection was lost before. At a serial line it is when the drive answered.
     ///

@@ -71,8 +71,12 @@ impl Capture {
         kept.copy_from_slice(whole.get(..length).unwrap_or_default());
         packet.release();
         let missed = if losing { packet.newly_missed() } else { 0 };
-        let frame = &*kept;
-        Ok(Some(Captured { time, frame, missed }))
+        Ok(Some(Captured {
+            time,
+            frame: &*kept,
+            after_gap: losing,
+            missed,
+        }))
     }
 
     /// Frames lost so far because they were not read in time.
