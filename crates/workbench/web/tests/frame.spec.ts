@@ -487,7 +487,7 @@ test("a STOP of which no frame went out is not confirmed", async ({ page }) => {
     let drive = "";
     await change(page, "control", (message) =>
       message.type === "stopped"
-        ? { ...message, confirmed: false, axes: [{ drive, by: "off3", state: "unconfirmed", sent_us: null }] }
+        ? { ...message, confirmed: false, axes: [{ drive, by: "off3", state: "unconfirmed", sent_unix_ms: null }] }
         : message,
     );
     await page.goto(server.url);
