@@ -88,3 +88,44 @@ test("drives given by their addresses are read, and the page says what a search 
     ip("link", "del", "here");
   }
 });
+
+test("STOP ramps down and releases a drive that lost its controller, and a second press is for the same stop", async ({
+  page,
+}) => {
+  const ip = (...words: string[]) => execFileSync("ip", words, { stdio: "inherit" });
+  ip("link", "add", "here", "type", "veth", "peer", "name", "there");
+  ip("addr", "add", "192.168.99.1/24", "dev", "here");
+  ip("link", "set", "here", "up");
+  ip("link", "set", "there", "up");
+  const model = ["--name", "vlt-9", "--model", "vlt", "--ip", "192.168.99.9/24"];
+  const drive = spawn(program, ["simulate", "-q", ...model, "-i", "there"], { stdio: ["ignore", "ignore", "inherit"] });
+  const env = { ...process.env, PROFIDRIVE_INTERFACE: "here" };
+  const ask = (...words: string[]) => spawnSync(program, words, { encoding: "utf8", env }).stdout;
+  try {
+    await expect.poll(() => ask("status", "vlt-9", "--short")).toContain("vlt-9");
+    const controller = spawn(program, ["run", "vlt-9", "--velocity", "300rpm", "--may-run-on"], {
+      stdio: "ignore",
+      env,
+    });
+    await expect.poll(() => ask("status", "vlt-9", "--short")).toContain("S4");
+    controller.kill("SIGKILL");
+    const server = await serve("-i", "here", "--listen", "127.0.0.1:0");
+    try {
+      await page.goto(server.url);
+      await expect(page.locator("#stop-why")).toContainText("vlt-9 turns without a controller. Select it to stop it.");
+      await page.getByRole("link", { name: "vlt-9", exact: true }).click();
+      const stop = page.locator(".frame").getByRole("button", { name: "STOP vlt-9 (by control word)" });
+      await stop.click();
+      await stop.click();
+      const notice = page.locator(".band.stopped");
+      await expect(notice).toContainText("vlt-9 is at rest.", { timeout: 30_000 });
+      await expect(notice).not.toContainText("was not stopped");
+      expect(ask("status", "vlt-9", "--short")).not.toContain("S4");
+    } finally {
+      await end(server);
+    }
+  } finally {
+    ip("link", "del", "here");
+    drive.kill("SIGKILL");
+  }
+});

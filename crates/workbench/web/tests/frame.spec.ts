@@ -2,7 +2,7 @@ import { chmodSync, copyFileSync, existsSync, mkdtempSync, readFileSync, rmSync,
 import { createRequire } from "node:module";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
-import type { Locator, Page, Route } from "@playwright/test";
+import type { Locator, Page, Route, WebSocketRoute } from "@playwright/test";
 import { end, expect, idOf, pictures, rows, serve, serveIn, test } from "./bench";
 import { alone, open, operate, options, underControl } from "./moving";
 
@@ -487,7 +487,7 @@ test("a STOP of which no frame went out is not confirmed", async ({ page }) => {
     let drive = "";
     await change(page, "control", (message) =>
       message.type === "stopped"
-        ? { ...message, confirmed: false, axes: [{ drive, by: "off3", state: "unconfirmed", sent_us: null }] }
+        ? { ...message, confirmed: false, axes: [{ drive, by: "off3", state: "unconfirmed", sent_unix_ms: null }] }
         : message,
     );
     await page.goto(server.url);
@@ -560,6 +560,87 @@ test("STOP stops a drive that turns without a controller by its parameter, and s
   await expect(page.getByRole("button", { name: "STOP not available" })).toBeVisible();
   await expect(page.locator("#stop-why")).toContainText("for which the server needs a network interface");
   await page.getByRole("button", { name: "Reset STOP" }).click();
+});
+
+test("one press stops the axes of the server and the selected drive without a controller, however long it ramps", async ({
+  page,
+}) => {
+  let means = "none";
+  await change(page, "live", (message) => {
+    if (message.topic !== "network") return message;
+    const data = message.data as { stations: { name: string; stop: object }[] };
+    const stop = { means, parameter: "DRV.STOP", reason: null, controller: null };
+    const stations = data.stations.map((one) => (one.name === "press-1" ? { ...one, stop } : one));
+    return { ...message, data: { ...data, stations } };
+  });
+  const waiting: Route[] = [];
+  await page.route("**/api/v1/drives/*/stop", (route) => {
+    waiting.push(route);
+  });
+  const server = await serve("--demo", "--listen", "127.0.0.1:0");
+  try {
+    await page.goto(server.url);
+    await rows(page);
+    const why = page.locator("#stop-why");
+    means = "parameter";
+    await expect(why).toContainText("press-1 turns without a controller. Select it to stop it.");
+    await expect(why).not.toContainText("controls no axis");
+    await page.goto(`${server.origin}/drives/${encodeURIComponent(await idOf(page, "axis-1"))}/control`);
+    await page.getByRole("button", { name: "Take control" }).click();
+    await expect(page.locator("main").getByText("Power stage off")).toBeVisible();
+    await expect(page.getByRole("button", { name: "STOP axis-1", exact: true })).toBeVisible();
+    await expect(why).toContainText("press-1 turns without a controller. Select it to stop it.");
+    await page.locator(".selector select").selectOption({ label: "press-1" });
+    const stop = page.getByRole("button", { name: "STOP axis-1, press-1 (by parameter)" });
+    await stop.click();
+    const notice = page.locator(".band.stopped");
+    await expect(notice).toContainText("Stopping press-1 ..");
+    await expect(notice).toContainText("axis-1: was not in operation");
+    await expect(why).toContainText("Stopping press-1 ..");
+    // the controller that it has meanwhile is this server
+    means = "none";
+    await expect.poll(() => waiting.length).toBe(1);
+    await stop.click();
+    await expect.poll(() => waiting.length).toBe(2);
+    await page.getByRole("button", { name: "Reset STOP" }).click();
+    await expect(notice).toHaveText("Stopping press-1 ..");
+    await expect(page.locator(".band.happened")).toHaveText(/^Reset: STOP 2 \(this session\)/);
+    await stop.click();
+    await expect.poll(() => waiting.length).toBe(3);
+    await expect(notice).toContainText("STOP 3 is confirmed.");
+    for (const route of waiting) await route.fulfill({ json: { at_rest: true } });
+    await expect(notice).toContainText("press-1 is at rest.");
+    await expect(notice).not.toContainText("Stopping");
+    await expect(page.getByRole("button", { name: "STOP axis-1", exact: true })).toBeVisible();
+  } finally {
+    await end(server);
+  }
+});
+
+test("a page that reconnects names the STOP that was pressed meanwhile", async ({ page }) => {
+  let cut = false;
+  const sockets: WebSocketRoute[] = [];
+  await page.routeWebSocket("**/api/v1/control", (socket) => {
+    sockets.push(socket);
+    if (cut) socket.close();
+    else socket.connectToServer();
+  });
+  const server = await serve("--demo", "--listen", "127.0.0.1:0");
+  try {
+    await page.goto(server.url);
+    await rows(page);
+    await page.getByRole("button", { name: /^STOP/ }).click();
+    await expect(page.getByText("STOP 1 was pressed by this session.")).toBeVisible();
+    cut = true;
+    for (const socket of sockets) await socket.close();
+    expect(await page.evaluate(async () => (await fetch("/api/v1/stop", { method: "POST" })).status)).toBe(200);
+    cut = false;
+    await page.evaluate(() => dispatchEvent(new Event("online")));
+    await expect(page.getByText("STOP 2 was pressed. Nothing is enabled")).toBeVisible();
+    await expect(page.getByText("STOP 1 was pressed")).toHaveCount(0);
+  } finally {
+    await end(server);
+  }
 });
 
 test("a network that is back opens the control socket at once", async ({ page }) => {

@@ -10,7 +10,6 @@ export type Server = Schemas["ServerReport"];
 export type Stopped = Schemas["StoppedReport"];
 export type StopFrame = Schemas["StopFrame"];
 export type StopOffer = Schemas["StopOffer"];
-export type StopReport = Schemas["StopReport"];
 export type Shaft = Schemas["VirtualDrive"];
 export type Quantity = Schemas["Quantity"];
 export type Fault = Schemas["Fault"];

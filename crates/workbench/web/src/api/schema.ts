@@ -2755,11 +2755,10 @@ export interface components {
             /** @description The drive, as it is called in paths. */
             drive: string;
             /**
-             * Format: uint64
-             * @description When the frame with it was handed to the network, in microseconds of the clock of the engine, as in the log; null in other
-             *     states than `sent`.
+             * Format: double
+             * @description When the frame with it was handed to the network, in milliseconds since 1970; null in other states than `sent`.
              */
-            sent_us: number | null;
+            sent_unix_ms: number | null;
             /** @description What became of it. */
             state: components["schemas"]["StopState"];
         };

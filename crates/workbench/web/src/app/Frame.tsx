@@ -36,28 +36,60 @@ function event({ kind, drive, who, claimed_name, text, failed }: Happening): str
   const named = station && !text.startsWith(`${label(station)}: `) ? `${label(station)}: ` : "";
   // the log says by its kind that it failed
   const what = t(failed && kind !== "log" ? "frame.event.failed" : `frame.event.${kind}`);
-  return foreign(`${what} ${named}${text}${who === "" ? "" : ` (${by})`}`, 300);
+  // that it was done is what the first words say
+  const words = `${what} ${named}${text}`.replace(/: done$/, "");
+  return foreign(`${words}${who === "" ? "" : ` (${by})`}`, 300);
 }
 
-/** What became of the stop of a drive that no controller has. */
-const beside = signal("");
+type Means = "parameter" | "control_word";
+
+/** The stop of a drive that no controller has: by what, its requests without an answer, and what became of it, in words. */
+interface Beside {
+  means: Means;
+  waiting: number;
+  text: string;
+}
+/** Those of the last STOP of this page, and those before it that last, by drive. */
+const besides = signal<ReadonlyMap<string, Beside>>(new Map());
+
+/** Returns the stop of a drive while it lasts. */
+function besideNow(station: Station | undefined): Beside | undefined {
+  const beside = besides.value.get(station?.id ?? "");
+  return beside?.waiting ? beside : undefined;
+}
 
 /** Returns how a drive is stopped that no controller has; `null` where STOP does not do that. */
-export function besideOf(station: Station | undefined): "parameter" | "control_word" | null {
+export function besideOf(station: Station | undefined): Means | null {
+  if (axes.value.some(({ drive }) => drive === station?.id)) return null;
   const means = station?.stop?.means;
-  return axes.value.length === 0 && (means === "parameter" || means === "control_word") ? means : null;
+  // while it is stopped this server is its controller: a second press is for the same stop
+  return means === "parameter" || means === "control_word" ? means : (besideNow(station)?.means ?? null);
 }
 
-/** STOP, by whatever key or button: of each axis of this server, else of the selected drive where no controller has it. */
+/** STOP, by whatever key or button: of each axis of this server, and of the selected drive where no controller has it. */
 export async function pressStop(): Promise<void> {
   const station = stationOf(recent(location.pathname));
-  beside.value = "";
-  const stopping = control.pressStop(stop);
-  if (station !== undefined && besideOf(station) !== null) {
-    beside.value = t("stop.beside.sent", { name: label(station) });
-    beside.value = await stopBeside(station);
+  const means = besideOf(station);
+  besides.value = new Map([...besides.value].filter(([, { waiting }]) => waiting > 0));
+  const beside = means !== null || besides.value.size > 0;
+  const stopping = control.pressStop(() => stop(beside));
+  if (station !== undefined && means !== null) {
+    const { id } = station;
+    const sent = t("stop.beside.sent", { name: label(station) });
+    const note = (more: number, text: string) => {
+      const waiting = (besides.value.get(id)?.waiting ?? 0) + more;
+      besides.value = new Map(besides.value).set(id, { means, waiting, text: waiting > 0 ? sent : text });
+    };
+    note(1, sent);
+    note(-1, await stopBeside(station));
   }
   await stopping;
+}
+
+/** Returns what became of the drives that no controller has, in words. A reset takes away what has ended. */
+function becameBeside(): string {
+  const all = [...besides.value.values()].filter(({ waiting }) => waiting > 0 || stopState.value !== "");
+  return all.map(({ text }) => text).join(" ");
 }
 
 /** Returns what became of the last STOP of this page, in words. */
@@ -70,7 +102,7 @@ function became(): string {
       return t("stop.unconfirmed");
     case "confirmed":
     case "unsent":
-      return last === null ? "" : stopText(last.epoch, last.confirmed, last.axes);
+      return last === null ? "" : stopText(last.epoch, last.confirmed, last.axes, besides.value.size > 0);
     case "answered":
       return control.stopText.value;
     default:
@@ -81,7 +113,7 @@ function became(): string {
 /** Returns who pressed STOP, in words. */
 function pressed(): string {
   const last = lastStop.value;
-  if (last === null) return t("frame.stopped.before");
+  if (last === null) return t("frame.stopped.before", { epoch: control.epoch.value });
   return t("frame.stopped", { epoch: last.epoch, by: person(last.by, last.claimed_name) });
 }
 
@@ -134,8 +166,8 @@ function Link({ id }: { id: string }) {
   useEffect(() => want(`drive/${id}/link`, 2), [id]);
   const held = topics.value.get(`drive/${id}/link`);
   // before the first report nothing is known of them
-  if (held === undefined) return <span class="spare muted">{"\u2013"}</span>;
-  const fresh = silent.value === null && (now.value - held.received) / 1000 < STALE;
+  if (held === undefined || silent.value !== null) return <span class="spare muted">{"\u2013"}</span>;
+  const fresh = (now.value - held.received) / 1000 < STALE;
   const timing = fresh ? (held.data as LinkTopic).timing : null;
   if (timing === null) return <span class="spare muted">{t("frame.link.none")}</span>;
   return (
@@ -161,7 +193,8 @@ function Facts({ station }: { station: Station }) {
   const axis = control.heldAxis(station.id);
   const old = (axis ? axis.lost || control.old.value : (aged(station.age) ?? 0) > STALE) || quiet.value;
   const dash = "\u2013";
-  const live = silent.value === null;
+  // without the control socket nobody knows who has the drive that was of this page
+  const live = silent.value === null && !control.ended.value;
   const words = axis
     ? { stw1: hex(axis.stw1), zsw1: hex(axis.zsw1) }
     : { stw1: status?.stw1?.hex, zsw1: status?.zsw1?.hex };
@@ -175,7 +208,11 @@ function Facts({ station }: { station: Station }) {
         <bdi title={product(station)}>{product(station)}</bdi>
         <span class="number spare">{station.ip ?? dash}</span>
         <span class="spare">
-          {live && status?.telegram ? t("frame.telegram", { number: status.telegram }) : t("frame.telegram.none")}
+          {!live
+            ? dash
+            : status?.telegram
+              ? t("frame.telegram", { number: status.telegram })
+              : t("frame.telegram.none")}
         </span>
         <Link id={station.id} />
         <bdi class="owner" title={live ? ownerShort(station) : undefined}>
@@ -212,36 +249,42 @@ function Facts({ station }: { station: Station }) {
 function Stop({ station }: { station: Station | undefined }) {
   const count = axes.value.length;
   const only = count === 1 ? axes.value[0] : undefined;
-  const first = stations.value?.find((one) => one.id === axes.value[0]?.drive);
   const name = ownerName(station);
   const offer = station?.stop;
   const beside = besideOf(station);
+  // without one of these a person in front of a row that turns would find no STOP
+  const other = beside === null ? stations.value?.find((one) => besideOf(one) !== null) : undefined;
   const named = station ? label(station) : "";
   const reason = offer?.reason;
-  const why =
-    silent.value !== null
-      ? t("stop.why.unreachable")
-      : only !== undefined
-        ? t("stop.why.one", { how: t(`stop.by.${only.stop_by}`) })
-        : count > 0
-          ? t(axes.value.some(({ stop_by }) => stop_by !== "off3") ? "stop.why.chosen" : "stop.why.own")
-          : name !== null
-            ? t("stop.why.owner", { name })
-            : beside !== null
-              ? t(`stop.why.${beside}`, { name: named, parameter: offer?.parameter ?? "" })
-              : reason === "local_operation" || reason === "needs_interface"
-                ? t(`stop.why.${reason}`, { name: named })
-                : t("stop.why.none");
+  const own = !control.connected.value
+    ? t(control.ended.value ? "frame.lost.control" : "stop.why.chosen")
+    : only !== undefined
+      ? t("stop.why.one", { how: t(`stop.by.${only.stop_by}`) })
+      : count > 0
+        ? t(axes.value.some(({ stop_by }) => stop_by !== "off3") ? "stop.why.chosen" : "stop.why.own")
+        : "";
+  const none =
+    name !== null
+      ? t("stop.why.owner", { name })
+      : reason === "local_operation" || reason === "needs_interface"
+        ? t(`stop.why.${reason}`, { name: named })
+        : other
+          ? ""
+          : t("stop.why.none");
+  const more =
+    besideNow(station)?.text ??
+    (beside !== null ? t(`stop.why.${beside}`, { name: named, parameter: offer?.parameter ?? "" }) : own ? "" : none);
+  const select = other ? t("stop.why.select", { name: label(other) }) : "";
+  const why = silent.value !== null ? t("stop.why.unreachable") : [own, more, select].filter(Boolean).join(" ");
+  const first = stations.value?.find((one) => one.id === axes.value[0]?.drive);
+  const axis = count > 1 ? t("stop.axes.count", { count }) : first ? label(first) : (axes.value[0]?.drive ?? "");
+  const all = [axis, beside === null ? "" : named].filter(Boolean).join(", ");
   const text =
     silent.value !== null
       ? t("stop.unreachable")
-      : count > 1
-        ? t("stop.many", { count })
-        : count === 1
-          ? t("stop.one", { name: first ? label(first) : (axes.value[0]?.drive ?? "") })
-          : beside !== null
-            ? t(`stop.beside.${beside}`, { name: named })
-            : t("stop.none");
+      : all !== ""
+        ? t(beside === null ? "stop.one" : `stop.beside.${beside}`, { name: all })
+        : t(control.connected.value ? "stop.none" : "stop.all");
   return (
     <>
       <p class="line why" id="stop-why">
@@ -309,6 +352,7 @@ export function Frame() {
   }, [last?.n, passes]);
   // a STOP has its own line until it is reset
   const news = happened.value?.n !== shown.value && !(happened.value?.kind === "stop" && isStopped.value);
+  const notice = `${becameBeside()} ${became()}`.trim();
   const simulation = server.value?.simulation ?? false;
   const mode =
     silent.value !== null
@@ -348,8 +392,8 @@ export function Frame() {
             </button>
           </p>
         )}
-        <p class="band stopped" role="alert" hidden={became() === ""}>
-          {beside.value === "" ? became() : `${beside.value} ${became()}`}
+        <p class="band stopped" role="alert" hidden={notice === ""}>
+          {notice}
         </p>
         {isStopped.value && <Reset />}
         {news && happened.value !== null && (

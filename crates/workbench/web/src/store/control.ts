@@ -370,6 +370,8 @@ function receive(message: Incoming): void {
       session.value = message.who;
       epoch.value = message.epoch;
       stopped.value = message.stopped;
+      // of a STOP that was pressed meanwhile only the number is known
+      if (lastStop.value?.epoch !== message.epoch) lastStop.value = null;
       refusal.value = message.refusal;
       connected.value = true;
       ended.value = false;
@@ -488,11 +490,14 @@ function look(): number {
   return silence;
 }
 
+/** Returns whether the workbench has ended control by now, without beats. */
+export function isOver(): boolean {
+  return ended.value || look() > ENDED;
+}
+
 /** Gives up what is too old to be true; the page calls it all the time. */
 export function listenForControl(): void {
-  const silence = look();
-  // without beats the workbench has ended control by now
-  if (socket !== null && (silence > ENDED || performance.now() - came > DEAD)) lost(socket);
+  if (socket !== null && (look() > ENDED || performance.now() - came > DEAD)) lost(socket);
 }
 
 /** Opens the socket, and gives everything back when the page is not visible. */

@@ -9,11 +9,10 @@ import {
   type Stations,
   type StopFrame,
   type Stopped,
-  type StopReport,
 } from "../api";
 import { label } from "../parts/format";
 import { t, utc } from "../text";
-import { listenForControl, runControl } from "./control";
+import { isOver, listenForControl, runControl } from "./control";
 import { name } from "./name";
 import { noteFaults } from "./seen";
 import { type Incoming, Live } from "./socket";
@@ -25,7 +24,6 @@ import {
   heard,
   isOfBuild,
   listen,
-  noteEngine,
   now,
   paused,
   received,
@@ -36,7 +34,6 @@ import {
   shafts,
   stations,
   type Track,
-  timeOf,
   topics,
   tracks,
 } from "./store";
@@ -97,18 +94,18 @@ export function want(topic: string, rate: number): () => void {
 }
 
 /** Returns what became of a STOP at an axis, in words. */
-function stopOf({ drive, by, state, sent_us }: StopFrame): string {
+function stopOf({ drive, by, state, sent_unix_ms }: StopFrame): string {
   const station = stations.value?.find((one) => one.id === drive);
   const name = station ? label(station) : drive;
   if (state !== "sent") return t(`stop.axis.${state}`, { name });
   if (by === null || by === undefined) return t("stop.axis.off", { name });
-  const time = sent_us === null || sent_us === undefined ? "" : utc(timeOf(sent_us), 3);
+  const time = sent_unix_ms === null ? "" : utc(new Date(sent_unix_ms), 3);
   return t("stop.axis.sent", { name, by: by.toUpperCase(), time });
 }
 
-/** Returns what became of a STOP, in words. */
-export function stopText(number: number, confirmed: boolean, axes: readonly StopFrame[]): string {
-  if (axes.length === 0) return t("stop.done", { number });
+/** Returns what became of a STOP, in words. `beside`: it stops a drive too that no controller has. */
+export function stopText(number: number, confirmed: boolean, axes: readonly StopFrame[], beside: boolean): string {
+  if (axes.length === 0) return t(beside ? "stop.received" : "stop.done", { number });
   const list = axes.map(stopOf).join("; ");
   return t(confirmed ? "stop.axes" : "stop.axes.unconfirmed", { number, axes: list });
 }
@@ -119,8 +116,7 @@ function run(): void {
     now.value = performance.now();
   }, CLOCK_PERIOD);
   setInterval(() => {
-    // in this order: no look at the axes that are given up may come before the word of the loss
-    if (listen()) listenForControl();
+    if (listen(isOver())) listenForControl();
   }, LISTEN);
   live = new Live({
     message: receive,
@@ -137,7 +133,6 @@ function run(): void {
 
 function receive(message: Incoming): void {
   heard();
-  noteEngine(message.t);
   if (message.type === "hello") isOfBuild(message.build);
   if (message.type === "event") {
     happened.value = message;
@@ -251,17 +246,17 @@ function extended(all: ReadonlyMap<string, Track>, report: Station[]): Map<strin
 }
 
 /** Stops every axis that the server controls, where the control socket is not open. Returns what became of it, in words. */
-export async function stop(): Promise<string> {
+export async function stop(beside: boolean): Promise<string> {
   try {
     const stopped = await request<Stopped>("stop", { method: "POST", keepalive: true });
-    return stopText(stopped.stops, stopped.confirmed, stopped.frames);
+    return stopText(stopped.stops, stopped.confirmed, stopped.frames, beside);
   } catch {
     return t("stop.failed");
   }
 }
 
-/** Time for the stop of a drive that no controller has, in ms: it ramps down meanwhile. */
-const RAMP = 15_000;
+/** Time for the stop of a drive that no controller has, in ms: more than the server gives it for its ramp. */
+const RAMP = 75_000;
 
 /** Stops a drive that no controller has. Returns what became of it, in words. */
 export async function stopBeside(station: Station): Promise<string> {
@@ -269,10 +264,12 @@ export async function stopBeside(station: Station): Promise<string> {
   try {
     const signal = AbortSignal.timeout(RAMP);
     const path = `drives/${encodeURIComponent(station.id)}/stop`;
-    const report = await request<StopReport>(path, { method: "POST", keepalive: true, signal });
-    return t(report.at_rest ? "stop.beside.done" : "stop.beside.turns", { name });
+    await request(path, { method: "POST", keepalive: true, signal });
+    return t("stop.beside.done", { name });
   } catch (error) {
-    const reason = error instanceof Error ? error.message : String(error);
-    return t("stop.beside.failed", { name, reason });
+    // the words of a browser help nobody
+    return error instanceof Refused
+      ? t("stop.beside.failed", { name, reason: error.message })
+      : t("stop.beside.unknown", { name });
   }
 }

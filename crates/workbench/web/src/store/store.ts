@@ -54,8 +54,11 @@ export function heard(): void {
 
 let looked = performance.now();
 
-/** Looks how long the workbench has been silent; the page calls it all the time. Returns whether it could have heard something. */
-export function listen(): boolean {
+/**
+ * Looks how long the workbench has been silent; the page calls it all the time. Returns whether it could have heard something.
+ * `over`: its axes are given up. They do not go before the word of the loss is there.
+ */
+export function listen(over: boolean): boolean {
   const time = performance.now();
   const awake = time - looked < ASLEEP;
   looked = time;
@@ -63,7 +66,7 @@ export function listen(): boolean {
   const silence = time - answered;
   batch(() => {
     quiet.value = silence > QUIET;
-    silent.value = silence > LOST ? Math.floor(silence / 1000) : null;
+    silent.value = silence > (over ? QUIET : LOST) ? Math.floor(silence / 1000) : null;
   });
   return true;
 }
@@ -82,20 +85,6 @@ export const outdated = signal(false);
 export function isOfBuild(now: string): void {
   build ??= now;
   outdated.value = now !== build;
-}
-
-/** Times of this page, ms since 1970, less those of the engine that came with them, ms. The least had the shortest way. */
-let distances: number[] = [];
-const DISTANCES = 40;
-
-/** Notes the time of the engine, us, of a message that has just come. */
-export function noteEngine(time: number): void {
-  distances = [...distances, Date.now() - time / 1000].slice(-DISTANCES);
-}
-
-/** Returns the time of day of a time of the engine, us. */
-export function timeOf(engine: number): Date {
-  return new Date(Math.min(...distances) + engine / 1000);
 }
 
 /** One value over time. */

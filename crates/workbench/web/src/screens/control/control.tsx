@@ -36,6 +36,9 @@ const numbers = perDrive("1");
 
 const dash = "\u2013";
 
+/** Returns whether the workbench says what is under control. */
+const isKnown = () => silent.value === null && control.connected.value;
+
 /** Consent and what was seen count until the drive is released. */
 let taken: readonly string[] = [];
 effect(() => {
@@ -111,7 +114,7 @@ function Field({
 function obstacle(station: Station): string | null {
   const refusal = control.refusal.value;
   if (outdated.value) return t("frame.outdated");
-  if (silent.value !== null || !control.connected.value) return t("control.lost");
+  if (!isKnown()) return t("control.lost");
   if (refusal === "view" || refusal === "read_only") return t("control.view");
   if (refusal === "addresses") return t("control.addresses");
   if (refusal === "remote") return t("control.remote");
@@ -173,7 +176,7 @@ function Take({ station }: { station: Station }) {
   return (
     <>
       <p class="muted">
-        <bdi>{owner(station)}</bdi>
+        <bdi>{isKnown() ? owner(station) : dash}</bdi>
       </p>
       <OnLoss station={station} />
       <details class="options">
@@ -277,7 +280,7 @@ function Enable({ station }: { station: Station }) {
           <bdi>{t("control.taken", { who: named(other.holder, other.claimed_name) })}</bdi>
         </p>
       )}
-      <p class={on ? "state live" : "muted"}>{t(`control.phase.${phase}`)}</p>
+      <p class={on ? "state live" : "muted"}>{isKnown() ? t(`control.phase.${phase}`) : dash}</p>
       {axis?.travel_ended && <p class="warn">{t("control.travel.ended")}</p>}
       {axis?.trouble && !expected && (
         <p class="warn">
@@ -575,7 +578,7 @@ function Beat({ held }: { held: boolean }) {
 function Values({ station }: { station: Station }) {
   const { id, status } = station;
   // nothing of before a loss stands for what is not known now
-  const known = silent.value === null && control.connected.value;
+  const known = isKnown();
   const axis = known ? control.heldAxis(id) : undefined;
   const held = control.own(id) !== undefined;
   const read = known && (aged(station.age) ?? OLD) < OLD ? status : null;
