@@ -399,7 +399,7 @@ export interface paths {
         /**
          * Stops one drive and waits until it is at rest: one that turns without a controller by its parameter or by its control word, as
          *     `stop` of its station has it. A drive that this server controls is stopped by STOP, with all others that it controls. Each session may
-         *     do this, also one that is view-only. A drive that another controller has is left alone: its next command would take the stop back.
+         *     do this, also one that is view-only; whoever stops a drive that is being stopped gets the answer of that stop. A drive that another controller has is left alone: its next command would take the stop back.
          */
         post: operations["stop_drive"];
         delete?: never;
@@ -2755,8 +2755,8 @@ export interface components {
             /** @description The drive, as it is called in paths. */
             drive: string;
             /**
-             * Format: double
-             * @description When the frame with it was handed to the network, in milliseconds since 1970; null in other states than `sent`.
+             * Format: uint64
+             * @description Time of day in ms since 1970 when the frame with it was handed to the network; null in other states than `sent`.
              */
             sent_unix_ms: number | null;
             /** @description What became of it. */
@@ -4638,7 +4638,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description No such drive has answered */
+            /** @description No such drive */
             404: {
                 headers: {
                     [name: string]: unknown;
