@@ -54,7 +54,7 @@ fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 
 impl Room {
     /// Gives a place to a new connection: at once, as long as any of those that have one is not within a request. The one that has been
-    /// idle for longest goes then. A client that opens connections and sends nothing thus holds up nobody.
+    /// idle for longest goes then. A client that opens connections and sends nothing thus delays no other one.
     pub async fn enter(self: &Arc<Self>) -> Place {
         loop {
             if let Some(seat) = self.find_seat() {

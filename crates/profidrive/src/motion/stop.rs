@@ -183,7 +183,7 @@ impl StopOffer {
     }
 }
 
-/// Returns whether a drive turns or its power stage is on, as far as its status tells; what it does not report may be so.
+/// Returns whether a drive turns or its power stage is on, as far as its status shows; what it does not report may be so.
 fn may_turn(status: &StatusReport) -> bool {
     let turns = status.speed_actual.as_ref().map(|speed| {
         let (rpm, percent) = STANDS;

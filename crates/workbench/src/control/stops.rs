@@ -36,7 +36,7 @@ impl Stops {
     }
 }
 
-/// One whose task has panicked has nobody who reports its end.
+/// One whose task has panicked reports no end.
 fn is_under_way(stop: &watch::Receiver<Outcome>) -> bool {
     stop.borrow().is_none() && stop.has_changed().is_ok()
 }

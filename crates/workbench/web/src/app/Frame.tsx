@@ -193,7 +193,7 @@ function Facts({ station }: { station: Station }) {
   const axis = control.heldAxis(station.id);
   const old = (axis ? axis.lost || control.old.value : (aged(station.age) ?? 0) > STALE) || quiet.value;
   const dash = "\u2013";
-  // without the control socket nobody knows who has the drive that was of this page
+  // without the control socket it is not known who has the drive that was of this page
   const live = silent.value === null && !control.ended.value;
   const words = axis
     ? { stw1: hex(axis.stw1), zsw1: hex(axis.zsw1) }

@@ -267,7 +267,7 @@ export async function stopBeside(station: Station): Promise<string> {
     await request(path, { method: "POST", keepalive: true, signal });
     return t("stop.beside.done", { name });
   } catch (error) {
-    // the words of a browser help nobody
+    // the words of a browser are no help
     return error instanceof Refused
       ? t("stop.beside.failed", { name, reason: error.message })
       : t("stop.beside.unknown", { name });

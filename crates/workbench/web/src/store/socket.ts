@@ -31,7 +31,7 @@ export function pause(tries: number, chance: number): number {
   return Math.min(LONGEST, FIRST * 2 ** tries) * (0.5 + chance / 2);
 }
 
-/** Calls `open` when a pause is not worth its end: the network is back, or somebody looks at the page again. */
+/** Calls `open` when a pause is not worth its end: the network is back, or the page is looked at again. */
 export function whenBack(open: () => void): void {
   addEventListener("online", open);
   document.addEventListener("visibilitychange", () => {
