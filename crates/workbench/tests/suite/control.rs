@@ -944,7 +944,7 @@ fn a_drive_that_turns_without_a_controller_is_stopped_by_each_session() {
     let go = hands.order("velocity", &id, lease, 0, &json!({ "speed": 120 }));
     assert_eq!(go["type"], "accepted", "{go}");
     turns(&server, &mut hands, &id, &Value::Null);
-    // nobody has it any more, and it turns on
+    // no controller has it any more, and it turns on
     let body = json!({ "drive": id, "event": "cable=pulled", "seconds": 1 });
     assert_eq!(server.post("/api/v1/plant/inject", &body).status, 200);
     let turning = offer(&id, &|stop| stop["means"] == "control_word");
