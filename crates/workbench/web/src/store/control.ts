@@ -513,4 +513,6 @@ export function runControl(): void {
   });
   addEventListener("pagehide", leave);
   addEventListener("blur", letGo);
+  // a button that was drawn anew meanwhile would not notice it: whatever is let go anywhere ends the hold
+  for (const up of ["pointerup", "pointercancel"]) addEventListener(up, letGo);
 }
