@@ -10,7 +10,7 @@ use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use namespace::{inside, run, start, veth};
-use profidrive_network::ethernet::{PacketMedium, Runner, Turn};
+use profidrive_network::ethernet::{Capture, PacketMedium, Runner, Turn};
 use profidrive_network::host::{Host, StationId};
 use profidrive_network::system::{Bell, Error, InterfaceInfo, ServerPort, Stop, UdpMedium, now};
 use profinet::{Endpoint, Instant, IpSuite, MacAddress, Medium, RPC_PORT, Transmit};
@@ -358,6 +358,59 @@ fn a_client_that_may_wait_handles_frames_together_and_a_call_at_once() {
         .step(&mut client, now() + Duration::from_secs(3600))
         .unwrap();
     ringing.join().unwrap();
+}
+
+/// The frames behind each gap of a full ring have its mark, and their numbers are those that were lost.
+#[test]
+fn a_capture_that_is_too_slow_marks_the_frames_behind_each_gap() {
+    if !inside("a_capture_that_is_too_slow_marks_the_frames_behind_each_gap") {
+        return;
+    }
+    veth();
+    let mut capture = Capture::open("vb", Stop::new().unwrap()).unwrap();
+    let mut medium = PacketMedium::open("va", ServerPort::None).unwrap();
+    let mut sender = Echo {
+        mac: medium.interface().mac.unwrap(),
+        ip: IpSuite::NONE,
+        ..echo(9)
+    };
+    let (to, from) = (mac(1), sender.mac);
+    let mut send = |count: usize| {
+        sender.frames_out = vec![cyclic(to, from, false); count];
+        while !sender.frames_out.is_empty() {
+            medium.step(&mut sender, now()).unwrap();
+        }
+    };
+    // whether a frame is behind a gap, and how many are missing, until none comes; others than ours do not count
+    let mut read = |most: usize| {
+        let mut read = Vec::new();
+        while read.len() < most
+            && let Some(captured) = capture.next(Duration::from_millis(200)).unwrap()
+        {
+            if captured.frame.get(6..12) == Some(&from.0) {
+                read.push((captured.after_gap, captured.missed));
+            }
+        }
+        read
+    };
+    send(10);
+    assert_eq!(read(10), [(false, 0); 10]);
+    // two bursts, with some places free between them: two gaps before anybody looks
+    send(5000);
+    let first = read(100);
+    send(200);
+    let rest = [first, read(usize::MAX)].concat();
+    send(1);
+    let all = [rest, read(1)].concat();
+    let missed: u64 = all.iter().map(|(_, missed)| missed).sum();
+    // some frames of the system itself may be among those that were lost
+    let sum = all.len() as u64 + missed;
+    assert!((5201..5250).contains(&sum), "{sum}, {missed} missed");
+    let gaps: Vec<usize> = (0..all.len()).filter(|at| all[*at].0).collect();
+    // what came before the ring was full has no mark; each that found a place later has one
+    assert!(missed > 900 && gaps.len() > 50, "{missed} {}", gaps.len());
+    assert!(gaps[0] > 4000, "{}", gaps[0]);
+    assert!(all.iter().all(|(gap, missed)| *gap || *missed == 0));
 }
 
 #[test]
