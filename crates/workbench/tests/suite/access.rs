@@ -8,7 +8,7 @@ use profidrive::Stop;
 use profidrive_workbench::{ServeError, Server, Settings, Source, openapi};
 use serde_json::Value;
 
-use crate::control::Hands;
+use crate::hands::Hands;
 use crate::live::open_at;
 use crate::namespace;
 use crate::server::{JSON, PAGE, Running, eventually};

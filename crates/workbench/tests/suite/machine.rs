@@ -8,7 +8,7 @@ use profidrive::plant::host::{Drives, Host, HostConfig, events};
 use profidrive_workbench::{Settings, Source};
 use serde_json::{Value, json};
 
-use crate::control::{Hands, lease, sentence};
+use crate::hands::{Hands, lease, sentence};
 use crate::namespace;
 use crate::server::{Running, eventually};
 

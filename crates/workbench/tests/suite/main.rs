@@ -6,8 +6,10 @@ mod captures;
 mod change;
 mod control;
 mod frames;
+mod hands;
 mod live;
 mod machine;
+mod motion;
 #[path = "../../../network/tests/namespace/mod.rs"]
 mod namespace;
 mod restart;
@@ -15,3 +17,4 @@ mod samples;
 mod server;
 mod settings;
 mod stations;
+mod stop;

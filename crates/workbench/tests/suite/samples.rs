@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 use tungstenite::Message;
 
 use crate::change::known;
-use crate::control::{Hands, lease};
+use crate::hands::{Hands, lease};
 use crate::live::Page;
 use crate::server::Running;
 
