@@ -7,6 +7,7 @@ use profinet::Instant;
 use profinet::controller::Controller;
 
 use super::Link;
+use super::stop::StopOnItsWay;
 use crate::axis::{AxisControl, Command, Goal, Progress, SampleQueue, Seen, Travel, Traverse, Wiring};
 use crate::line::Line;
 
@@ -39,17 +40,6 @@ pub(super) struct AxisLink {
     pub(super) taps: Vec<Arc<SampleQueue>>,
     /// How far the last stop is on its way; `None` before the first.
     pub(super) stop: Option<StopOnItsWay>,
-}
-
-/// How far a stop is on its way to the drive.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum StopOnItsWay {
-    /// It waits for its frame, the first after so many.
-    Waits(u64),
-    /// The frame was taken by the wire in this turn, at whose end it is known whether the wire failed.
-    Handed(Instant),
-    /// The frame was handed to the network.
-    Sent(Instant),
 }
 
 /// Frames after which a drive has had time to answer a control word, whether its status word changed or not.
@@ -85,22 +75,6 @@ impl AxisLink {
         };
         if sent {
             self.sent = Some(command);
-        }
-    }
-
-    /// Notes that so many frames have left until now: a stop that waits for its frame is in the last one, if the outputs have it.
-    pub(super) fn note_stop(&mut self, frames: u64, now: Instant) {
-        let Some(StopOnItsWay::Waits(before)) = self.stop else {
-            return;
-        };
-        if frames > before {
-            let command = self.control.command();
-            // each word that stops is one without ON
-            let has_it = self.sent == Some(command) && !command.stw1.has(Stw1::ON);
-            self.stop = Some(match has_it {
-                true => StopOnItsWay::Handed(now),
-                false => StopOnItsWay::Waits(frames),
-            });
         }
     }
 

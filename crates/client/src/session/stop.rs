@@ -46,7 +46,9 @@ impl StopWay {
         self.parameter(drive).map_or(BY_WORD, |parameter| parameter.name)
     }
 
-    fn parameter(self, drive: &Drive) -> Option<&'static Parameter> {
+    /// Returns the parameter of a drive that commands it; `None` for a model without one.
+    #[must_use]
+    pub fn parameter(self, drive: &Drive) -> Option<&'static Parameter> {
         drive.model.catalogue.and_then(|tables| tables.part(self.part()))
     }
 }
@@ -63,6 +65,20 @@ pub enum StopMeans {
     Owned(String),
     /// None: the drive is in local operation.
     Local(LocalControl),
+}
+
+impl StopMeans {
+    /// Returns the means for a drive that has this parameter and is commanded by this authority.
+    #[must_use]
+    pub fn of(parameter: Option<&'static Parameter>, authority: Authority) -> Self {
+        match (parameter, authority) {
+            (Some(parameter), _) => Self::Parameter(parameter),
+            (None, Authority::Local(by)) => Self::Local(by),
+            (None, Authority::Controller(name)) => Self::Owned(name),
+            // a device that does not report its connections refuses when another controller has it
+            (None, Authority::Ownerless | Authority::Free | Authority::Unknown) => Self::TakeOver,
+        }
+    }
 }
 
 /// What became of a stop.
@@ -102,15 +118,12 @@ impl Session {
     /// # Errors
     /// When the drive cannot be reached.
     pub async fn stop_means(&mut self, drive: &mut Drive, way: StopWay) -> Result<StopMeans, Error> {
-        if let Some(parameter) = way.parameter(drive) {
-            return Ok(StopMeans::Parameter(parameter));
-        }
-        Ok(match self.authority(drive).await? {
-            Authority::Local(by) => StopMeans::Local(by),
-            Authority::Controller(name) => StopMeans::Owned(name),
-            // a device that does not report its connections refuses when another controller has it
-            Authority::Ownerless | Authority::Free | Authority::Unknown => StopMeans::TakeOver,
-        })
+        let authority = match way.parameter(drive) {
+            // who commands it need not be read
+            Some(_) => Authority::Unknown,
+            None => self.authority(drive).await?,
+        };
+        Ok(StopMeans::of(way.parameter(drive), authority))
     }
 
     /// Stops a drive and waits for up to `limit` until it is at rest, by the means that it has

@@ -4,7 +4,7 @@ use super::report::Report;
 use crate::machine::SpeedBound;
 use client::axis::Trouble;
 use client::status::{Cause, Diagnosis, Note, Verdict, diagnose, switched_off_beside};
-use client::{Action, Advice, Choice, Drive, Error, ErrorKind, FaultEntry, Rule, Session};
+use client::{Action, Advice, AtWork, Choice, Drive, Error, ErrorKind, FaultEntry, Rule, Session};
 use profile::notation::{NoPosition, UnitMismatch, figures};
 
 /// Why a tap of a motion cannot receive samples.
@@ -219,6 +219,14 @@ pub enum MotionError {
         /// What to do.
         advice: Advice,
     },
+    /// The drive is not stopped, as this controller has it: what that one commands next would take a stop back.
+    #[error("{drive} is not stopped: {}", AtWork::Controller(.controller.clone()))]
+    OfController {
+        /// The drive.
+        drive: String,
+        /// The station name of the controller, empty where it has none.
+        controller: String,
+    },
     /// After a stop the axis is not at rest in time.
     #[error("{drive} is not at rest {seconds} s after {command}")]
     NotAtRest {
@@ -249,6 +257,7 @@ impl MotionError {
             | Self::StoredSpeed { .. }
             | Self::BeyondTravel { .. }
             | Self::TravelNotWatched { .. }
+            | Self::OfController { .. }
             | Self::MovedFromOutside { .. } => ErrorKind::Safety,
             Self::Held { .. } => ErrorKind::Refused,
             Self::NeedsRestart { .. } | Self::FaultsStay { .. } => ErrorKind::Fault,
@@ -270,6 +279,7 @@ impl MotionError {
             | Self::StoredSpeed { .. } => Some(Rule::SpeedLimit),
             Self::BeyondTravel { .. } | Self::TravelNotWatched { .. } => Some(Rule::Move),
             Self::MovedFromOutside { .. } => Some(Rule::Standstill),
+            Self::OfController { .. } => Some(Rule::Control),
             other => other.client().and_then(Error::rule),
         }
     }
@@ -346,6 +356,9 @@ impl MotionError {
                 next.or_else(|| Some("remove the cause, then acknowledge again".into()))
             }
             Self::MovedFromOutside { advice, .. } => Some(advice.clone()),
+            Self::OfController { .. } => {
+                Some("stop it by that controller, or with the emergency stop of the machine".into())
+            }
             Self::NotAtRest {
                 can_disable: true, ..
             } => Some("{disable} switches the power stage off; this is not an emergency stop".into()),

@@ -3,8 +3,8 @@
 use std::fmt;
 use std::time::Duration;
 
-use client::status::moved_advice;
-use client::{Drive, Session, StopOutcome, StopWay};
+use client::status::{Cause, moved_advice};
+use client::{AtWork, Authority, Drive, Error, LocalControl, Session, StopOutcome, StopWay};
 use serde::Serialize;
 
 use super::error::MotionError;
@@ -90,7 +90,14 @@ pub async fn stop_unowned(
     limit: Duration,
 ) -> Result<StopReport, MotionError> {
     if !session.has_axis(drive) {
-        session.check_unowned(drive, "stopped").await?;
+        match session.check_unowned(drive, "stopped").await {
+            Err(Error::AtWork {
+                drive,
+                works: AtWork::Controller(controller),
+                ..
+            }) => return Err(MotionError::OfController { drive, controller }),
+            other => other?,
+        }
     }
     stop(session, drive, StopWay::Stop, limit).await
 }
@@ -160,6 +167,7 @@ impl StopOffer {
         if session.has_axis(drive) {
             return by(StopMeans::Frame);
         }
+        // one that another controller has is left alone, whatever could stop it: see `stop_unowned`
         if let Some(controller) = status.controller.as_ref().filter(|one| one.connected) {
             return Self {
                 controller: controller.name.clone(),
@@ -169,16 +177,19 @@ impl StopOffer {
         if !may_turn(status) {
             return none(NoStop::AtRest);
         }
-        let part = StopWay::Stop.part();
-        let command = drive.model.catalogue.and_then(|tables| tables.part(part));
-        match command {
-            Some(command) => Self {
+        let authority = match status.cause == Cause::LocalOperation.id() {
+            true => Authority::Local(LocalControl::Elsewhere),
+            false => Authority::Ownerless,
+        };
+        match client::StopMeans::of(StopWay::Stop.parameter(drive), authority) {
+            client::StopMeans::Parameter(command) => Self {
                 parameter: Some(command.name),
                 ..by(StopMeans::Parameter)
             },
-            None if status.cause == "local-operation" => none(NoStop::LocalOperation),
-            None if !session.carries_cyclic_data(drive) => none(NoStop::NeedsInterface),
-            None => by(StopMeans::ControlWord),
+            client::StopMeans::TakeOver if session.carries_cyclic_data(drive) => by(StopMeans::ControlWord),
+            client::StopMeans::TakeOver => none(NoStop::NeedsInterface),
+            client::StopMeans::Local(_) => none(NoStop::LocalOperation),
+            _ => none(NoStop::Controller),
         }
     }
 }
