@@ -130,6 +130,42 @@ fn power_of_two_resolutions_and_offsets_count() {
     assert_eq!(read(file).unwrap()[0].time, Duration::from_millis(101_500));
 }
 
+/// Cut anywhere, a capture has the frames that are whole, and an error that says where it ends.
+#[test]
+fn a_capture_that_is_cut_at_any_octet_has_what_is_whole() {
+    let golden = include_bytes!("../../../../captures/pnio-profinetpy-rtclass1-refused.pcapng");
+    for file in [&golden[..], &written(&[(0, vec![1; 60]), (1, vec![2; 61])])] {
+        let whole = read(file.to_vec()).unwrap();
+        let mut before = 0;
+        for end in 0..file.len() {
+            let Ok(reader) = Reader::new(Cursor::new(file[..end].to_vec())) else {
+                assert_eq!(before, 0, "{end}: its head was whole before");
+                continue;
+            };
+            let (mut frames, mut error) = (Vec::new(), None);
+            for next in reader {
+                match next {
+                    Ok(frame) => frames.push(frame),
+                    Err(cut) => error = Some(cut),
+                }
+            }
+            let same = frames
+                .iter()
+                .zip(&whole)
+                .all(|(one, other)| (one.time, &one.frame) == (other.time, &other.frame));
+            assert!(same && frames.len() >= before, "{end}");
+            before = frames.len();
+            match error {
+                // between two blocks
+                None => {}
+                Some(ReadError::Truncated { offset }) => assert!(offset < end as u64, "{end}: at {offset}"),
+                Some(other) => panic!("{end}: {other}"),
+            }
+        }
+        assert!(before + 1 >= whole.len());
+    }
+}
+
 #[test]
 fn a_failing_source_is_reported() {
     struct Failing(usize, Cursor<Vec<u8>>);

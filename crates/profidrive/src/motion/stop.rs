@@ -3,13 +3,14 @@
 use std::fmt;
 use std::time::Duration;
 
-use client::status::{Cause, moved_advice};
-use client::{AtWork, Authority, Drive, Error, LocalControl, Session, StopOutcome, StopWay};
+use client::status::moved_advice;
+use client::{AtWork, Authority, Drive, Error, Session, StopOutcome, StopWay};
 use serde::Serialize;
 
 use super::error::MotionError;
 use crate::Remark;
 use crate::report::{Controller, DriveState, Quantity, StatusReport};
+use profile::catalogue::Parameter;
 use profile::notation::fixed;
 
 /// What became of a stop.
@@ -154,42 +155,58 @@ impl StopOffer {
     /// Returns the offer for a drive whose status was read.
     #[must_use]
     pub fn of(session: &Session, drive: &Drive, status: &StatusReport) -> Self {
-        let by = |means| Self {
-            means,
-            parameter: None,
-            reason: None,
-            controller: None,
-        };
-        let none = |reason| Self {
-            reason: Some(reason),
-            ..by(StopMeans::None)
-        };
-        if session.has_axis(drive) {
-            return by(StopMeans::Frame);
+        match session.has_axis(drive) {
+            true => Self::by(StopMeans::Frame),
+            false => Self::beside(
+                StopWay::Stop.parameter(drive),
+                session.carries_cyclic_data(drive),
+                status,
+            ),
         }
+    }
+
+    /// Returns the offer for a drive that this program does not control, by its parameter for it and by whether frames of this program
+    /// can reach it.
+    fn beside(parameter: Option<&'static Parameter>, reaches: bool, status: &StatusReport) -> Self {
         // one that another controller has is left alone, whatever could stop it: see `stop_unowned`
         if let Some(controller) = status.controller.as_ref().filter(|one| one.connected) {
             return Self {
                 controller: controller.name.clone(),
-                ..none(NoStop::Controller)
+                ..Self::none(NoStop::Controller)
             };
         }
         if !may_turn(status) {
-            return none(NoStop::AtRest);
+            return Self::none(NoStop::AtRest);
         }
-        let authority = match status.cause == Cause::LocalOperation.id() {
-            true => Authority::Local(LocalControl::Elsewhere),
-            false => Authority::Ownerless,
-        };
-        match client::StopMeans::of(StopWay::Stop.parameter(drive), authority) {
+        let authority = status
+            .local
+            .clone()
+            .map_or(Authority::Ownerless, Authority::Local);
+        match client::StopMeans::of(parameter, authority) {
             client::StopMeans::Parameter(command) => Self {
                 parameter: Some(command.name),
-                ..by(StopMeans::Parameter)
+                ..Self::by(StopMeans::Parameter)
             },
-            client::StopMeans::TakeOver if session.carries_cyclic_data(drive) => by(StopMeans::ControlWord),
-            client::StopMeans::TakeOver => none(NoStop::NeedsInterface),
-            client::StopMeans::Local(_) => none(NoStop::LocalOperation),
-            _ => none(NoStop::Controller),
+            client::StopMeans::TakeOver if reaches => Self::by(StopMeans::ControlWord),
+            client::StopMeans::TakeOver => Self::none(NoStop::NeedsInterface),
+            client::StopMeans::Local(_) => Self::none(NoStop::LocalOperation),
+            _ => Self::none(NoStop::Controller),
+        }
+    }
+
+    const fn by(means: StopMeans) -> Self {
+        Self {
+            means,
+            parameter: None,
+            reason: None,
+            controller: None,
+        }
+    }
+
+    fn none(reason: NoStop) -> Self {
+        Self {
+            reason: Some(reason),
+            ..Self::by(StopMeans::None)
         }
     }
 }
@@ -382,6 +399,35 @@ mod tests {
             "OFF1 sent to akd-1 at 60.0 % of its reference: it is at rest (0.0 % of its reference), the power stage is off"
         );
     }
+
+    /// Whatever a status says: by what a drive is stopped follows from who has it, from its parameter and from the way to it.
+    #[cfg(feature = "simulate")]
+    #[test]
+    fn a_control_word_that_cannot_travel_is_no_offer() {
+        use crate::report::PlainWording;
+        use crate::{Wait, inspection, open_plan};
+
+        let plan = "[[drive]]\nname = \"vlt-1\"\nmodel = \"vlt\"\nip = \"10.0.0.1/24\"\n";
+        let mut network = open_plan(plan.parse().unwrap()).unwrap();
+        let mut drive = network.find(&"vlt-1".parse().unwrap()).wait().unwrap();
+        let mut status = inspection::status(&mut network, &mut drive, &PlainWording)
+            .wait()
+            .unwrap()
+            .report;
+        let reason = |reaches, status: &StatusReport| StopOffer::beside(None, reaches, status).reason;
+        assert_eq!(reason(false, &status), Some(NoStop::AtRest));
+        status.words.state = Some(DriveState::S4);
+        assert_eq!(reason(true, &status), None);
+        assert_eq!(reason(false, &status), Some(NoStop::NeedsInterface));
+        status.local = Some(client::LocalControl::Panel);
+        assert_eq!(reason(false, &status), Some(NoStop::LocalOperation));
+        status.controller = Some(Controller {
+            connected: true,
+            name: None,
+        });
+        assert_eq!(reason(false, &status), Some(NoStop::Controller));
+    }
+
     #[test]
     fn a_controller_that_goes_on_is_a_warning_where_something_was_sent() {
         let report = |sent, connected| StopReport {

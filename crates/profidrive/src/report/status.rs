@@ -1,5 +1,6 @@
 //! Why a drive runs, waits or is held.
 
+use client::LocalControl;
 use client::status::{Diagnosis, DriveStatus};
 use dissect::hex16;
 use profile::catalogue::{Catalogue, Part};
@@ -83,6 +84,10 @@ pub struct StatusReport {
     pub faults: Vec<Fault>,
     /// The warnings that are present.
     pub warnings: Vec<Warning>,
+    /// Who commands the drive at the drive itself, where it requests no control by the field bus (ZSW1 bit 9 is 0); the cause, or a note
+    /// beside another cause, says the same in words.
+    #[serde(skip)]
+    pub local: Option<LocalControl>,
 }
 
 /// Where the load of a drive is and how fast it goes, in the unit that the machine file has for it.
@@ -182,6 +187,7 @@ impl StatusReport {
             on_loss: status.loss.as_ref().map(LossReaction::from),
             faults: status.faults.iter().map(Fault::from).collect(),
             warnings: status.warnings.iter().map(Warning::from).collect(),
+            local: status.local.clone(),
         }
     }
 }
