@@ -5,12 +5,11 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use axum::http::StatusCode;
-use profidrive::listed;
 
 use crate::access::Caller;
 use crate::api::LogTopic;
 use crate::audit::{AuditError, Record};
-use crate::control::{Stopped, Stopping};
+use crate::control::{StopFrame, Stopped, Stopping};
 use crate::live::{Event, Topic};
 use crate::problem::Problem;
 use crate::shared::Shared;
@@ -173,19 +172,41 @@ async fn note_stop(shared: &Shared, caller: &Caller, stopped: &Stopped) {
         changes: Vec::new(),
     };
     let named = |id: &str| shared.board.name(id).unwrap_or_else(|| id.to_owned());
-    let names: Vec<String> = stopped.drives.iter().map(|id| named(id)).collect();
-    let axes = match names.as_slice() {
+    let axes: Vec<String> = stopped
+        .axes
+        .iter()
+        .map(|axis| axis.words(&named(axis.drive())))
+        .collect();
+    let axes = match axes.as_slice() {
         [] => "no axis is under control".to_owned(),
-        names => listed(names),
+        axes => axes.join("; "),
     };
-    let missing = stopped.axes.iter().filter(|axis| !axis.is_confirmed());
-    let missing: Vec<String> = missing.map(|axis| named(axis.drive())).collect();
-    let unconfirmed = match missing.as_slice() {
-        [] => String::new(),
-        names => format!("; no frame with it has left to {}", listed(names)),
+    let text = format!("STOP {}: {axes}", stopped.epoch);
+    let ended = stopped.axes.iter().any(StopFrame::ends_operation);
+    note_stopped(shared, caller, &intent, text, ended).await;
+}
+
+/// Writes a stop that was carried out. `ended`: it ended a motion or an operation, or it may have. Of others, which each session can
+/// request without end, a flood is counted instead.
+pub(crate) async fn note_stopped(
+    shared: &Shared,
+    caller: &Caller,
+    intent: &Intent,
+    text: String,
+    ended: bool,
+) {
+    let left_out = match ended {
+        true => Some(0),
+        false => shared.idle_stops().admit(Instant::now()),
     };
-    let text = format!("STOP {}: {axes}{unconfirmed}", stopped.epoch);
-    note(shared, caller, &intent, text).await;
+    let text = match left_out {
+        None => return,
+        Some(0) => text,
+        Some(more) => {
+            format!("{text} ({more} stops of nothing that moved, before this one, are not in the log)")
+        }
+    };
+    note(shared, caller, intent, text).await;
 }
 
 /// Writes that something was refused, behind the refusal. A flood of refusals is counted instead. Where the log cannot be written the

@@ -375,22 +375,22 @@ fn private(builder: &mut DirBuilder, options: &mut OpenOptions) {
 #[cfg(not(unix))]
 fn private(_: &mut DirBuilder, _: &mut OpenOptions) {}
 
-/// Refusals that are logged at once, and then one in each second: a flood does not fill the log.
-const REFUSALS: u32 = 20;
+/// Records of a kind that changes nothing that are logged at once, and then one in each second: a flood does not fill the log.
+const UNCHANGED: u32 = 20;
 
-/// Bounds how many refusals are logged.
+/// Bounds how many records are logged of what changes nothing: refusals, and stops of what stands already.
 #[derive(Debug)]
-pub(crate) struct Refusals {
+pub(crate) struct Flood {
     room: u32,
     /// When there was room for one more last.
     since: Instant,
     left_out: u64,
 }
 
-impl Refusals {
+impl Flood {
     pub const fn new(now: Instant) -> Self {
         Self {
-            room: REFUSALS,
+            room: UNCHANGED,
             since: now,
             left_out: 0,
         }
@@ -401,8 +401,8 @@ impl Refusals {
         let seconds = now.saturating_duration_since(self.since).as_secs();
         if seconds > 0 {
             self.since += Duration::from_secs(seconds);
-            let more = u32::try_from(seconds).unwrap_or(REFUSALS);
-            self.room = self.room.saturating_add(more).min(REFUSALS);
+            let more = u32::try_from(seconds).unwrap_or(UNCHANGED);
+            self.room = self.room.saturating_add(more).min(UNCHANGED);
         }
         if self.room == 0 {
             self.left_out += 1;
@@ -560,8 +560,8 @@ mod tests {
     #[test]
     fn a_flood_of_refusals_is_counted() {
         let begin = Instant::now();
-        let mut refusals = Refusals::new(begin);
-        for _ in 0..REFUSALS {
+        let mut refusals = Flood::new(begin);
+        for _ in 0..UNCHANGED {
             assert_eq!(refusals.admit(begin), Some(0));
         }
         for _ in 0..5 {

@@ -27,7 +27,7 @@ use tower_http::timeout::TimeoutLayer;
 use crate::access::{Attempts, Once, Peer, Places, Sessions, Tls, TlsError, Tokens, guard, secure};
 use crate::api::{large_router, long_router, nothing, of_a_simulation, router, while_it_runs};
 use crate::assets;
-use crate::audit::{Audit, Refusals};
+use crate::audit::{Audit, Flood};
 use crate::board::Board;
 use crate::captures::Captures;
 use crate::control::Control;
@@ -204,7 +204,8 @@ impl Server {
             control_sockets: Arc::new(Semaphore::new(SOCKETS)),
             sessions: Mutex::new(Sessions::default()),
             attempts: Mutex::new(Attempts::new(now)),
-            refusals: Mutex::new(Refusals::new(now)),
+            refusals: Mutex::new(Flood::new(now)),
+            idle_stops: Mutex::new(Flood::new(now)),
         };
         Ok(Self {
             listener,

@@ -10,7 +10,7 @@ use profidrive::{Caller as Network, Transport};
 use tokio::sync::Semaphore;
 
 use crate::access::{Attempts, Once, Places, Role, Sessions, Tokens};
-use crate::audit::{Audit, Refusals};
+use crate::audit::{Audit, Flood};
 use crate::board::Board;
 use crate::captures::Captures;
 use crate::control::Control;
@@ -65,7 +65,9 @@ pub(crate) struct Shared {
     pub sessions: Mutex<Sessions>,
     pub attempts: Mutex<Attempts>,
     /// How many refusals were logged.
-    pub refusals: Mutex<Refusals>,
+    pub refusals: Mutex<Flood>,
+    /// How many stops that ended nothing were logged.
+    pub idle_stops: Mutex<Flood>,
 }
 
 impl Shared {
@@ -73,7 +75,11 @@ impl Shared {
         self.sessions.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    pub fn refusals(&self) -> MutexGuard<'_, Refusals> {
+    pub fn idle_stops(&self) -> MutexGuard<'_, Flood> {
+        self.idle_stops.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    pub fn refusals(&self) -> MutexGuard<'_, Flood> {
         self.refusals.lock().unwrap_or_else(PoisonError::into_inner)
     }
 

@@ -50,12 +50,12 @@ pub(super) async fn stop_drive(
                 value: None,
                 changes: Vec::new(),
             };
-            let text = match &result {
-                Ok(report) => report.to_string(),
-                Err(problem) => problem.message().to_owned(),
+            let (text, has_stopped) = match &result {
+                Ok(report) => (report.to_string(), report.sent.is_some()),
+                Err(problem) => (problem.message().to_owned(), false),
             };
             // as each stop it is logged after it was done, whether that succeeds or not
-            act::note(&shared, &caller, &intent, text).await;
+            act::note_stopped(&shared, &caller, &intent, text, has_stopped).await;
             ended.send_replace(Some(result));
         });
     });

@@ -3,6 +3,7 @@
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use axum::extract::ws::Utf8Bytes;
+use chrono::{DateTime, Utc};
 use futures::future::join_all;
 use profidrive::client::StopHandle;
 use schemars::JsonSchema;
@@ -188,6 +189,26 @@ impl StopFrame {
     pub fn drive(&self) -> &str {
         &self.drive
     }
+
+    /// Returns whether it ended an operation, or may have.
+    pub const fn ends_operation(&self) -> bool {
+        self.by.is_some()
+    }
+
+    /// Returns what became of it in words, with what the drive is called.
+    pub fn words(&self, name: &str) -> String {
+        let by = self.by.map_or("STOP", StopBy::name);
+        match (self.state, self.sent_unix_ms) {
+            _ if self.by.is_none() && self.state == StopState::Sent => format!("{name} was not in operation"),
+            (StopState::Sent, Some(ms)) => {
+                let time = DateTime::<Utc>::from(UNIX_EPOCH + Duration::from_millis(ms));
+                format!("{name}: {by} sent at {} UTC", time.format("%H:%M:%S%.3f"))
+            }
+            (StopState::Taking, _) => format!("{name} was being taken"),
+            (StopState::Lost, _) => format!("{name}: no frame with {by} reaches it, its connection is lost"),
+            _ => format!("{name}: no frame with {by} has left"),
+        }
+    }
 }
 
 impl Control {
@@ -258,6 +279,39 @@ mod tests {
             ));
         }
         all
+    }
+
+    #[test]
+    fn the_log_has_the_reaction_of_each_axis_and_when_its_frame_left() {
+        let words = |by, state, sent_unix_ms| {
+            let frame = StopFrame {
+                drive: "1".to_owned(),
+                by,
+                state,
+                sent_unix_ms,
+            };
+            frame.words("axis-1")
+        };
+        let off1 = Some(StopBy::Off1);
+        let at = Some(1_700_000_000_123);
+        for (text, expected) in [
+            (
+                words(off1, StopState::Sent, at),
+                "axis-1: OFF1 sent at 22:13:20.123 UTC",
+            ),
+            (words(None, StopState::Sent, at), "axis-1 was not in operation"),
+            (words(None, StopState::Taking, None), "axis-1 was being taken"),
+            (
+                words(off1, StopState::Unconfirmed, None),
+                "axis-1: no frame with OFF1 has left",
+            ),
+            (
+                words(off1, StopState::Lost, None),
+                "axis-1: no frame with OFF1 reaches it, its connection is lost",
+            ),
+        ] {
+            assert_eq!(text, expected);
+        }
     }
 
     #[test]

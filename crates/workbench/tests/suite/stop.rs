@@ -311,3 +311,39 @@ fn a_disk_that_fills_while_an_axis_moves_keeps_no_stop_from_it() {
             .all(|action| log.iter().any(|record| record["action"] == *action))
     });
 }
+
+/// A link to look is handed to others, and each of them may stop.
+#[test]
+fn a_flood_of_stops_of_nothing_is_carried_out_and_does_not_fill_the_log() {
+    let server = Running::demo();
+    let id = known(&server, "axis-1");
+    let view = server.session(&server.view);
+    let begin = Instant::now();
+    let press = || {
+        let stopped = server.ask("POST", "/api/v1/stop", &view, "");
+        assert_eq!(stopped.status, 200, "{stopped:?}");
+        stopped.json()["stops"].as_u64().unwrap()
+    };
+    for number in 1..=60 {
+        assert_eq!(press(), number);
+    }
+    let seconds = usize::try_from(begin.elapsed().as_secs()).unwrap();
+    let of_stops = |log: &[Value]| log.iter().filter(|record| record["action"] == "stop").count();
+    let log = server.logged(|log| of_stops(log) >= 20);
+    assert!(of_stops(&log) <= 21 + seconds, "{log:#?}");
+    // one that ends a motion is in the log whatever came before it, with how and when its frame left
+    let mut hands = Hands::of(&server, &server.control);
+    let number = hands.send("reset", &id, &json!({ "epoch": 60 }));
+    assert_eq!(hands.answer(number)["type"], "accepted");
+    let lease = lease(&hands.take(&id));
+    hands.order("enable", &id, lease, 60, &json!({}));
+    hands.order("velocity", &id, lease, 60, &json!({ "speed": 20 }));
+    turns(&server, &mut hands, &id, &Value::Null);
+    assert_eq!(press(), 61);
+    server.logged(|log| {
+        log.iter().any(|record| {
+            let text = record["result"].as_str().unwrap_or_default();
+            text.starts_with("STOP 61: axis-1: OFF3 sent at ") && text.contains(" UTC")
+        })
+    });
+}
