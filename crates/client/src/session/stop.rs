@@ -164,6 +164,17 @@ impl Session {
         self.stop_by_means(drive, way, limit, own).await
     }
 
+    /// Turns a stop of an axis that this program has, also one that [`stop_drive`](Self::stop_drive) has taken over, into its quick stop
+    /// (OFF3), or begins it so. Does not wait. Returns false where this program has no axis of the drive, or it is at rest already.
+    pub fn quick_stop_own(&self, drive: &Drive) -> bool {
+        let Some(link) = self.engine.records().own_or_ending_axis(drive) else {
+            return false;
+        };
+        let stops = self.client().stop_now(self.now(), Some(link), StopKind::Quick);
+        self.engine.stir();
+        stops
+    }
+
     async fn stop_by_means(
         &mut self,
         drive: &mut Drive,

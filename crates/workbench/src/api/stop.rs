@@ -19,8 +19,9 @@ const LIMIT: Duration = Duration::from_secs(10);
 
 /// Stops one drive and waits until it is at rest: one that turns without a controller by its parameter or by its control word, as
 /// `stop` of its station has it. A drive that this server controls is stopped by STOP, with all others that it controls. Each session may
-/// do this, also one that is view-only; whoever stops a drive that is being stopped gets the answer of that stop. A drive that another
-/// controller has is left alone: its next command would take the stop back.
+/// do this, also one that is view-only; whoever stops a drive that is being stopped turns its ramp into its quick stop (OFF3), where it
+/// is stopped by its control word, and gets the answer of that stop. A drive that another controller has is left alone: its next command
+/// would take the stop back.
 #[utoipa::path(post, path = "/api/v1/drives/{id}/stop", responses(
     (status = 200, description = "It is at rest", body = ref("#/components/schemas/StopReport")),
     (status = 403, description = "Another origin"),
@@ -37,19 +38,22 @@ pub(super) async fn stop_drive(
         act::stop(&shared, &caller).await;
     }
     let (mut network, mut drive) = find(&shared, &id).await?;
+    let intent = Intent {
+        action: "stop",
+        drive: Some(id.clone()),
+        value: None,
+        changes: Vec::new(),
+    };
+    let again = (network.clone(), drive.clone());
+    let mut is_first = false;
     let mut stop = shared.control.stops.join(&id, |ended| {
-        let (shared, id) = (Arc::clone(&shared), id.clone());
+        is_first = true;
+        let (shared, caller, intent) = (Arc::clone(&shared), caller.clone(), intent.clone());
         // it goes on when its page goes away
         tokio::spawn(async move {
             let stopped = motion::stop_unowned(&mut network, &mut drive, LIMIT).await;
             let stopped = stopped.and_then(|report| report.check().map(|()| report));
             let result = stopped.map_err(|error| Problem::of(&error));
-            let intent = Intent {
-                action: "stop",
-                drive: Some(id),
-                value: None,
-                changes: Vec::new(),
-            };
             let (text, has_stopped) = match &result {
                 Ok(report) => (report.to_string(), report.sent.is_some()),
                 Err(problem) => (problem.message().to_owned(), false),
@@ -59,6 +63,13 @@ pub(super) async fn stop_drive(
             ended.send_replace(Some(result));
         });
     });
+    if !is_first {
+        let (network, drive) = again;
+        if network.quick_stop_own(&drive) {
+            let text = "quick stop (OFF3) of the ramp that was under way".to_owned();
+            act::note_stopped(&shared, &caller, &intent, text, true).await;
+        }
+    }
     let ended = stop.wait_for(Option::is_some).await.ok();
     let result = ended.and_then(|outcome| outcome.clone());
     result.unwrap_or_else(|| Err(Problem::defect())).map(Json)

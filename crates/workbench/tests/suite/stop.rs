@@ -243,6 +243,68 @@ fn a_drive_that_turns_without_a_controller_is_stopped_by_each_session() {
     assert!(speed(&server, &owned) > 50.0);
 }
 
+/// A ramp of a minute is too long for what a person sees, and a quick stop too hard for what is only to be switched off.
+#[test]
+fn a_second_stop_turns_the_ramp_of_a_drive_without_a_controller_into_its_quick_stop() {
+    let plant = RUNS_ON.replace(r#""8-04" = 0"#, r#""8-04" = 0, "3-42" = "60 s", "3-81" = "1 s""#);
+    let server = Running::start(Settings::new(Source::Plant(Box::new(plant.parse().unwrap()))));
+    let id = known(&server, "pump-1");
+    let mut hands = Hands::of(&server, &server.control);
+    let number = hands.send(
+        "take",
+        &id,
+        &json!({ "purpose": "speed", "limit": 1500, "may_run_on": true }),
+    );
+    let lease = lease(&hands.answer(number));
+    hands.order("enable", &id, lease, 0, &json!({}));
+    hands.order("confirm", &id, lease, 0, &json!({}));
+    hands.order("velocity", &id, lease, 0, &json!({ "speed": 900 }));
+    let begin = Instant::now();
+    while speed(&server, &id) < 800.0 {
+        assert!(begin.elapsed() < Duration::from_secs(60));
+        hands.beat(&Value::Null);
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    let body = json!({ "drive": id, "event": "cable=pulled", "seconds": 1 });
+    assert_eq!(server.post("/api/v1/plant/inject", &body).status, 200);
+    eventually(&server, "/api/v1/stations", |all| {
+        let stop = seen_of(&mut all["stations"].as_array().unwrap().iter(), &id);
+        stop.is_some_and(|stop| stop["means"] == "control_word")
+    });
+    let view = server.session(&server.view);
+    let path = format!("/api/v1/drives/{id}/stop");
+    let press = || server.ask("POST", &path, &view, "");
+    std::thread::scope(|scope| {
+        let first = scope.spawn(press);
+        let begins = speed(&server, &id);
+        eventually(&server, "/api/v1/plant/drives", |_| {
+            let now = speed(&server, &id);
+            assert!(now > 300.0, "it is on its ramp of a minute, {now} rpm");
+            now < begins - 10.0
+        });
+        let begin = Instant::now();
+        let second = press();
+        assert!(
+            begin.elapsed() < Duration::from_secs(15),
+            "{:?} {second:?} {:#?}",
+            begin.elapsed(),
+            server.log()
+        );
+        for stopped in [second, first.join().unwrap()] {
+            assert_eq!(stopped.json()["at_rest"], true, "{stopped:?}");
+        }
+    });
+    assert!(speed(&server, &id).abs() < 1.0);
+    server.logged(|log| {
+        let quick = |record: &Value| {
+            record["result"]
+                .as_str()
+                .is_some_and(|text| text.starts_with("quick stop (OFF3)"))
+        };
+        log.iter().any(quick)
+    });
+}
+
 fn seen_of<'s>(stations: &mut impl Iterator<Item = &'s Value>, id: &str) -> Option<Value> {
     let station = stations.find(|station| station["id"] == *id)?;
     Some(station["stop"].clone()).filter(|stop| !stop.is_null())

@@ -122,6 +122,11 @@ impl Place {
         (!ending.is_reported()).then_some(self.link)
     }
 
+    /// Its connection, until it is at rest and that is closed.
+    pub(in crate::session) fn open(&self) -> Option<Link> {
+        (!self.is_done()).then_some(self.link)
+    }
+
     /// It is on the way to its rest.
     pub(in crate::session) fn is_ending(&self) -> bool {
         let ending = self.ending.upgrade();

@@ -399,8 +399,9 @@ export interface paths {
         /**
          * Stops one drive and waits until it is at rest: one that turns without a controller by its parameter or by its control word, as
          *     `stop` of its station has it. A drive that this server controls is stopped by STOP, with all others that it controls. Each session may
-         *     do this, also one that is view-only; whoever stops a drive that is being stopped gets the answer of that stop. A drive that another
-         *     controller has is left alone: its next command would take the stop back.
+         *     do this, also one that is view-only; whoever stops a drive that is being stopped turns its ramp into its quick stop (OFF3), where it
+         *     is stopped by its control word, and gets the answer of that stop. A drive that another controller has is left alone: its next command
+         *     would take the stop back.
          */
         post: operations["stop_drive"];
         delete?: never;

@@ -75,7 +75,7 @@ export async function pressStop(): Promise<void> {
   const stopping = control.pressStop(() => stop(beside));
   if (station !== undefined && means !== null) {
     const { id } = station;
-    const sent = t("stop.beside.sent", { name: label(station) });
+    const sent = t(`stop.beside.sent.${means}`, { name: label(station) });
     const note = (more: number, text: string) => {
       const waiting = (besides.value.get(id)?.waiting ?? 0) + more;
       besides.value = new Map(besides.value).set(id, { means, waiting, text: waiting > 0 ? sent : text });
