@@ -89,7 +89,7 @@ test("drives given by their addresses are read, and the page says what a search 
   }
 });
 
-test("STOP ramps down and releases a drive that lost its controller, and a second press is for the same stop", async ({
+test("STOP ramps down and releases a drive that lost its controller, and a second press turns the ramp into its quick stop", async ({
   page,
 }) => {
   const ip = (...words: string[]) => execFileSync("ip", words, { stdio: "inherit" });
@@ -115,9 +115,10 @@ test("STOP ramps down and releases a drive that lost its controller, and a secon
       await expect(page.locator("#stop-why")).toContainText("vlt-9 turns without a controller. Select it to stop it.");
       await page.getByRole("link", { name: "vlt-9", exact: true }).click();
       const stop = page.locator(".frame").getByRole("button", { name: "STOP vlt-9 (by control word)" });
-      await stop.click();
-      await stop.click();
       const notice = page.locator(".band.stopped");
+      await stop.click();
+      await expect(notice).toContainText("Press STOP again for its quick stop.");
+      await stop.click();
       await expect(notice).toContainText("vlt-9 is at rest.", { timeout: 30_000 });
       await expect(notice).not.toContainText("was not stopped");
       expect(ask("status", "vlt-9", "--short")).not.toContain("S4");

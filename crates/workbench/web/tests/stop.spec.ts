@@ -241,6 +241,8 @@ test("one press stops the axes of the server and the selected drive without a co
     await expect.poll(() => waiting.length).toBe(1);
     await stop.click();
     await expect.poll(() => waiting.length).toBe(2);
+    // a reset of the STOP before it is refused
+    await expect(notice).toContainText("STOP 2 is confirmed.");
     await page.getByRole("button", { name: "Reset STOP" }).click();
     await expect(notice).toHaveText("Stopping press-1 ..");
     await expect(page.locator(".band.happened")).toHaveText(/^Reset: STOP 2 \(this session\)/);
