@@ -80,13 +80,6 @@ impl Records {
         own.find_map(Place::held)
     }
 
-    /// Returns the same, also while the axis is brought to rest and given back.
-    pub(super) fn own_or_ending_axis(&mut self, drive: &Drive) -> Option<Link> {
-        self.forget_ended();
-        let mut own = self.axes.iter().filter(|axis| axis.is_of(drive));
-        own.find_map(Place::open)
-    }
-
     /// Notes that the axis of this drive is being taken. False where that is so already, or this program has the axis.
     pub(super) fn begin_taking(&mut self, drive: &Drive) -> bool {
         let is_free = self.own_axis(drive).is_none() && !self.taking.contains(&at(drive));

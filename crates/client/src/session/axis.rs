@@ -169,6 +169,8 @@ pub struct Released {
     pub rest: Rest,
     /// Its connection was closed in order.
     pub closed: bool,
+    /// The caller has made its ramp a quick stop ([`Session::hurry_with`]).
+    pub hurried: bool,
     /// Why it did not end as it was to: a connection lost before the axis was at rest, a fault on the ramp, an axis that
     /// still turns.
     pub result: Result<(), Error>,

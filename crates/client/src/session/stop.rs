@@ -13,6 +13,8 @@ use profile::value::Assignment;
 
 /// What the control word commands.
 const BY_WORD: &str = "OFF1 (control word)";
+/// What it commands once the caller is in a hurry.
+const BY_WORD_QUICKLY: &str = "OFF3 (control word)";
 /// How long the command of a drive whose parameters are silent may remain without an answer.
 const LAST_TRY: Duration = Duration::from_millis(500);
 /// How long a drive may take to request control by the field bus once a controller is connected.
@@ -94,8 +96,9 @@ pub struct StopOutcome {
     pub percent_before: Option<f64>,
     /// Speed at the end in percent of the reference, likewise.
     pub percent: Option<f64>,
-    /// It was stopped by its control word, which was taken over.
-    pub by_word: bool,
+    /// How it was stopped by its control word, where that was used: along its ramp, or by its quick stop once the caller was in a hurry
+    /// ([`Session::hurry_with`]).
+    pub by_word: Option<StopKind>,
     /// The power stage is on at the end.
     pub enabled: Option<bool>,
     /// The axis stands, and is off where that was requested.
@@ -108,7 +111,11 @@ impl StopOutcome {
     /// What was sent.
     #[must_use]
     pub fn command(&self, way: StopWay, drive: &Drive) -> &'static str {
-        if self.by_word { BY_WORD } else { way.command(drive) }
+        match self.by_word {
+            Some(StopKind::Quick) => BY_WORD_QUICKLY,
+            Some(_) => BY_WORD,
+            None => way.command(drive),
+        }
     }
 }
 
@@ -162,17 +169,6 @@ impl Session {
     ) -> Result<StopOutcome, Error> {
         let own = self.engine.records().own_axis(drive);
         self.stop_by_means(drive, way, limit, own).await
-    }
-
-    /// Turns a stop of an axis that this program has, also one that [`stop_drive`](Self::stop_drive) has taken over, into its quick stop
-    /// (OFF3), or begins it so. Does not wait. Returns false where this program has no axis of the drive, or it is at rest already.
-    pub fn quick_stop_own(&self, drive: &Drive) -> bool {
-        let Some(link) = self.engine.records().own_or_ending_axis(drive) else {
-            return false;
-        };
-        let stops = self.client().stop_now(self.now(), Some(link), StopKind::Quick);
-        self.engine.stir();
-        stops
     }
 
     async fn stop_by_means(
@@ -246,14 +242,14 @@ impl Session {
         let way = if by_word.is_some() { StopWay::Disable } else { way };
         let end = self.now() + limit;
         loop {
-            let seen = self.look_at(drive, way, by_word).await?;
+            let seen = self.look_at(drive, way, by_word.map(|(rest, _)| rest)).await?;
             *last = Some(StopOutcome { sent, ..seen.clone() });
             if seen.at_rest || self.now() >= end {
                 return Ok(StopOutcome {
                     sent,
                     speed_before: before.speed,
                     percent_before: before.percent,
-                    by_word: own.is_some() || by_word.is_some(),
+                    by_word: own.map(|_| StopKind::Ramp).or(by_word.map(|(_, way)| way)),
                     ..seen
                 });
             }
@@ -272,8 +268,13 @@ impl Session {
         self.engine.stir();
     }
 
-    /// Takes the control word over as it is, ramps down by OFF1 and gives it back. Returns how the axis was then.
-    async fn take_over_and_stop(&mut self, drive: &mut Drive, limit: Duration) -> Result<Rest, Error> {
+    /// Takes the control word over as it is, ramps down by OFF1 and gives it back. Returns how the axis was then, and how it was
+    /// stopped in the end.
+    async fn take_over_and_stop(
+        &mut self,
+        drive: &mut Drive,
+        limit: Duration,
+    ) -> Result<(Rest, StopKind), Error> {
         // a service channel may have it: with silent parameters only its telegram shows it
         let by_parameter = StopWay::Stop.parameter(drive).is_some();
         let settings = AxisSettings {
@@ -302,7 +303,7 @@ impl Session {
         drive: &mut Drive,
         command: &'static Parameter,
         limit: Duration,
-    ) -> Result<Option<Rest>, Error> {
+    ) -> Result<Option<(Rest, StopKind)>, Error> {
         let silent = self.unread().is_some();
         if !silent && self.command_within(drive, command, SILENCE).await? {
             return Ok(None);
@@ -378,7 +379,7 @@ impl Session {
             speed,
             percent_before: percent,
             percent,
-            by_word: false,
+            by_word: None,
             enabled,
             at_rest: stands && (way == StopWay::Stop || enabled == Some(false)),
             unread: None,

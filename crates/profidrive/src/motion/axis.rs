@@ -289,6 +289,7 @@ impl Taken {
             rest,
             closed,
             result: released,
+            ..
         } = self.axis.release_and_look().await;
         if let Some(tapped) = self.tapped {
             tapped.end();

@@ -1,6 +1,7 @@
 //! Stopping one drive, which this server need not control.
 
 use std::sync::Arc;
+use std::sync::atomic::Ordering;
 use std::time::Duration;
 
 use axum::extract::{Path, State};
@@ -38,22 +39,21 @@ pub(super) async fn stop_drive(
         act::stop(&shared, &caller).await;
     }
     let (mut network, mut drive) = find(&shared, &id).await?;
-    let intent = Intent {
-        action: "stop",
-        drive: Some(id.clone()),
-        value: None,
-        changes: Vec::new(),
-    };
-    let again = (network.clone(), drive.clone());
-    let mut is_first = false;
-    let mut stop = shared.control.stops.join(&id, |ended| {
-        is_first = true;
-        let (shared, caller, intent) = (Arc::clone(&shared), caller.clone(), intent.clone());
+    let mut stop = shared.control.stops.join(&id, |ended, again| {
+        let (shared, id) = (Arc::clone(&shared), id.clone());
+        let before = network.clone();
+        network.hurry_with(move || again.load(Ordering::Relaxed) || before.hurry_requested());
         // it goes on when its page goes away
         tokio::spawn(async move {
             let stopped = motion::stop_unowned(&mut network, &mut drive, LIMIT).await;
             let stopped = stopped.and_then(|report| report.check().map(|()| report));
             let result = stopped.map_err(|error| Problem::of(&error));
+            let intent = Intent {
+                action: "stop",
+                drive: Some(id),
+                value: None,
+                changes: Vec::new(),
+            };
             let (text, has_stopped) = match &result {
                 Ok(report) => (report.to_string(), report.sent.is_some()),
                 Err(problem) => (problem.message().to_owned(), false),
@@ -63,13 +63,6 @@ pub(super) async fn stop_drive(
             ended.send_replace(Some(result));
         });
     });
-    if !is_first {
-        let (network, drive) = again;
-        if network.quick_stop_own(&drive) {
-            let text = "quick stop (OFF3) of the ramp that was under way".to_owned();
-            act::note_stopped(&shared, &caller, &intent, text, true).await;
-        }
-    }
     let ended = stop.wait_for(Option::is_some).await.ok();
     let result = ended.and_then(|outcome| outcome.clone());
     result.unwrap_or_else(|| Err(Problem::defect())).map(Json)

@@ -381,6 +381,7 @@ impl Axis {
             loss: self.loss.clone(),
             ending: self.ending.clone(),
             quick: false,
+            hurried: false,
         }
     }
 }

@@ -122,11 +122,6 @@ impl Place {
         (!ending.is_reported()).then_some(self.link)
     }
 
-    /// Its connection, until it is at rest and that is closed.
-    pub(in crate::session) fn open(&self) -> Option<Link> {
-        (!self.is_done()).then_some(self.link)
-    }
-
     /// It is on the way to its rest.
     pub(in crate::session) fn is_ending(&self) -> bool {
         let ending = self.ending.upgrade();
@@ -157,6 +152,8 @@ pub(super) struct Closer {
     pub ending: Arc<Ending>,
     /// A quick stop that was not requested ended what should have been a ramp stop.
     pub quick: bool,
+    /// A caller has made the ramp a quick stop.
+    pub hurried: bool,
 }
 
 impl Closer {
@@ -204,7 +201,12 @@ impl Closer {
         if running && result.is_ok() {
             result = self.session.put_values_back(&mut self.drive, &self.kept).await;
         }
-        Released { rest, closed, result }
+        Released {
+            rest,
+            closed,
+            hurried: self.hurried,
+            result,
+        }
     }
 
     /// How the axis is by the last data of its drive. The power stage is off by now, so a pulling load is visible. An axis
@@ -272,6 +274,7 @@ impl Closer {
             let view = self.view();
             // a quick stop that took over is waited for as well, and reported with the release
             self.quick |= view.is_some_and(|view| view.quick_stop && !view.hurried);
+            self.hurried |= view.is_some_and(|view| view.hurried);
             if let Some(error) = self.lost(self.session.connection(self.link)) {
                 return Err(error);
             }
@@ -358,6 +361,7 @@ impl Axis {
                 return Released {
                     rest: Rest::Unknown,
                     closed: false,
+                    hurried: false,
                     result: Err(error),
                 };
             }
@@ -384,8 +388,8 @@ impl Axis {
         self.session.engine().stir();
     }
 
-    /// Stops an ownerless axis by the control word, and releases it. Returns how it was then.
-    pub(in crate::session) async fn stop_and_release(mut self) -> Result<Rest, Error> {
+    /// Stops an ownerless axis by the control word, and releases it. Returns how it was then, and how it was stopped in the end.
+    pub(in crate::session) async fn stop_and_release(mut self) -> Result<(Rest, StopKind), Error> {
         let _meanwhile = self.session.unstoppable();
         let seen = |status: &AxisStatus| status.view.seen.map(|seen| seen.zsw1);
         // the first data shows whether it is in operation
@@ -401,7 +405,11 @@ impl Axis {
         };
         self.begin_stop();
         let released = self.release_and_look().await;
-        first.and(released.result).map(|()| released.rest)
+        let way = match released.hurried {
+            true => StopKind::Quick,
+            false => StopKind::Ramp,
+        };
+        first.and(released.result).map(|()| (released.rest, way))
     }
 }
 
