@@ -46,6 +46,24 @@ impl Author {
 }
 
 impl Intent {
+    /// Something that is of no drive.
+    pub const fn new(action: &'static str, value: Option<String>) -> Self {
+        Self {
+            action,
+            drive: None,
+            value,
+            changes: Vec::new(),
+        }
+    }
+
+    /// Something that changes no value of a drive that is called so in paths.
+    pub fn of_drive(action: &'static str, drive: &str, value: Option<String>) -> Self {
+        Self {
+            drive: Some(drive.to_owned()),
+            ..Self::new(action, value)
+        }
+    }
+
     fn record(&self, shared: &Shared, author: Author) -> Record {
         let drive = self.drive.as_ref();
         Record {
@@ -165,12 +183,7 @@ pub(crate) async fn confirm_stop(shared: &Arc<Shared>, caller: &Caller, stopping
 
 /// Writes a STOP, and reports it to all pages, after it was carried out.
 async fn note_stop(shared: &Shared, caller: &Caller, stopped: &Stopped) {
-    let intent = Intent {
-        action: "stop",
-        drive: None,
-        value: None,
-        changes: Vec::new(),
-    };
+    let intent = Intent::new("stop", None);
     let named = |id: &str| shared.board.name(id).unwrap_or_else(|| id.to_owned());
     let axes: Vec<String> = stopped
         .axes

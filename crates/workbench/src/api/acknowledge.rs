@@ -46,12 +46,7 @@ pub(super) async fn acknowledge(
 ) -> Result<Json<Report>, Problem> {
     let Json(Acknowledge { by }) = wanted.map_err(|error| Problem::of_body(&error))?;
     let (mut network, mut drive) = find(&shared, &id).await?;
-    let intent = Intent {
-        action: "acknowledge",
-        drive: Some(id.to_lowercase()),
-        value: None,
-        changes: Vec::new(),
-    };
+    let intent = Intent::of_drive("acknowledge", &id.to_lowercase(), None);
     let work = async move {
         let observer = Observer::default();
         let report = match by {

@@ -224,12 +224,7 @@ async fn station(shared: &Shared, id: &str) -> Result<(profidrive::Caller, Drive
 }
 
 fn intent(action: &'static str, drive: &Drive, value: Option<String>) -> Intent {
-    Intent {
-        action,
-        drive: Some(drive.station.mac.to_string()),
-        value,
-        changes: Vec::new(),
-    }
+    Intent::of_drive(action, &drive.station.mac.to_string(), value)
 }
 
 /// `none -> axis-3, kept over power-off`

@@ -214,12 +214,8 @@ pub(super) async fn clock(
     if wanted.paused && shared.control.has_axes() {
         return Err(refused(StatusCode::CONFLICT, CONTROLS));
     }
-    let intent = Intent {
-        action: "clock",
-        drive: None,
-        value: Some(if wanted.paused { "paused" } else { "real" }.to_owned()),
-        changes: Vec::new(),
-    };
+    let state = if wanted.paused { "paused" } else { "real" };
+    let intent = Intent::new("clock", Some(state.to_owned()));
     let at = Arc::clone(&shared);
     let work = async move {
         plant.pause(wanted.paused);

@@ -13,7 +13,8 @@ use serde::Serialize;
 use tokio::sync::{mpsc, watch};
 use tokio::time::{MissedTickBehavior, interval, sleep};
 
-use super::running::{Command, Order, Reply, Running, conflict, purpose_name};
+use super::running::{Command, Order, Running, conflict, purpose_name};
+use super::taking::Taking;
 use super::{Control, LEASE};
 use crate::access::Caller;
 use crate::act::{self, Intent};
@@ -21,7 +22,7 @@ use crate::problem::Problem;
 use crate::shared::Shared;
 
 /// Time between two pictures of the axis.
-const PICTURE: Duration = Duration::from_millis(33);
+pub(super) const PICTURE: Duration = Duration::from_millis(33);
 /// Homing takes no longer.
 const HOMING: Duration = Duration::from_secs(120);
 
@@ -34,56 +35,34 @@ struct Lease<'r> {
     purpose: &'static str,
 }
 
-/// Takes the axis, carries out its commands, and gives it back.
-pub(super) async fn attend(
-    shared: Arc<Shared>,
-    caller: Caller,
-    running: Arc<Running>,
-    wanted: Hold,
-    checks: bool,
-    queue: mpsc::Receiver<Command>,
-    (number, reply): (u64, Reply),
-) {
-    let (at, of) = (Arc::clone(&shared), Arc::clone(&running));
-    // a panic was printed; the axis was dropped, and is ramped down and given back
-    let attended =
-        tokio::spawn(async move { hold(&at, &caller, &of, &wanted, checks, queue, (number, &reply)).await });
-    let _ = attended.await;
-    shared.feeds.end(&running.drive);
-    shared.control.axes().remove(&running.drive);
-    shared.control.ledger().give_back(&running.drive, running.lease);
-}
-
-async fn hold(
-    shared: &Arc<Shared>,
-    caller: &Caller,
-    running: &Arc<Running>,
-    wanted: &Hold,
-    checks: bool,
-    queue: mpsc::Receiver<Command>,
-    (number, reply): (u64, &Reply),
-) {
-    let intent = |action, value: Option<String>| Intent {
-        action,
-        drive: Some(running.drive.clone()),
-        value,
-        changes: Vec::new(),
-    };
-    let taking = intent("take", Some(terms(running, wanted, checks)));
+/// Takes the axis, carries out its commands, and gives it back. Returns whether it is at rest, or was never taken.
+pub(super) async fn hold(shared: &Arc<Shared>, taking: Taking) -> bool {
+    let Taking {
+        caller,
+        running,
+        hold: wanted,
+        checks,
+        queue,
+        number,
+        reply,
+        ..
+    } = taking;
+    let intent = |action, value: Option<String>| Intent::of_drive(action, &running.drive, value);
+    let taking = intent("take", Some(terms(&running, &wanted, checks)));
     let taken = async {
-        act::begin(shared, caller, &taking).await?;
-        take(shared, running, wanted).await
+        act::begin(shared, &caller, &taking).await?;
+        take(shared, &running, &wanted).await
     };
     let axis = match taken.await {
         Ok(axis) => axis,
         Err(problem) => {
             reply.refused(number, &problem);
             // the one who wanted it has the refusal; for other pages nothing has changed
-            act::noted_quietly(shared, caller, &taking, problem.message().to_owned()).await;
-            return;
+            act::noted_quietly(shared, &caller, &taking, problem.message().to_owned()).await;
+            return true;
         }
     };
-    act::note(shared, caller, &taking, "done".to_owned()).await;
+    act::note(shared, &caller, &taking, "done".to_owned()).await;
     running.hold_by(&axis);
     let simulation = shared.source.is_simulation();
     shared.feeds.begin(&running.drive, axis.axis(), simulation);
@@ -95,17 +74,19 @@ async fn hold(
         lease: running.lease,
         purpose: purpose_name(running.purpose),
     });
-    let axis = serve(shared, caller, running, axis, queue).await;
+    let axis = serve(shared, &caller, &running, axis, queue).await;
     running.phase("releasing");
     let released = axis.release().await;
     shared.feeds.end(&running.drive);
-    let result = match released {
-        Ok(_) => "done".to_owned(),
+    let failure = match released {
+        Ok(_) => None,
         // that STOP ended its last motion is no failure of the release
-        Err(error) if error.kind() == ErrorKind::Interrupted => "done".to_owned(),
-        Err(error) => Problem::of(&error).message().to_owned(),
+        Err(error) if error.kind() == ErrorKind::Interrupted => None,
+        Err(error) => Some(Problem::of(&error)),
     };
-    act::note(shared, caller, &intent("release", None), result).await;
+    let result = failure.as_ref().map_or("done", Problem::message).to_owned();
+    act::note(shared, &caller, &intent("release", None), result).await;
+    failure.is_none()
 }
 
 /// On which terms an axis is taken, for the log.
@@ -191,12 +172,7 @@ async fn carry_out(
     command: &Command,
 ) -> Result<(), Problem> {
     let order = command.order;
-    let intent = Intent {
-        action: order.action(),
-        drive: Some(running.drive.clone()),
-        value: order.value(),
-        changes: Vec::new(),
-    };
+    let intent = Intent::of_drive(order.action(), &running.drive, order.value());
     act::begin(shared, caller, &intent).await?;
     let result = {
         let mut work = pin!(turn(&shared.control, running, axis, command));

@@ -1,14 +1,15 @@
 //! Who has which axis, and what is permitted: a machine without time, threads and drives of its own.
 //!
-//! One holder at a time has an axis, by its socket and a lease number. A STOP raises the epoch: what was requested before it is
-//! refused afterwards, and nothing is enabled or moved before it is reset.
+//! One holder at a time has an axis, by its socket and a lease number, and one more may wait for it. A STOP raises the epoch: what
+//! was requested before it is refused afterwards, and nothing is enabled or moved before it is reset.
 
 use std::collections::BTreeMap;
 
-use profidrive::profile::notation::figures;
+use serde::Serialize;
+use tokio::sync::oneshot;
 
+use super::denied::Denied;
 use crate::access::person;
-use crate::problem::STANDS_STILL;
 
 /// What a new holder may do at most before the direction is confirmed, of its own limit.
 const FIRST: f64 = 0.1;
@@ -24,8 +25,15 @@ pub(crate) struct Holder {
     pub claimed_name: Option<String>,
 }
 
+impl Holder {
+    /// Returns what it is called in a sentence.
+    fn person(&self) -> String {
+        person(&self.who, self.claimed_name.as_deref())
+    }
+}
+
 /// What is held of one axis.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 struct Held {
     holder: Holder,
     lease: u64,
@@ -35,94 +43,54 @@ struct Held {
     confirmed: bool,
     /// Number of the last command; a later one is higher.
     last: u64,
+    /// Its page gives it back: nothing more is carried out.
+    leaving: bool,
+    /// Who waits for it.
+    wish: Option<Wish>,
 }
 
-/// Why something is not permitted.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub(crate) enum Denied {
-    #[error("this session is view-only: open the link for control to move an axis")]
-    View,
-    #[error("this server was started view-only: pages can look and stop")]
-    ReadOnly,
-    #[error(
-        "this page is on another computer: whoever moves a machine must see it, and this server was not started to permit it from there"
-    )]
-    Remote,
-    #[error("drives that are given by their addresses have parameters only: control needs an interface")]
-    Addresses,
-    #[error(
-        "on a machine a person confirms first that the axis is in sight, that its way is clear and that an emergency stop is at hand"
-    )]
-    Unchecked,
-    #[error("the highest speed has to be a number above 0 rpm")]
-    NoLimit,
-    #[error("the longest travel has to be a number above 0 rev")]
-    NoTravel,
-    #[error("this page has control of {most} axes, which is the most")]
-    TooMany { most: usize },
-    #[error("no such drive has answered")]
-    Unknown,
-    #[error("{}", STANDS_STILL)]
-    StandsStill,
-    #[error("this jog came too late: the button may be up by now")]
-    LateJog,
-    #[error("{who} has control of this drive")]
-    Taken { who: String },
-    #[error("this page has no control of the drive, or has it no more")]
-    NotHeld,
-    #[error("STOP was pressed meanwhile: what was requested before it is not carried out")]
-    Outdated,
-    #[error("STOP was pressed: it has to be reset before anything is enabled or moved")]
-    Stopped,
-    #[error("this command came before another one and is not carried out")]
-    Replayed,
-    #[error(
-        "{} rpm is above {} rpm: the first motion is limited to a tenth until its direction is confirmed",
-        figures(*.speed), figures(*.limit)
-    )]
-    Unconfirmed { speed: f64, limit: f64 },
-    #[error(
-        "the speed of this motion is stored in the drive: it waits until the direction of a first motion, at {} rpm at most, is confirmed",
-        figures(*.limit)
-    )]
-    UnconfirmedStored { limit: f64 },
-    #[error("{} rpm is above the limit of this page, {} rpm", figures(*.speed), figures(*.limit))]
-    Limit { speed: f64, limit: f64 },
-    #[error(
-        "a jog needs the round trip of the beats of its page, which this command does not have: send it as `rtt`, in ms"
-    )]
-    NoRoundTrip,
-    #[error(
-        "the round trip to the page is {} ms, above {} ms: an axis would be jogged by what its page shows too late",
-        figures(*.ms), figures(ROUND_TRIP)
-    )]
-    RoundTrip { ms: f64 },
-}
+impl Held {
+    const fn new(holder: Holder, lease: u64, limit: f64) -> Self {
+        Self {
+            holder,
+            lease,
+            limit,
+            confirmed: false,
+            last: 0,
+            leaving: false,
+            wish: None,
+        }
+    }
 
-/// The longest round trip of the beats of a page that jogs, in ms: that which 99 of 100 keep to.
-const ROUND_TRIP: f64 = 100.0;
-
-/// Permits a jog by the round trip that its page reports. No other side knows it: the answer to a beat ends at the page.
-pub(crate) fn permit_round_trip(ms: Option<f64>) -> Result<(), Denied> {
-    match ms {
-        None => Err(Denied::NoRoundTrip),
-        // not a number is no short one
-        Some(ms) if (0.0..=ROUND_TRIP).contains(&ms) => Ok(()),
-        Some(ms) => Err(Denied::RoundTrip { ms }),
+    /// Returns who waits for it, if that one still does.
+    fn wish(&self) -> Option<&Wish> {
+        self.wish.as_ref().filter(|wish| !wish.answer.is_closed())
     }
 }
 
-impl Denied {
-    /// Returns the stable name of what is denied to a page whatever it requests; nothing of other refusals.
-    pub const fn of_page(&self) -> Option<&'static str> {
-        Some(match self {
-            Self::View => "view",
-            Self::ReadOnly => "read_only",
-            Self::Remote => "remote",
-            Self::Addresses => "addresses",
-            _ => return None,
-        })
-    }
+/// When an axis is its page's, or why it will not be. Whoever closes it does not wait any more.
+pub(crate) type Turn = oneshot::Receiver<Result<(), Denied>>;
+
+/// A page that waits for an axis.
+#[derive(Debug)]
+struct Wish {
+    holder: Holder,
+    /// The lease that it will have.
+    request: u64,
+    limit: f64,
+    answer: oneshot::Sender<Result<(), Denied>>,
+}
+
+/// Who waits for an axis, as pages are told.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub(crate) struct Wanted {
+    /// By this number the request is answered.
+    pub request: u64,
+    by: String,
+    /// What that one is called by its own words, which nothing verifies.
+    claimed_name: Option<String>,
+    /// Whether it is handed over, or about to be.
+    accepted: bool,
 }
 
 /// What a command comes with.
@@ -156,28 +124,114 @@ impl Ledger {
         self.stopped
     }
 
-    /// Gives an axis to a page. Returns the lease.
-    pub fn take(&mut self, drive: &str, holder: Holder, limit: f64) -> Result<u64, Denied> {
-        if let Some(held) = self.held.get(drive) {
-            let who = person(&held.holder.who, held.holder.claimed_name.as_deref());
-            return Err(Denied::Taken { who });
+    /// Gives an axis to a page, or lets it wait for one that another page has. Returns the lease, and when it begins.
+    pub fn take(
+        &mut self,
+        drive: &str,
+        holder: Holder,
+        limit: f64,
+        wait: bool,
+    ) -> Result<(u64, Turn), Denied> {
+        let (answer, turn) = oneshot::channel();
+        let lease = self.leases + 1;
+        match self.held.get_mut(drive) {
+            None => {
+                // the other end is here
+                let _ = answer.send(Ok(()));
+                self.held
+                    .insert(drive.to_owned(), Held::new(holder, lease, limit));
+            }
+            Some(held) if !wait || held.holder.socket == holder.socket => {
+                return Err(Denied::Taken {
+                    who: held.holder.person(),
+                });
+            }
+            Some(held) => {
+                if let Some(wish) = held.wish() {
+                    return Err(Denied::Requested {
+                        who: wish.holder.person(),
+                    });
+                }
+                held.wish = Some(Wish {
+                    holder,
+                    request: lease,
+                    limit,
+                    answer,
+                });
+            }
         }
-        self.leases += 1;
-        let held = Held {
-            holder,
-            lease: self.leases,
-            limit,
-            confirmed: false,
-            last: 0,
-        };
-        self.held.insert(drive.to_owned(), held);
-        Ok(self.leases)
+        self.leases = lease;
+        Ok((lease, turn))
     }
 
-    /// Notes that an axis was given back.
-    pub fn give_back(&mut self, drive: &str, lease: u64) {
-        if self.held.get(drive).is_some_and(|held| held.lease == lease) {
-            self.held.remove(drive);
+    /// Returns who waits for an axis.
+    pub fn wanted(&self, drive: &str) -> Option<Wanted> {
+        let held = self.held.get(drive)?;
+        let wish = held.wish()?;
+        Some(Wanted {
+            request: wish.request,
+            by: wish.holder.who.clone(),
+            claimed_name: wish.holder.claimed_name.clone(),
+            accepted: held.leaving,
+        })
+    }
+
+    /// Returns whether any page has an axis, or takes one.
+    pub fn has_axes(&self) -> bool {
+        !self.held.is_empty()
+    }
+
+    /// Returns whether an axis is held by this lease, or waited for.
+    pub fn is_known(&self, drive: &str, lease: u64) -> bool {
+        let held = self.held.get(drive);
+        held.is_some_and(|held| held.lease == lease || held.wish().is_some_and(|wish| wish.request == lease))
+    }
+
+    /// Returns whether an axis is on its way back from the page that has it.
+    pub fn is_leaving(&self, drive: &str) -> bool {
+        self.held.get(drive).is_some_and(|held| held.leaving)
+    }
+
+    /// Notes that an axis is given back, whoever waits for it.
+    pub fn leave(&mut self, drive: &str, lease: u64) {
+        if let Some(held) = self.held.get_mut(drive).filter(|held| held.lease == lease) {
+            held.leaving = true;
+        }
+    }
+
+    /// Gives an axis back for the page with this request, which has it once it is at rest. Returns who that is.
+    pub fn hand_over(&mut self, drive: &str, stamp: Stamp, request: u64) -> Result<String, Denied> {
+        let held = self.held(drive, stamp)?;
+        let wish = held.wish().filter(|wish| wish.request == request);
+        // it must not be given to somebody else
+        let who = wish.ok_or(Denied::Withdrawn)?.holder.person();
+        held.leaving = true;
+        Ok(who)
+    }
+
+    /// Keeps an axis from the page with this request. Returns who that is.
+    pub fn keep(&mut self, drive: &str, stamp: Stamp, request: u64) -> Result<String, Denied> {
+        let held = self.held(drive, stamp)?;
+        let wish = held.wish.take_if(|wish| wish.request == request);
+        let Wish { holder, answer, .. } = wish.ok_or(Denied::Withdrawn)?;
+        let who = held.holder.person();
+        // who does not wait any more needs no answer
+        let _ = answer.send(Err(Denied::Kept { who }));
+        Ok(holder.person())
+    }
+
+    /// Notes that an axis was given back. Where it is at rest, the page that waits for it has it from now on.
+    pub fn give_back(&mut self, drive: &str, lease: u64, at_rest: bool) {
+        if self.held.get(drive).is_none_or(|held| held.lease != lease) {
+            return;
+        }
+        let Some(wish) = self.held.remove(drive).and_then(|held| held.wish) else {
+            return;
+        };
+        let answer = if at_rest { Ok(()) } else { Err(Denied::NotAtRest) };
+        if wish.answer.send(answer).is_ok() && at_rest {
+            let held = Held::new(wish.holder, wish.request, wish.limit);
+            self.held.insert(drive.to_owned(), held);
         }
     }
 
@@ -188,6 +242,9 @@ impl Ledger {
         }
         if stamp.number <= held.last {
             return Err(Denied::Replayed);
+        }
+        if held.leaving {
+            return Err(Denied::Leaving);
         }
         held.last = stamp.number;
         Ok(held)
@@ -239,10 +296,19 @@ impl Ledger {
         Ok(())
     }
 
-    /// Stops everything. Returns the new epoch.
-    pub const fn stop(&mut self) -> u64 {
+    /// Ends the waiting of each page.
+    pub fn end_requests(&mut self, denied: &Denied) {
+        for wish in self.held.values_mut().filter_map(|held| held.wish.take()) {
+            // as in `keep`
+            let _ = wish.answer.send(Err(denied.clone()));
+        }
+    }
+
+    /// Stops everything; nobody waits for an axis any more. Returns the new epoch.
+    pub fn stop(&mut self) -> u64 {
         self.epoch += 1;
         self.stopped = true;
+        self.end_requests(&Denied::StoppedWaiting);
         self.epoch
     }
 
@@ -264,6 +330,8 @@ impl Ledger {
 
 #[cfg(test)]
 mod tests {
+    use tokio::sync::oneshot::error::TryRecvError;
+
     use super::*;
 
     fn page(socket: u64) -> Holder {
@@ -283,15 +351,100 @@ mod tests {
         }
     }
 
+    fn take(ledger: &mut Ledger, socket: u64) -> u64 {
+        let (lease, mut turn) = ledger.take("a", page(socket), 100.0, false).unwrap();
+        assert_eq!(turn.try_recv(), Ok(Ok(())), "at once");
+        lease
+    }
+
+    fn request(ledger: &mut Ledger, socket: u64) -> (u64, Turn) {
+        let (request, mut turn) = ledger.take("a", page(socket), 100.0, true).unwrap();
+        assert_eq!(turn.try_recv(), Err(TryRecvError::Empty), "not at once");
+        (request, turn)
+    }
+
+    #[test]
+    fn an_axis_is_handed_over_once_it_was_given_back_at_rest() {
+        let mut ledger = Ledger::default();
+        let lease = take(&mut ledger, 1);
+        let (request, mut turn) = request(&mut ledger, 2);
+        assert!(ledger.is_known("a", request) && !ledger.wanted("a").unwrap().accepted);
+        // the one who has it is not disturbed, and the other one moves nothing
+        ledger
+            .permit_motion("a", stamp(1, lease, 0, 1), Some(1.0))
+            .unwrap();
+        let early = ledger.permit_motion("a", stamp(2, request, 0, 1), Some(1.0));
+        assert_eq!(early, Err(Denied::NotHeld));
+        let other = ledger.hand_over("a", stamp(1, lease, 0, 2), request + 1);
+        assert_eq!(other, Err(Denied::Withdrawn), "for somebody else");
+        ledger.hand_over("a", stamp(1, lease, 0, 3), request).unwrap();
+        assert!(ledger.wanted("a").unwrap().accepted);
+        let late = ledger.permit_motion("a", stamp(1, lease, 0, 4), Some(1.0));
+        assert_eq!(late, Err(Denied::Leaving));
+        assert_eq!(turn.try_recv(), Err(TryRecvError::Empty), "before it is at rest");
+        ledger.give_back("a", lease, true);
+        assert_eq!(turn.try_recv(), Ok(Ok(())));
+        assert!(!ledger.is_known("a", lease) && ledger.wanted("a").is_none());
+        ledger
+            .permit_motion("a", stamp(2, request, 0, 2), Some(1.0))
+            .unwrap();
+    }
+
+    #[test]
+    fn a_request_ends_in_one_way() {
+        let end = |end: &mut dyn FnMut(&mut Ledger, u64, u64)| {
+            let mut ledger = Ledger::default();
+            let lease = take(&mut ledger, 1);
+            let (request, mut turn) = request(&mut ledger, 2);
+            end(&mut ledger, lease, request);
+            assert!(!ledger.is_known("a", request), "it waits for nothing more");
+            turn.try_recv().unwrap().unwrap_err()
+        };
+        let kept = end(&mut |ledger, lease, request| {
+            ledger.keep("a", stamp(1, lease, 0, 1), request).unwrap();
+            let again = ledger.keep("a", stamp(1, lease, 0, 2), request);
+            assert_eq!(again, Err(Denied::Withdrawn));
+        });
+        assert_eq!(kept.to_string(), "session 1 keeps control of this drive");
+        let stopped = end(&mut |ledger, lease, request| {
+            ledger.hand_over("a", stamp(1, lease, 0, 1), request).unwrap();
+            ledger.stop();
+        });
+        assert_eq!(stopped, Denied::StoppedWaiting, "accepted or not");
+        let lost = end(&mut |ledger, lease, _| ledger.give_back("a", lease, false));
+        assert_eq!(lost, Denied::NotAtRest);
+    }
+
+    #[test]
+    fn one_page_waits_and_who_left_is_nobody() {
+        let mut ledger = Ledger::default();
+        let lease = take(&mut ledger, 1);
+        let (first, turn) = request(&mut ledger, 2);
+        let denied = ledger.take("a", page(3), 100.0, true).unwrap_err();
+        assert_eq!(denied.to_string(), "session 2 has requested this drive before");
+        drop(turn);
+        assert_eq!(ledger.wanted("a"), None);
+        let (second, turn) = request(&mut ledger, 3);
+        let denied = ledger.hand_over("a", stamp(1, lease, 0, 1), first);
+        assert_eq!(denied, Err(Denied::Withdrawn), "what was meant for another one");
+        assert_eq!(ledger.wanted("a").unwrap().request, second);
+        drop(turn);
+        ledger.leave("a", lease);
+        ledger.give_back("a", lease, true);
+        take(&mut ledger, 4);
+    }
+
     #[test]
     fn an_axis_has_one_holder_by_its_socket_and_its_lease() {
         let mut ledger = Ledger::default();
-        let lease = ledger.take("a", page(1), 100.0).unwrap();
+        let lease = take(&mut ledger, 1);
         let taken = Denied::Taken {
             who: "session 1".to_owned(),
         };
-        assert_eq!(ledger.take("a", page(2), 100.0), Err(taken.clone()));
-        assert_eq!(ledger.take("a", page(1), 100.0), Err(taken), "nor twice");
+        for (socket, wait) in [(2, false), (1, false), (1, true)] {
+            let denied = ledger.take("a", page(socket), 100.0, wait).unwrap_err();
+            assert_eq!(denied, taken, "nor twice");
+        }
         assert_eq!(
             ledger.permit_enable("a", stamp(2, lease, 0, 1)),
             Err(Denied::NotHeld)
@@ -305,10 +458,10 @@ mod tests {
             ledger.permit_enable("a", stamp(1, lease, 0, 1)),
             Err(Denied::Replayed)
         );
-        ledger.give_back("a", lease + 1);
-        assert!(ledger.take("a", page(2), 100.0).is_err(), "of another lease");
-        ledger.give_back("a", lease);
-        let again = ledger.take("a", page(1), 100.0).unwrap();
+        ledger.give_back("a", lease + 1, true);
+        assert!(ledger.is_known("a", lease), "of another lease");
+        ledger.give_back("a", lease, true);
+        let again = take(&mut ledger, 1);
         assert_eq!(
             ledger.permit("a", stamp(1, lease, 0, 9)),
             Err(Denied::NotHeld),
@@ -320,7 +473,7 @@ mod tests {
     #[test]
     fn after_a_stop_nothing_moves_before_it_is_reset() {
         let mut ledger = Ledger::default();
-        let lease = ledger.take("a", page(1), 100.0).unwrap();
+        let lease = take(&mut ledger, 1);
         assert!(ledger.is_current("a", stamp(1, lease, 0, 0)));
         assert_eq!(ledger.stop(), 1);
         assert!(!ledger.is_current("a", stamp(1, lease, 0, 0)));
@@ -349,8 +502,8 @@ mod tests {
             claimed_name: Some("Anna".to_owned()),
             ..page(1)
         };
-        ledger.take("a", anna, 100.0).unwrap();
-        let denied = ledger.take("a", page(2), 100.0).unwrap_err();
+        ledger.take("a", anna, 100.0, false).unwrap();
+        let denied = ledger.take("a", page(2), 100.0, false).unwrap_err();
         assert_eq!(
             denied.to_string(),
             "session 1 (\"Anna\", not verified) has control of this drive"
@@ -358,35 +511,9 @@ mod tests {
     }
 
     #[test]
-    fn a_page_that_answers_late_or_reports_no_round_trip_jogs_nothing() {
-        for short in [0.0, 7.5, 100.0] {
-            permit_round_trip(Some(short)).unwrap();
-        }
-        for long in [100.1, 1e308, f64::INFINITY, f64::NAN, -1.0] {
-            let denied = permit_round_trip(Some(long)).unwrap_err();
-            assert!(matches!(denied, Denied::RoundTrip { .. }), "{denied}");
-            assert!(denied.to_string().len() < 120, "{denied}");
-        }
-        let none = permit_round_trip(None).unwrap_err();
-        assert!(none.to_string().contains("rtt"), "{none}");
-    }
-
-    #[test]
-    fn numbers_of_any_size_fit_into_a_sentence() {
-        for (speed, text) in [
-            (1e308, "1e308 rpm"),
-            (12.5, "12.5 rpm"),
-            (f64::INFINITY, "inf rpm"),
-        ] {
-            let denied = Denied::Limit { speed, limit: 300.0 }.to_string();
-            assert!(denied.starts_with(text) && denied.len() < 80, "{denied}");
-        }
-    }
-
-    #[test]
     fn the_first_motion_is_slow() {
         let mut ledger = Ledger::default();
-        let lease = ledger.take("a", page(1), 100.0).unwrap();
+        let lease = take(&mut ledger, 1);
         let mut number = 0;
         let mut at = |ledger: &mut Ledger, speed| {
             number += 1;

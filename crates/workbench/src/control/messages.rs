@@ -57,13 +57,25 @@ pub(super) enum Request {
         /// How STOP stops this axis.
         #[serde(default)]
         stop_by: StopBy,
+        /// Waits for an axis that another page has, until that one hands it over or keeps it.
+        #[serde(default)]
+        wait: bool,
     },
+    /// Gives an axis back, or waits for it no more.
     Release {
         drive: String,
     },
-    /// Wants the axis of another page.
-    Handover {
-        drive: String,
+    /// Gives an axis back for the page that waits for it with this request.
+    HandOver {
+        #[serde(flatten)]
+        of: Stamped,
+        request: u64,
+    },
+    /// Keeps an axis from the page that waits for it with this request.
+    Keep {
+        #[serde(flatten)]
+        of: Stamped,
+        request: u64,
     },
     /// A sign that a person has the page before them.
     Beat {
@@ -142,15 +154,6 @@ pub(super) struct Echo {
     pub n: u64,
     pub t: f64,
     pub fresh: bool,
-}
-
-#[derive(Serialize)]
-pub(super) struct Wanted<'s> {
-    pub r#type: &'static str,
-    pub drive: &'s str,
-    pub by: &'s str,
-    /// What that one is called by its own words, which nothing verifies.
-    pub claimed_name: Option<String>,
 }
 
 #[derive(Serialize)]

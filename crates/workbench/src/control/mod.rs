@@ -4,6 +4,7 @@
 //! full queue or a lost page therefore ends a motion and never makes it longer. STOP goes through no queue.
 
 mod axis;
+mod denied;
 mod fresh;
 mod ledger;
 mod messages;
@@ -13,18 +14,18 @@ mod running;
 mod socket;
 mod stopping;
 mod stops;
+mod taking;
 
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-use axum::extract::ws::Utf8Bytes;
-use serde::Serialize;
-use tokio::sync::{broadcast, watch};
+use tokio::sync::watch;
 
+use denied::Denied;
 use ledger::Ledger;
-use running::Running;
+use running::{Picture, Running};
 use stopping::StopNews;
 use stops::Stops;
 
@@ -35,15 +36,12 @@ pub(crate) use stopping::{StopFrame, Stopped, Stopping};
 pub(crate) const HOLD: Duration = Duration::from_millis(200);
 /// Every other motion, and control itself, end this long after the last beat.
 pub(crate) const LEASE: Duration = Duration::from_secs(1);
-/// News that a socket may be behind, before it is closed.
-const NEWS: usize = 256;
 
 /// What a server controls.
 #[derive(Debug)]
 pub(crate) struct Control {
     ledger: Mutex<Ledger>,
     axes: Mutex<BTreeMap<String, Arc<Running>>>,
-    news: broadcast::Sender<Utf8Bytes>,
     /// The last STOP, and whether it was reset: a flood of them is no flood for other pages.
     stop_news: watch::Sender<StopNews>,
     sockets: AtomicU64,
@@ -56,7 +54,6 @@ impl Control {
         Self {
             ledger: Mutex::default(),
             axes: Mutex::default(),
-            news: broadcast::Sender::new(NEWS),
             stop_news: watch::Sender::new(StopNews::default()),
             sockets: AtomicU64::new(0),
             stops: Stops::default(),
@@ -69,7 +66,7 @@ impl Control {
 
     /// Returns whether any page has an axis, or takes one.
     pub(crate) fn has_axes(&self) -> bool {
-        !self.axes().is_empty()
+        self.ledger().has_axes()
     }
 
     fn axes(&self) -> MutexGuard<'_, BTreeMap<String, Arc<Running>>> {
@@ -105,16 +102,18 @@ impl Control {
 
     /// Ends the control of every axis: each is brought to rest along its ramp and given back. Does not wait.
     pub fn end(&self) {
+        self.ledger().end_requests(&Denied::ServerEnds);
         for running in self.axes().values() {
             running.end();
         }
     }
 
-    /// Sends something to every socket.
-    fn tell(&self, news: &impl Serialize) {
-        let text = serde_json::to_string(news).unwrap_or_default();
-        // fails where no socket is open
-        let _ = self.news.send(text.into());
+    /// Returns how each axis is, and who waits for it.
+    fn pictures(&self) -> Vec<Picture> {
+        let axes = self.axes();
+        let ledger = self.ledger();
+        let picture = |running: &Arc<Running>| running.picture(ledger.wanted(&running.drive));
+        axes.values().map(picture).collect()
     }
 
     fn next_socket(&self) -> u64 {

@@ -1,5 +1,5 @@
-//! Two pages and one axis in virtual time: whatever they do and in whichever order, one of them has it, and after a STOP or without
-//! beats nothing moves.
+//! Three pages and one axis in virtual time: whatever they do and in whichever order, one of them has it, another one only after it is
+//! at rest, and after a STOP or without beats nothing moves.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -10,11 +10,12 @@ use profidrive::{Network, Wait, open_plan};
 use tokio::sync::mpsc;
 
 use super::axis::turn;
-use super::ledger::{Holder, Stamp};
+use super::ledger::{Holder, Stamp, Turn};
 use super::running::{Command, Order, Out, Reply, Running, StopBy};
 use super::{Control, HOLD};
 
 const MS: Duration = Duration::from_millis(1);
+const PAGES: usize = 3;
 const PLANT: &str = "[[drive]]\nname = \"akd-1\"\nip = \"10.0.0.1/24\"";
 /// The axis has at least two cycles to take what is sent.
 const CYCLES: Duration = Duration::from_millis(100);
@@ -42,16 +43,36 @@ struct Taken {
     queue: mpsc::Receiver<Command>,
 }
 
+/// A page that waits for the axis.
+struct Waits {
+    page: u64,
+    lease: u64,
+    turn: Turn,
+}
+
+fn holder(page: u64) -> Holder {
+    Holder {
+        socket: page,
+        who: page.to_string(),
+        claimed_name: None,
+    }
+}
+
 /// Pages, server and plant.
 struct Play {
     control: Control,
     network: Network,
     drive: Drive,
     taken: Option<Taken>,
+    waits: Option<Waits>,
+    /// The axis is on its way back.
+    leaving: bool,
+    /// How often it was handed over.
+    passed: usize,
     /// The button that each page holds: the number of its command.
-    held: [Option<u64>; 2],
+    held: [Option<u64>; PAGES],
     /// The epoch that each page has seen.
-    seen: [u64; 2],
+    seen: [u64; PAGES],
     number: u64,
     /// Time since the last beat of the page that has the axis.
     silent: Duration,
@@ -72,8 +93,11 @@ impl Play {
             network,
             drive,
             taken: None,
-            held: [None, None],
-            seen: [0, 0],
+            waits: None,
+            leaving: false,
+            passed: 0,
+            held: [None; PAGES],
+            seen: [0; PAGES],
             number: 0,
             silent: Duration::ZERO,
             stopped: None,
@@ -83,19 +107,64 @@ impl Play {
         }
     }
 
-    fn take(&mut self, page: u64) {
-        let holder = Holder {
-            socket: page,
-            who: page.to_string(),
-            claimed_name: None,
+    /// A page takes the axis, and waits for it where it may.
+    fn take(&mut self, page: u64, wait: bool) {
+        let taken = self.control.ledger().take("a", holder(page), 1000.0, wait);
+        match taken {
+            Ok((lease, turn)) if turn.is_empty() => {
+                let other = self.taken.as_ref().is_some_and(|taken| taken.page != page);
+                assert!(
+                    wait && other && self.waits.is_none(),
+                    "one page waits, for another"
+                );
+                self.waits = Some(Waits { page, lease, turn });
+            }
+            Ok((lease, _)) => {
+                assert!(self.taken.is_none(), "one holder at a time");
+                self.hold(page, lease);
+            }
+            Err(denied) => assert!(self.taken.is_some(), "{denied}"),
+        }
+    }
+
+    /// A page answers who waits for the axis, whether it has it or not.
+    fn answer(&mut self, page: u64, accepts: bool) {
+        let stamp = self.stamp(page);
+        let answered = {
+            let mut ledger = self.control.ledger();
+            let Some(wanted) = ledger.wanted("a") else { return };
+            match accepts {
+                true => ledger.hand_over("a", stamp, wanted.request),
+                false => ledger.keep("a", stamp, wanted.request),
+            }
         };
-        let taken = self.control.ledger().take("a", holder.clone(), 1000.0);
-        assert_eq!(taken.is_err(), self.taken.is_some(), "one holder at a time");
-        let Ok(lease) = taken else { return };
+        if answered.is_err() {
+            return;
+        }
+        let taken = self.taken.as_ref().unwrap();
+        assert!(taken.page == page && !self.leaving, "by the holder, once");
+        if accepts {
+            taken.running.end();
+            self.leaving = true;
+        } else {
+            self.waits_no_more();
+        }
+    }
+
+    /// Whoever waited has a refusal.
+    fn waits_no_more(&mut self) {
+        if let Some(mut waits) = self.waits.take() {
+            waits.turn.try_recv().unwrap().unwrap_err();
+        }
+    }
+
+    /// A page has the axis from now on.
+    fn hold(&mut self, page: u64, lease: u64) {
         let hold = Hold {
             lease: super::LEASE,
             ..Hold::for_speed()
         };
+        let holder = holder(page);
         let observer = Observer::default();
         let axis = motion::hold(&mut self.network, &mut self.drive, &hold, &observer);
         let axis = axis.wait().unwrap();
@@ -135,6 +204,7 @@ impl Play {
             return;
         };
         assert!(permitted.is_err() || taken.page == page, "of the holder alone");
+        assert!(permitted.is_err() || !self.leaving, "not once it was handed over");
         assert!(permitted.is_err() || self.stopped.is_none(), "not after a STOP");
         if permitted.is_ok() {
             if order.kept().is_some() {
@@ -171,17 +241,27 @@ impl Play {
         let stopping = self.control.stop("x", None);
         assert_eq!(stopping.axes.len(), usize::from(self.taken.is_some()));
         self.control.axes().clear();
+        self.waits_no_more();
         self.stopped = Some(Duration::ZERO);
     }
 
     fn leave(&mut self, page: u64) {
-        if let Some(taken) = self.taken.take_if(|taken| taken.page == page) {
-            taken.running.end();
-            let lease = taken.running.lease;
-            let _ = taken.axis.release().wait();
-            self.control.ledger().give_back("a", lease);
-            self.held = [None, None];
-            assert!(self.truth().abs() < 0.1, "given back at rest");
+        let Some(taken) = self.taken.take_if(|taken| taken.page == page) else {
+            return;
+        };
+        taken.running.end();
+        let lease = taken.running.lease;
+        let _ = taken.axis.release().wait();
+        assert!(self.truth().abs() < 0.1, "given back at rest");
+        if let Some(waits) = &mut self.waits {
+            assert!(waits.turn.is_empty(), "not before it is at rest");
+        }
+        self.control.ledger().give_back("a", lease, true);
+        (self.held, self.leaving) = ([None; PAGES], false);
+        if let Some(mut waits) = self.waits.take() {
+            assert_eq!(waits.turn.try_recv(), Ok(Ok(())), "who waits is the next");
+            self.hold(waits.page, waits.lease);
+            self.passed += 1;
         }
     }
 
@@ -212,10 +292,11 @@ impl Play {
     }
 
     fn step(&mut self, dice: &mut Dice) {
-        let page = dice.up_to(2);
+        let page = dice.up_to(3);
         let place = usize::try_from(page).unwrap();
         match dice.up_to(40) {
-            0..=2 => self.take(page),
+            0..=1 => self.take(page, false),
+            2 => self.take(page, true),
             3..=6 => self.send(page, Order::Enable),
             7..=12 => self.send(page, Order::Jog(50.0)),
             13 => {
@@ -230,8 +311,12 @@ impl Play {
                     self.stopped = None;
                 }
             }
-            22 if dice.up_to(2) == 0 => self.leave(page),
-            23..=30 => self.turn(),
+            22 if self.leaving || dice.up_to(2) == 0 => self.leave(page),
+            23 => {
+                let accepts = dice.up_to(3) > 0;
+                self.answer(page, accepts);
+            }
+            24..=30 => self.turn(),
             _ => self.beat(page),
         }
         self.pass(MS * u32::try_from(dice.up_to(80)).unwrap());
@@ -244,7 +329,7 @@ fn one_page_has_an_axis_and_nothing_moves_after_a_stop_or_without_beats() {
         .ok()
         .and_then(|seed| seed.parse().ok());
     let seeds = first.map_or(0..SEEDS, |seed| seed..seed + 1);
-    let mut moved = 0;
+    let (mut moved, mut passed) = (0, 0);
     for seed in seeds {
         println!("seed {seed}");
         let (mut play, mut dice) = (Play::new(), Dice(seed));
@@ -252,6 +337,7 @@ fn one_page_has_an_axis_and_nothing_moves_after_a_stop_or_without_beats() {
             play.step(&mut dice);
         }
         moved += usize::from(play.moved);
+        passed += play.passed;
         // whatever is pressed now and never again
         play.stop();
         play.turn();
@@ -264,4 +350,5 @@ fn one_page_has_an_axis_and_nothing_moves_after_a_stop_or_without_beats() {
         first.is_some() || moved > 60,
         "{moved} of {SEEDS} seeds moved the axis at all"
     );
+    assert!(first.is_some() || passed > 60, "{passed} times handed over");
 }

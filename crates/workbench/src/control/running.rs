@@ -13,7 +13,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use tokio::sync::{mpsc, watch};
 
-use super::ledger::{Holder, Stamp};
+use super::ledger::{Holder, Stamp, Wanted};
 use super::stopping::Posted;
 use super::{HOLD, LEASE};
 use crate::problem::Problem;
@@ -202,6 +202,8 @@ pub(super) struct Picture {
     holder: String,
     /// What that one is called by its own words, which nothing verifies.
     claimed_name: Option<String>,
+    /// Who waits for it.
+    wanted: Option<Wanted>,
     purpose: &'static str,
     stop_by: StopBy,
     /// `taking`, `off`, `enabled`, `moving`, `stopping` or `releasing`.
@@ -313,10 +315,11 @@ impl Running {
         self.motion.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Returns how it is.
-    pub fn picture(&self) -> Picture {
+    /// Returns how it is, for those who are told who waits for it.
+    pub fn picture(&self, wanted: Option<Wanted>) -> Picture {
         let picture = self.picture.lock().unwrap_or_else(PoisonError::into_inner);
         Picture {
+            wanted,
             busy: self.busy.load(Ordering::Relaxed),
             ..picture.clone()
         }
@@ -451,6 +454,7 @@ impl Running {
             lease: self.lease,
             holder: self.holder.who.clone(),
             claimed_name: self.holder.claimed_name.clone(),
+            wanted: None,
             purpose: purpose_name(self.purpose),
             stop_by: self.stop_by,
             phase,

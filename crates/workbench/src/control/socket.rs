@@ -12,15 +12,16 @@ use axum::response::Response;
 use futures::stream::SplitSink;
 use futures::{SinkExt, StreamExt};
 use profidrive::motion::{Control as Common, Hold};
-use tokio::sync::{OwnedSemaphorePermit, broadcast, mpsc};
+use tokio::sync::{OwnedSemaphorePermit, mpsc};
 use tokio::time::{MissedTickBehavior, interval, timeout};
 
-use super::axis::attend;
+use super::denied::{Denied, permit_round_trip};
 use super::fresh::Freshness;
-use super::ledger::{Denied, Holder, Stamp, permit_round_trip};
-use super::messages::{Axes, Echo, For, HeldGoal, Hello, Request, Stamped, Wanted};
-use super::running::{Closing, Command, Order, Out, Reply, Running, StopBy, conflict};
+use super::ledger::Stamp;
+use super::messages::{Axes, Echo, For, HeldGoal, Hello, Request, Stamped};
+use super::running::{Closing, Command, Order, Out, Reply, Running, conflict};
 use super::stopping::StopsSent;
+use super::taking::Terms;
 use super::{HOLD, LEASE};
 use crate::access::{Caller, Role};
 use crate::act::{self, Author, Intent};
@@ -38,8 +39,6 @@ const MESSAGE: usize = 4096;
 const RATE: u32 = 100;
 /// Answers that a page has not taken, before its socket is closed.
 const ANSWERS: usize = 64;
-/// Axes of one page.
-const AXES: usize = 8;
 /// Time between two pictures of the axes that differ.
 const PICTURES: Duration = Duration::from_millis(33);
 /// A picture is sent after this time at the latest, as a sign of life: a page that misses three of them knows within a second that it
@@ -109,7 +108,6 @@ async fn write(
     mut queue: mpsc::Receiver<Out>,
     mut sent_before: StopsSent,
 ) {
-    let mut news = shared.control.news.subscribe();
     let mut pictures = interval(PICTURES);
     pictures.set_missed_tick_behavior(MissedTickBehavior::Skip);
     let mut stops = shared.control.stop_news.subscribe();
@@ -133,10 +131,6 @@ async fn write(
                     None => continue,
                 }
             }
-            news = news.recv() => match news {
-                Ok(text) => Message::Text(text),
-                Err(broadcast::error::RecvError::Lagged(_) | broadcast::error::RecvError::Closed) => return,
-            },
             answer = queue.recv() => match answer {
                 None => return,
                 Some(Out::Text(text)) => Message::Text(text.into()),
@@ -146,7 +140,7 @@ async fn write(
                 })),
             },
             _ = pictures.tick() => {
-                let axes: Vec<_> = shared.control.axes().values().map(|running| running.picture()).collect();
+                let axes = shared.control.pictures();
                 if axes == shown && showed.elapsed() + PICTURES <= ALIVE {
                     continue;
                 }
@@ -173,25 +167,20 @@ fn no_message(error: &serde_json::Error) -> &'static str {
     }
 }
 
-/// Returns whether a person has to confirm what only a person sees.
-const fn needs_checks(source: &Source) -> bool {
-    !source.is_simulation()
-}
-
 /// One page.
-struct Page {
-    shared: Arc<Shared>,
-    caller: Caller,
+pub(super) struct Page {
+    pub(super) shared: Arc<Shared>,
+    pub(super) caller: Caller,
     /// The number of its socket.
-    number: u64,
-    reply: Reply,
+    pub(super) number: u64,
+    pub(super) reply: Reply,
     freshness: Freshness,
     begin: Instant,
     /// The second in which messages are counted.
     second: Instant,
     messages: u32,
     /// Its axes.
-    own: Vec<Arc<Running>>,
+    pub(super) own: Vec<Arc<Running>>,
     /// A STOP of a flood of them is on its way.
     confirming: Arc<AtomicBool>,
 }
@@ -214,7 +203,7 @@ impl Page {
     }
 
     /// Returns why this page controls nothing here, whatever it requests.
-    fn refusal(&self) -> Option<Denied> {
+    pub(super) fn refusal(&self) -> Option<Denied> {
         match (&self.shared.source, self.caller.role) {
             _ if self.shared.read_only => Some(Denied::ReadOnly),
             (_, Role::View) => Some(Denied::View),
@@ -242,11 +231,8 @@ impl Page {
     /// Ends a socket whose session has ended.
     fn look(&mut self) -> Result<(), Closing> {
         let control = &self.shared.control;
-        self.own.retain(|running| {
-            let axes = control.axes();
-            axes.get(&running.drive)
-                .is_some_and(|known| known.lease == running.lease)
-        });
+        self.own
+            .retain(|running| control.ledger().is_known(&running.drive, running.lease));
         match &self.caller.session {
             // a page that has an axis is used
             Some(session)
@@ -333,6 +319,7 @@ impl Page {
                 may_run_on,
                 checks,
                 stop_by,
+                wait,
             } => {
                 let common = Common {
                     cycle: cycle_ms.map(|ms| Duration::from_millis(ms.into())),
@@ -350,23 +337,17 @@ impl Page {
                         For::Position => Hold::for_position(),
                     }
                 };
-                self.take(n, &drive.to_lowercase(), hold, stop_by, checks);
+                let terms = Terms {
+                    hold,
+                    stop_by,
+                    checks,
+                    wait,
+                };
+                self.take(n, &drive.to_lowercase(), terms);
             }
-            Request::Release { drive } => {
-                if let Some(running) = self.own(&drive) {
-                    running.end();
-                }
-            }
-            Request::Handover { drive } => {
-                if self.refusal().is_none() {
-                    self.shared.control.tell(&Wanted {
-                        r#type: "wanted",
-                        drive: &drive,
-                        by: &self.caller.who,
-                        claimed_name: self.caller.claimed.name(),
-                    });
-                }
-            }
+            Request::Release { drive } => self.release(&drive),
+            Request::HandOver { of, request } => self.hand_over(&of, request),
+            Request::Keep { of, request } => self.keep(&of, request),
             Request::Halt { drive, lease } => {
                 if let Some(running) = self.own(&drive).filter(|running| running.lease == lease) {
                     running.halt();
@@ -416,13 +397,13 @@ impl Page {
         }
     }
 
-    fn own(&self, drive: &str) -> Option<&Arc<Running>> {
+    pub(super) fn own(&self, drive: &str) -> Option<&Arc<Running>> {
         let own = self.own.iter().rev();
         let mut of = own.filter(|running| running.drive == drive);
         of.next()
     }
 
-    const fn stamp(&self, of: &Stamped) -> Stamp {
+    pub(super) const fn stamp(&self, of: &Stamped) -> Stamp {
         Stamp {
             socket: self.number,
             lease: of.lease,
@@ -432,7 +413,7 @@ impl Page {
     }
 
     /// Refuses what a page wants, and notes that.
-    fn refuse(
+    pub(super) fn refuse(
         &self,
         n: u64,
         drive: Option<&str>,
@@ -443,10 +424,8 @@ impl Page {
         let reason = denied.to_string();
         self.reply.refused(n, &conflict(&reason));
         let intent = Intent {
-            action,
             drive: drive.map(str::to_owned),
-            value,
-            changes: Vec::new(),
+            ..Intent::new(action, value)
         };
         act::note_refusal(&self.shared, Author::caller(&self.caller), intent, &reason);
     }
@@ -465,63 +444,6 @@ impl Page {
             t,
             fresh,
         });
-    }
-
-    /// Returns why an axis is not given to this page, whoever has it.
-    fn take_refusal(&self, drive: &str, hold: &Hold, checks: bool) -> Option<Denied> {
-        if let Some(denied) = self.refusal() {
-            return Some(denied);
-        }
-        let is_positive = |number: f64| number > 0.0 && number.is_finite();
-        let is_known = |drive: &str| {
-            let board = &self.shared.board;
-            board.look(|stations| stations.known.contains_key(drive))
-        };
-        match () {
-            () if !checks && needs_checks(&self.shared.source) => Some(Denied::Unchecked),
-            () if !is_positive(hold.limit) => Some(Denied::NoLimit),
-            () if !hold.travel.is_none_or(is_positive) => Some(Denied::NoTravel),
-            () if self.own.len() >= AXES => Some(Denied::TooMany { most: AXES }),
-            () if !is_known(drive) => Some(Denied::Unknown),
-            () => None,
-        }
-    }
-
-    fn take(&mut self, n: u64, drive: &str, hold: Hold, stop_by: StopBy, checks: bool) {
-        let refused = |denied: &Denied| self.refuse(n, Some(drive), "take", None, denied);
-        if let Some(denied) = self.take_refusal(drive, &hold, checks) {
-            return refused(&denied);
-        }
-        let control = &self.shared.control;
-        let holder = Holder {
-            socket: self.number,
-            who: self.caller.who.clone(),
-            claimed_name: self.caller.claimed.name(),
-        };
-        let taken = control.ledger().take(drive, holder.clone(), hold.limit);
-        let lease = match taken {
-            Ok(lease) => lease,
-            Err(denied) => return refused(&denied),
-        };
-        let (running, queue) = Running::new(drive, lease, holder, hold.purpose, stop_by);
-        control.axes().insert(drive.to_owned(), Arc::clone(&running));
-        // after it is there, so that the time of the plant either goes on or is not stopped any more
-        if self.shared.is_paused() {
-            control.axes().remove(drive);
-            control.ledger().give_back(drive, lease);
-            return refused(&Denied::StandsStill);
-        }
-        self.own.push(Arc::clone(&running));
-        let (shared, caller) = (Arc::clone(&self.shared), self.caller.clone());
-        tokio::spawn(attend(
-            shared,
-            caller,
-            running,
-            hold,
-            checks,
-            queue,
-            (n, self.reply.clone()),
-        ));
     }
 
     fn order(&self, of: Stamped, order: Order) {
@@ -566,25 +488,9 @@ impl Page {
             self.shared.control.report_reset(epoch);
             let (shared, caller) = (Arc::clone(&self.shared), self.caller.clone());
             tokio::spawn(async move {
-                let intent = Intent {
-                    action: "reset",
-                    drive: None,
-                    value: Some(format!("STOP {epoch}")),
-                    changes: Vec::new(),
-                };
+                let intent = Intent::new("reset", Some(format!("STOP {epoch}")));
                 act::note(&shared, &caller, &intent, "done".to_owned()).await;
             });
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn an_axis_of_a_machine_needs_the_checks_of_a_person() {
-        assert!(needs_checks(&Source::Interface("eth0".to_owned())));
-        assert!(!needs_checks(&Source::Demo));
     }
 }

@@ -6,6 +6,7 @@ mod captures;
 mod change;
 mod control;
 mod frames;
+mod handover;
 mod hands;
 mod live;
 mod machine;

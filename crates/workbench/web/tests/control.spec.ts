@@ -258,7 +258,6 @@ test("a drive of another controller and a second page are refused in words", asy
     await open(other, server.url, "axis-1", false);
     await expect(other.getByText("Session 1 has control of this drive.").first()).toBeVisible();
     await expect(other.locator("main").getByText("Torque on, at rest")).toBeVisible();
-    await expect(other.getByRole("button", { name: "Take control" })).toBeDisabled();
     // the frame names the session, and of its line nothing but a long product is cut
     const line = other.locator(".frame .line").first();
     await expect(line).toContainText("Controller: session 1");
@@ -278,21 +277,46 @@ test("a drive of another controller and a second page are refused in words", asy
     await nav.getByRole("link", { name: "Overview" }).click();
     await expect(other.locator(".why-not")).toContainText("Session 1 of this server controls this drive.");
     await other.locator(".why-not").getByRole("link", { name: "Open Control" }).click();
-    await other.getByRole("button", { name: "Request the drive" }).click();
-    await expect(page.getByText("Session 2 requests control of this drive.")).toBeVisible();
-    // handed over while the axis turns: along a ramp of two seconds, and only after it the other page may take it
+    const request = other.getByRole("button", { name: "Request control" });
+    const waits = other.getByText("Waiting until session 1 hands the drive over.");
+    const band = page.getByText("Session 2 requests control of axis-1.");
+    // by the keyboard, and withdrawn by the same button
+    await request.focus();
+    await other.keyboard.press("Enter");
+    await expect(waits).toBeVisible();
+    await expect(band).toBeVisible();
+    await other.keyboard.press("Enter");
+    await expect(band).toHaveCount(0);
+    await expect(request).toBeFocused();
+    await expect(other.locator(".control > [role=status]")).toHaveText("");
+    // a motion goes on, whatever is requested, and no button moves
     await page.getByRole("tab", { name: "Velocity" }).click();
-    await page.getByRole("button", { name: "Turn at this speed" }).click();
+    const turn = page.getByRole("button", { name: "Turn at this speed" });
+    await turn.click();
     await expect.poll(() => speed(page, server.origin, id), { intervals: [5] }).toBeGreaterThan(19);
-    const take = other.getByRole("button", { name: "Take control" });
-    await expect(take).toBeDisabled();
-    await page.getByRole("button", { name: "Hand over" }).click();
+    const place = await turn.boundingBox();
+    await request.click();
+    await expect(band).toBeVisible();
+    expect(await turn.boundingBox()).toEqual(place);
+    await page.getByRole("button", { name: "Keep control" }).click();
+    await expect(other.locator(".control > [role=status]")).toHaveText("session 1 keeps control of this drive");
+    await expect(band).toHaveCount(0);
+    expect(await speed(page, server.origin, id)).toBeGreaterThan(19);
+    // on another screen, too: handed over along a ramp of two seconds, and had only after it
+    await request.click();
+    await page.getByRole("navigation").getByRole("link", { name: "Faults" }).click();
+    await expect(band).toBeVisible();
+    await page.screenshot({ path: join(pictures, "control-requested.png") });
+    await page.getByRole("button", { name: "Stop and hand over" }).click();
     await expect.poll(() => speed(page, server.origin, id), { intervals: [5] }).toBeLessThan(19);
-    await expect(take).toBeDisabled();
+    await expect(waits).toBeVisible();
     expect(await speed(page, server.origin, id)).toBeGreaterThan(1);
-    await expect(take).toBeEnabled({ timeout: 15_000 });
+    await expect(page.getByText("axis-1 stops, and is handed over to session 2.")).toBeVisible();
+    await expect(other.getByText(/This page has control/)).toBeVisible({ timeout: 15_000 });
     expect(Math.abs(await speed(page, server.origin, id))).toBeLessThan(0.5);
-    await enable(other);
+    await expect(page.getByText(/This page has control/)).toHaveCount(0);
+    await other.getByRole("button", { name: "Enable" }).click({ timeout: 10_000 });
+    await expect(other.locator("main").getByText("Torque on, at rest")).toBeVisible();
     await other.context().close();
     const third = await (await (browser as Browser).newContext()).newPage();
     await open(third, server.viewUrl, "axis-1", false);

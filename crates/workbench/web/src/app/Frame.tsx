@@ -7,6 +7,7 @@ import { ownerName, ownerShort, person, State } from "../parts/Reason";
 import * as control from "../store/control";
 import { axes, stopped as isStopped, lastStop, leases, refusal, reset, stopState } from "../store/control";
 import { stop, stopBeside, stopText, want } from "../store/live";
+import { named } from "../store/name";
 import {
   aged,
   type Happening,
@@ -328,6 +329,34 @@ function Reset() {
   );
 }
 
+/** Who waits for a drive of this page, and what this page can answer. It moves no button under a hand. */
+function Wanted({ axis }: { axis: control.Axis }) {
+  const { wanted } = axis;
+  if (wanted === null) return null;
+  const station = stations.value?.find(({ id }) => id === axis.drive);
+  const text = wanted.accepted
+    ? "control.handing"
+    : wanted.by === control.session.value
+      ? "control.wanted.self"
+      : "control.wanted";
+  const name = station ? label(station) : axis.drive;
+  return (
+    <div class="band wanted">
+      <bdi role="status">{t(text, { who: named(wanted.by, wanted.claimed_name), name })}</bdi>
+      {!wanted.accepted && (
+        <>
+          <button type="button" onClick={() => control.handOver(axis)}>
+            {t("control.hand")}
+          </button>
+          <button type="button" onClick={() => control.keep(axis)}>
+            {t("control.keep")}
+          </button>
+        </>
+      )}
+    </div>
+  );
+}
+
 /** What stands above each screen: the selected drive, the mode and STOP. */
 export function Frame() {
   const station = stationOf(recent(useLocation().path));
@@ -396,6 +425,10 @@ export function Frame() {
           {notice}
         </p>
         {isStopped.value && <Reset />}
+        {[...leases.value.keys()].map((drive) => {
+          const axis = control.own(drive);
+          return axis && <Wanted key={drive} axis={axis} />;
+        })}
         {news && happened.value !== null && (
           <p class="band happened">
             <bdi role="status">{event(happened.value)}</bdi>

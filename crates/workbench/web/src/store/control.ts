@@ -31,6 +31,8 @@ export interface Axis {
   holder: string;
   /** What that one is called by its own words; nothing verifies it. */
   claimed_name: string | null;
+  /** Who waits for it; `accepted` once it is on its way to that one. */
+  wanted: { request: number; by: string; claimed_name: string | null; accepted: boolean } | null;
   purpose: "speed" | "position";
   stop_by: StopBy;
   phase: "taking" | "off" | "enabled" | "moving" | "stopping" | "releasing";
@@ -87,8 +89,8 @@ export interface Stopping {
 export const lastStop = signal<Stopping | null>(null);
 /** What became of the last command of each drive. */
 export const said = signal<ReadonlyMap<string, Said>>(new Map());
-/** Who wants a drive that this page has. */
-export const wanted = signal<{ drive: string; by: string; claimed_name: string | null } | null>(null);
+/** The drives that this page waits for, with the number of its request. */
+export const waits = signal<ReadonlyMap<string, number>>(new Map());
 /** Round trip that 99 of the last 100 beats keep to, in ms; nothing before there are ten. */
 export const trip = signal<number | null>(null);
 /** The last answer to a beat of this page: which one, whether it came in time, and when, by the clock of this page in ms. */
@@ -116,8 +118,7 @@ type Incoming =
   | { type: "lease"; n: number; drive: string; lease: number }
   | { type: "axes"; axes: Axis[] }
   | ({ type: "stopped" } & Stopping)
-  | { type: "reset"; epoch: number }
-  | { type: "wanted"; drive: string; by: string; claimed_name: string | null };
+  | { type: "reset"; epoch: number };
 
 let socket: WebSocket | null = null;
 let tries = 0;
@@ -259,14 +260,40 @@ export function take(drive: string, how: Taking): void {
   command("take", drive, how);
 }
 
+/** Takes a drive once the page that has it hands it over. */
+export function request(drive: string, how: Taking): void {
+  const n = command("take", drive, { ...how, wait: true });
+  if (pending.has(n)) waits.value = new Map(waits.value).set(drive, n);
+}
+
+/** Waits for a drive no more. */
+export function withdraw(drive: string): void {
+  const n = waits.value.get(drive);
+  if (n !== undefined) waitsNoMore(n);
+  send({ type: "release", drive });
+}
+
+function waitsNoMore(n: number): void {
+  pending.delete(n);
+  waits.value = new Map([...waits.value].filter(([, one]) => one !== n));
+}
+
 export function release(drive: string): void {
   letGo();
   send({ type: "release", drive });
 }
 
-export function handover(drive: string): void {
-  send({ type: "handover", drive });
-  say(drive, t("control.handover.sent"), false);
+/** Answers the page that waits for a drive of this one. Its motion goes on until the drive is handed over. */
+function answer(type: "hand_over" | "keep", { drive, lease, wanted }: Axis): void {
+  number += 1;
+  pending.set(number, drive);
+  send({ type, n: number, drive, lease, epoch: epoch.value, request: wanted?.request });
+}
+
+export const keep = (axis: Axis) => answer("keep", axis);
+export function handOver(axis: Axis): void {
+  letGo();
+  answer("hand_over", axis);
 }
 
 export const enable = (drive: string) => command("enable", drive);
@@ -353,7 +380,7 @@ function forget(): void {
     noteReleased([]);
     axes.value = [];
     held.value = null;
-    wanted.value = null;
+    waits.value = new Map();
     trip.value = null;
     pulse.value = null;
     confirmed.value = new Set();
@@ -388,7 +415,7 @@ function receive(message: Incoming): void {
       return;
     case "refused": {
       const drive = pending.get(message.n) ?? "";
-      pending.delete(message.n);
+      waitsNoMore(message.n);
       if (held.value?.n === message.n) held.value = null;
       targets.delete(drive);
       const hint = message.hint === null ? "" : `. ${message.hint.charAt(0).toUpperCase()}${message.hint.slice(1)}`;
@@ -396,7 +423,7 @@ function receive(message: Incoming): void {
       return;
     }
     case "lease":
-      pending.delete(message.n);
+      waitsNoMore(message.n);
       leases.value = new Map(leases.value).set(message.drive, message.lease);
       track.value = track.value.filter((one) => one.drive !== message.drive);
       moved.value = new Set([...moved.value].filter((drive) => drive !== message.drive));
@@ -417,9 +444,6 @@ function receive(message: Incoming): void {
     case "reset":
       stopped.value = false;
       stopState.value = "";
-      return;
-    case "wanted":
-      if (leases.value.has(message.drive)) wanted.value = message;
   }
 }
 
@@ -435,7 +459,6 @@ function show(all: Axis[]): void {
       leases.value = new Map(left);
       confirmed.value = new Set([...confirmed.value].filter((drive) => leases.value.has(drive)));
       moved.value = new Set([...moved.value].filter((drive) => leases.value.has(drive)));
-      if (wanted.value !== null && !leases.value.has(wanted.value.drive)) wanted.value = null;
     }
     const time = performance.now();
     const mine = all.filter(({ drive, lease }) => leases.value.get(drive) === lease);
@@ -507,6 +530,7 @@ export function runControl(): void {
   const leave = () => {
     letGo();
     for (const drive of leases.value.keys()) release(drive);
+    for (const drive of waits.value.keys()) withdraw(drive);
   };
   document.addEventListener("visibilitychange", () => {
     if (document.hidden) leave();

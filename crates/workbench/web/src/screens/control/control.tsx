@@ -120,8 +120,8 @@ function obstacle(station: Station): string | null {
   if (refusal === "remote") return t("control.remote");
   if (control.own(station.id) !== undefined || control.leases.value.has(station.id)) return null;
   if (station.ip === null) return t("control.addressless");
-  const other = control.axes.value.find((axis) => axis.drive === station.id);
-  if (other) return t("control.taken", { who: named(other.holder, other.claimed_name) });
+  // that of another page is requested from it
+  if (control.axes.value.some((axis) => axis.drive === station.id)) return null;
   const name = otherOwner(station);
   return name === null ? null : t("control.owned", { name });
 }
@@ -153,22 +153,17 @@ function Take({ station }: { station: Station }) {
   // a travel that is no number is not the same as none
   const far = way !== "" && !((numberOf(travel.value) ?? 0) > 0);
   const other = control.axes.value.find((one) => one.drive === station.id);
-  const waits = other !== undefined && axis === undefined && other.phase === "taking";
+  const who = other === undefined ? "" : named(other.holder, other.claimed_name);
+  const isTaken = other?.phase === "taking";
+  const waits = control.waits.value.has(station.id);
   if (axis !== undefined) {
-    const { wanted } = control;
-    const by = wanted.value?.drive === station.id ? named(wanted.value.by, wanted.value.claimed_name) : null;
     return (
       <>
         <p>{t(axis.purpose === "speed" ? "control.held.speed" : "control.held.position")}</p>
         <p class="muted">{t(`control.stop.is.${axis.stop_by}`)}</p>
         {station.status?.on_loss?.action === "keeps-turning" && <OnLoss station={station} />}
-        {by !== null && (
-          <p class="warn" role="status">
-            <bdi>{t("control.wanted", { who: by })}</bdi>
-          </p>
-        )}
         <button type="button" onClick={() => control.release(station.id)}>
-          {t(by === null ? "control.release" : "control.hand")}
+          {t("control.release")}
         </button>
       </>
     );
@@ -228,12 +223,15 @@ function Take({ station }: { station: Station }) {
             {t(`control.check.${line}`)}
           </Check>
         ))}
+      {/* one button, so that it keeps the focus */}
       <button
         type="button"
         class="primary"
-        disabled={why !== null || !ready || waits || highest === null || highest <= 0 || far}
-        onClick={() =>
-          control.take(station.id, {
+        disabled={!waits && (why !== null || !ready || isTaken || highest === null || highest <= 0 || far)}
+        onClick={() => {
+          if (waits) return control.withdraw(station.id);
+          const take = other === undefined ? control.take : control.request;
+          take(station.id, {
             purpose: purpose.value,
             limit: highest ?? 0,
             travel: numberOf(travel.value),
@@ -241,21 +239,18 @@ function Take({ station }: { station: Station }) {
             may_run_on: runs.value,
             checks: seen.value.every(Boolean),
             stop_by: stopBy(station.id),
-          })
-        }
+          });
+        }}
       >
-        {t(waits ? "control.taking" : "control.take")}
+        {waits
+          ? t("control.withdraw")
+          : t(isTaken ? "control.taking" : other === undefined ? "control.take" : "control.request")}
       </button>
-      {why !== null && (
-        <p class="muted">
-          <bdi>{why}</bdi>
-        </p>
-      )}
-      {other !== undefined && !waits && why !== null && control.refusal.value === null && (
-        <button type="button" onClick={() => control.handover(station.id)}>
-          {t("control.handover")}
-        </button>
-      )}
+      <p class="muted" role="status">
+        <bdi>
+          {waits ? t("control.waits", { who }) : (why ?? (other === undefined ? "" : t("control.taken", { who })))}
+        </bdi>
+      </p>
     </>
   );
 }

@@ -18,6 +18,9 @@ const PAUSE = 250;
 const ACTIONS = [
   "take",
   "release",
+  "request_control",
+  "hand_over",
+  "keep",
   "enable",
   "disable",
   "confirm",
