@@ -32,6 +32,18 @@ impl Holder {
     }
 }
 
+#[cfg(test)]
+impl Holder {
+    /// The page with this socket, called after it.
+    pub fn of(socket: u64) -> Self {
+        Self {
+            socket,
+            who: socket.to_string(),
+            claimed_name: None,
+        }
+    }
+}
+
 /// What is held of one axis.
 #[derive(Debug)]
 struct Held {
@@ -334,14 +346,6 @@ mod tests {
 
     use super::*;
 
-    fn page(socket: u64) -> Holder {
-        Holder {
-            socket,
-            who: socket.to_string(),
-            claimed_name: None,
-        }
-    }
-
     fn stamp(socket: u64, lease: u64, epoch: u64, number: u64) -> Stamp {
         Stamp {
             socket,
@@ -352,13 +356,13 @@ mod tests {
     }
 
     fn take(ledger: &mut Ledger, socket: u64) -> u64 {
-        let (lease, mut turn) = ledger.take("a", page(socket), 100.0, false).unwrap();
+        let (lease, mut turn) = ledger.take("a", Holder::of(socket), 100.0, false).unwrap();
         assert_eq!(turn.try_recv(), Ok(Ok(())), "at once");
         lease
     }
 
     fn request(ledger: &mut Ledger, socket: u64) -> (u64, Turn) {
-        let (request, mut turn) = ledger.take("a", page(socket), 100.0, true).unwrap();
+        let (request, mut turn) = ledger.take("a", Holder::of(socket), 100.0, true).unwrap();
         assert_eq!(turn.try_recv(), Err(TryRecvError::Empty), "not at once");
         (request, turn)
     }
@@ -420,7 +424,7 @@ mod tests {
         let mut ledger = Ledger::default();
         let lease = take(&mut ledger, 1);
         let (first, turn) = request(&mut ledger, 2);
-        let denied = ledger.take("a", page(3), 100.0, true).unwrap_err();
+        let denied = ledger.take("a", Holder::of(3), 100.0, true).unwrap_err();
         assert_eq!(denied.to_string(), "session 2 has requested this drive before");
         drop(turn);
         assert_eq!(ledger.wanted("a"), None);
@@ -442,7 +446,7 @@ mod tests {
             who: "session 1".to_owned(),
         };
         for (socket, wait) in [(2, false), (1, false), (1, true)] {
-            let denied = ledger.take("a", page(socket), 100.0, wait).unwrap_err();
+            let denied = ledger.take("a", Holder::of(socket), 100.0, wait).unwrap_err();
             assert_eq!(denied, taken, "nor twice");
         }
         assert_eq!(
@@ -500,10 +504,10 @@ mod tests {
         let mut ledger = Ledger::default();
         let anna = Holder {
             claimed_name: Some("Anna".to_owned()),
-            ..page(1)
+            ..Holder::of(1)
         };
         ledger.take("a", anna, 100.0, false).unwrap();
-        let denied = ledger.take("a", page(2), 100.0, false).unwrap_err();
+        let denied = ledger.take("a", Holder::of(2), 100.0, false).unwrap_err();
         assert_eq!(
             denied.to_string(),
             "session 1 (\"Anna\", not verified) has control of this drive"

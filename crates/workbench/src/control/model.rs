@@ -50,14 +50,6 @@ struct Waits {
     turn: Turn,
 }
 
-fn holder(page: u64) -> Holder {
-    Holder {
-        socket: page,
-        who: page.to_string(),
-        claimed_name: None,
-    }
-}
-
 /// Pages, server and plant.
 struct Play {
     control: Control,
@@ -109,7 +101,7 @@ impl Play {
 
     /// A page takes the axis, and waits for it where it may.
     fn take(&mut self, page: u64, wait: bool) {
-        let taken = self.control.ledger().take("a", holder(page), 1000.0, wait);
+        let taken = self.control.ledger().take("a", Holder::of(page), 1000.0, wait);
         match taken {
             Ok((lease, turn)) if turn.is_empty() => {
                 let other = self.taken.as_ref().is_some_and(|taken| taken.page != page);
@@ -164,7 +156,7 @@ impl Play {
             lease: super::LEASE,
             ..Hold::for_speed()
         };
-        let holder = holder(page);
+        let holder = Holder::of(page);
         let observer = Observer::default();
         let axis = motion::hold(&mut self.network, &mut self.drive, &hold, &observer);
         let axis = axis.wait().unwrap();

@@ -236,11 +236,7 @@ mod tests {
     use crate::access::Role;
 
     fn taking(control: &Control, socket: u64) -> Taking {
-        let holder = Holder {
-            socket,
-            who: socket.to_string(),
-            claimed_name: None,
-        };
+        let holder = Holder::of(socket);
         let taken = control.ledger().take("a", holder.clone(), 100.0, true);
         let (lease, turn) = taken.unwrap();
         let hold = Hold::for_speed();
