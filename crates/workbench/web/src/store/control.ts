@@ -327,9 +327,9 @@ export function hold(drive: string, speed: number): void {
 export function letGo(): void {
   const before = held.value;
   if (before === null) return;
-  held.value = null;
   // beside the beats, which say so too
   halt(before.drive);
+  held.value = null;
 }
 
 export function reset(): void {
@@ -345,6 +345,8 @@ let presses = 0;
  * Whichever way it goes, the page reports at once that it was sent, and after 500 ms that nothing confirms it.
  */
 export async function pressStop(byRequest: () => Promise<string>): Promise<void> {
+  // first: whatever is drawn comes behind it
+  const bySocket = send({ type: "stop" });
   letGo();
   presses += 1;
   const press = presses;
@@ -360,7 +362,6 @@ export async function pressStop(byRequest: () => Promise<string>): Promise<void>
       stopState.value = "answered";
     });
   };
-  const bySocket = send({ type: "stop" });
   setTimeout(() => {
     if (stopState.value !== "sent" || press !== presses) return;
     stopState.value = "unconfirmed";
