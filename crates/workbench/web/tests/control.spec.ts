@@ -317,6 +317,9 @@ test("a drive of another controller and a second page are refused in words", asy
     await expect(page.getByText(/This page has control/)).toHaveCount(0);
     await other.getByRole("button", { name: "Enable" }).click({ timeout: 10_000 });
     await expect(other.locator("main").getByText("Torque on, at rest")).toBeVisible();
+    const tab = await other.context().newPage();
+    await tab.goto(other.url());
+    await expect(tab.getByText("Another page of this session has control of this drive.").first()).toBeVisible();
     await other.context().close();
     const third = await (await (browser as Browser).newContext()).newPage();
     await open(third, server.viewUrl, "axis-1", false);

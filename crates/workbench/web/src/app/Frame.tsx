@@ -2,12 +2,11 @@ import { signal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import { useLocation } from "preact-iso";
 import type { LinkTopic, Station } from "../api";
-import { digits, foreign, label, product, sorted } from "../parts/format";
-import { ownerName, ownerShort, person, State } from "../parts/Reason";
+import { capital, digits, foreign, label, product, sorted } from "../parts/format";
+import { otherPage, ownerName, ownerShort, person, State } from "../parts/Reason";
 import * as control from "../store/control";
 import { axes, stopped as isStopped, lastStop, leases, refusal, reset, stopState } from "../store/control";
 import { stop, stopBeside, stopText, want } from "../store/live";
-import { named } from "../store/name";
 import {
   aged,
   type Happening,
@@ -334,15 +333,12 @@ function Wanted({ axis }: { axis: control.Axis }) {
   const { wanted } = axis;
   if (wanted === null) return null;
   const station = stations.value?.find(({ id }) => id === axis.drive);
-  const text = wanted.accepted
-    ? "control.handing"
-    : wanted.by === control.session.value
-      ? "control.wanted.self"
-      : "control.wanted";
   const name = station ? label(station) : axis.drive;
+  const who = otherPage(wanted.by, wanted.claimed_name);
+  const text = t(wanted.accepted ? "control.handing" : "control.wanted", { who, name });
   return (
     <div class="band wanted">
-      <bdi role="status">{t(text, { who: named(wanted.by, wanted.claimed_name), name })}</bdi>
+      <bdi role="status">{wanted.accepted ? text : capital(text)}</bdi>
       {!wanted.accepted && (
         <>
           <button type="button" onClick={() => control.handOver(axis)}>

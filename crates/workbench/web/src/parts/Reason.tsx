@@ -84,9 +84,7 @@ export function owner(station: Station): string {
 export function ownerShort(station: Station): string {
   const axis = heldAxis(station.id);
   if (!axis) return owner(station);
-  const name = own(axis.drive)
-    ? t("owner.self.short")
-    : t("frame.event.session", { who: named(axis.holder, axis.claimed_name) });
+  const name = own(axis.drive) ? t("owner.self.short") : otherPage(axis.holder, axis.claimed_name);
   return t("frame.owner", { name });
 }
 
@@ -94,6 +92,11 @@ export function ownerShort(station: Station): string {
 export function person(who: string, claimed?: string | null): string {
   if (who === "token") return t("frame.event.program");
   return who === session.value ? t("frame.event.self") : t("frame.event.session", { who: named(who, claimed) });
+}
+
+/** Returns who has or wants a drive that is not this page, in words. */
+export function otherPage(who: string, claimed: string | null): string {
+  return who === session.value ? t("owner.other") : person(who, claimed);
 }
 
 /** Returns who controls a drive, where it is not this page; `null` where nothing else does. */

@@ -20,6 +20,11 @@ export function sentence(text: string): string {
   return foreign(text, SENTENCE);
 }
 
+/** Returns a text as it begins a sentence. */
+export function capital(text: string): string {
+  return text.charAt(0).toUpperCase() + text.slice(1);
+}
+
 /** Decimals of each unit: they are fixed, so that digits do not move. */
 const DECIMALS: Record<string, number> = { rpm: 1, rev: 3, V: 0, "%": 1, degC: 0 };
 

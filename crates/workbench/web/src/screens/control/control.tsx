@@ -4,13 +4,12 @@ import { useLocation } from "preact-iso";
 import type { Station } from "../../api";
 import { address, selected, selectedId } from "../../app/selected";
 import { Check } from "../../parts/Check";
-import { faultText, foreign, label, sentence } from "../../parts/format";
+import { capital, faultText, foreign, label, sentence } from "../../parts/format";
 import { Nothing } from "../../parts/Nothing";
-import { otherOwner, owner } from "../../parts/Reason";
+import { otherOwner, otherPage, owner } from "../../parts/Reason";
 import { Shaft } from "../../parts/Shaft";
 import { Who } from "../../parts/Who";
 import * as control from "../../store/control";
-import { named } from "../../store/name";
 import { perDrive } from "../../store/perDrive";
 import * as scope from "../../store/scope";
 import { aged, now, outdated, server, silent } from "../../store/store";
@@ -153,7 +152,7 @@ function Take({ station }: { station: Station }) {
   // a travel that is no number is not the same as none
   const far = way !== "" && !((numberOf(travel.value) ?? 0) > 0);
   const other = control.axes.value.find((one) => one.drive === station.id);
-  const who = other === undefined ? "" : named(other.holder, other.claimed_name);
+  const who = other === undefined ? "" : otherPage(other.holder, other.claimed_name);
   const isTaken = other?.phase === "taking";
   const waits = control.waits.value.has(station.id);
   if (axis !== undefined) {
@@ -248,7 +247,9 @@ function Take({ station }: { station: Station }) {
       </button>
       <p class="muted" role="status">
         <bdi>
-          {waits ? t("control.waits", { who }) : (why ?? (other === undefined ? "" : t("control.taken", { who })))}
+          {waits
+            ? t("control.waits", { who })
+            : (why ?? (other === undefined ? "" : capital(t("control.taken", { who }))))}
         </bdi>
       </p>
     </>
@@ -272,7 +273,7 @@ function Enable({ station }: { station: Station }) {
     <>
       {other && (
         <p>
-          <bdi>{t("control.taken", { who: named(other.holder, other.claimed_name) })}</bdi>
+          <bdi>{capital(t("control.taken", { who: otherPage(other.holder, other.claimed_name) }))}</bdi>
         </p>
       )}
       <p class={on ? "state live" : "muted"}>{isKnown() ? t(`control.phase.${phase}`) : dash}</p>
