@@ -37,9 +37,9 @@ function style(name: string): string {
   return getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 }
 
-/** Series of a plot have a gap where there is no number. */
-function numbers(values: Float64Array | undefined): (number | null)[] {
-  return Array.from(values ?? [], (value) => (Number.isNaN(value) ? null : value));
+/** Series of a plot have a gap where there is no number. Those without one are not copied: it is much work for each picture. */
+function series(values: Float64Array = new Float64Array()): (number | null)[] | Float64Array {
+  return values.some(Number.isNaN) ? Array.from(values, (value) => (Number.isNaN(value) ? null : value)) : values;
 }
 
 interface Drawn {
@@ -235,13 +235,13 @@ export function bitName(column: scope.Found["column"], bit: number): string {
 
 function paint({ main, lanes }: Drawn, frame: Frame): void {
   const signals = scope.chosen();
-  const x = Array.from(frame.times, (time) => (time - frame.zero) / 1e6);
+  const x = frame.times.map((time) => (time - frame.zero) / 1e6);
   const of = (signal: scope.Found) => frame.values[frame.columns.indexOf(signal.column.name)];
   const range = { min: (frame.view.from - frame.zero) / 1e6, max: (frame.view.to - frame.zero) / 1e6 };
   const analog = signals.filter(({ bit, column }) => bit === null && column.type !== "u32");
   if (analog.length + 1 === main.series.length) {
     main.batch(() => {
-      main.setData([x, ...analog.map((signal) => numbers(of(signal)))] as uPlot.AlignedData, true);
+      main.setData([x, ...analog.map((signal) => series(of(signal)))] as uPlot.AlignedData, true);
       main.setScale("x", range);
     });
   }
@@ -249,7 +249,9 @@ function paint({ main, lanes }: Drawn, frame: Frame): void {
   if (lanes !== null && bits.length + 1 === lanes.series.length) {
     const levels = bits.map((signal, place) => {
       const low = bits.length - place - 1 + 0.1;
-      return numbers(of(signal)).map((word) => (word === null ? null : low + ((word >>> (signal.bit ?? 0)) & 1) * 0.7));
+      return Array.from(of(signal) ?? [], (word) =>
+        Number.isNaN(word) ? null : low + ((word >>> (signal.bit ?? 0)) & 1) * 0.7,
+      );
     });
     lanes.batch(() => {
       lanes?.setData([x, ...levels] as uPlot.AlignedData, true);
