@@ -138,7 +138,7 @@ async function noteLoss(page: Page): Promise<void> {
         if (!(name in notes) && document.querySelector(name) !== null) notes[name] = performance.now() - last;
       }
       // what nobody can know by then
-      const claims = /No telegram|No controller|Not under control|STOP not available|controls no axis/;
+      const claims = /No telegram|No controller|Not under control|STOP not available|controls no axis|WRITE/;
       const claim = claims.exec(document.body?.textContent ?? "")?.[0];
       if (claim !== undefined) notes[claim] ??= performance.now() - last;
     }).observe(document, { subtree: true, childList: true, characterData: true, attributes: true });

@@ -70,8 +70,18 @@ test("notices and STOP of a magnified page do not cover each other", async ({ pa
     await page.getByRole("button", { name: /^STOP/ }).click();
     const reset = page.getByRole("button", { name: "Reset STOP" });
     await expect(reset).toBeInViewport({ ratio: 1 });
-    const [notices, stop] = [await page.locator(".notices").boundingBox(), await page.locator(".stop").boundingBox()];
-    expect((notices?.y ?? 0) + (notices?.height ?? 0)).toBeLessThanOrEqual(stop?.y ?? 0);
+    const box = async (name: string) => {
+      const { y = 0, height = 0 } = (await page.locator(name).boundingBox()) ?? {};
+      return { top: y, bottom: y + height };
+    };
+    // at the beginning nothing is below a notice, and it stays in sight further down
+    await page.evaluate(() => scrollTo(0, 0));
+    expect((await box(".notices")).bottom).toBeLessThanOrEqual((await box(".selector")).top);
+    for (const down of [0, 10_000]) {
+      await page.evaluate((down) => scrollTo(0, down), down);
+      await expect(reset).toBeInViewport({ ratio: 1 });
+      expect((await box(".notices")).bottom).toBeLessThanOrEqual((await box(".stop")).top);
+    }
     await reset.click();
     await expect(reset).toHaveCount(0);
   } finally {

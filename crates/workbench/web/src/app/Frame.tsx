@@ -379,8 +379,9 @@ export function Frame() {
   const news = happened.value?.n !== shown.value && !(happened.value?.kind === "stop" && isStopped.value);
   const notice = `${becameBeside()} ${became()}`.trim();
   const simulation = server.value?.simulation ?? false;
+  // whose control socket is gone has no control, and does not know yet whether it may write
   const mode =
-    silent.value !== null
+    silent.value !== null || control.ended.value
       ? "offline"
       : leases.value.size > 0
         ? "control"
