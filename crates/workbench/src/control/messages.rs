@@ -176,3 +176,44 @@ pub(super) struct Axes<T> {
     pub r#type: &'static str,
     pub axes: Vec<T>,
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What a message has in the log: `suite/actions.rs` tries each of them. A message that is new does not compile before it is here.
+    fn action(request: &Request) -> Option<&'static str> {
+        match request {
+            Request::Take { wait: true, .. } => Some("request_control"),
+            Request::Take { .. } => Some("take"),
+            Request::Release { .. } => Some("release"),
+            Request::HandOver { .. } => Some("hand_over"),
+            Request::Keep { .. } => Some("keep"),
+            Request::Enable(_) => Some("enable"),
+            Request::Disable(_) => Some("disable"),
+            Request::Acknowledge(_) => Some("acknowledge"),
+            Request::Confirm(_) => Some("confirm"),
+            Request::Jog { .. } => Some("jog"),
+            Request::Velocity { .. } => Some("velocity"),
+            Request::Move { .. } => Some("move"),
+            Request::Home(_) => Some("home"),
+            Request::Task { .. } => Some("task"),
+            Request::Stop => Some("stop"),
+            Request::Reset { .. } => Some("reset"),
+            // a sign of life, and the end of a motion that is in the log with its begin
+            Request::Beat { .. } | Request::Halt { .. } | Request::Other => None,
+        }
+    }
+
+    #[test]
+    fn a_message_is_in_the_log_or_left_out_on_purpose() {
+        for (text, expected) in [
+            ("{\"type\":\"stop\"}", Some("stop")),
+            ("{\"type\":\"halt\",\"drive\":\"a\",\"lease\":1}", None),
+            ("{\"type\":\"what is not known yet\"}", None),
+        ] {
+            let request: Request = serde_json::from_str(text).unwrap();
+            assert_eq!(action(&request), expected, "{text}");
+        }
+    }
+}

@@ -355,10 +355,7 @@ impl Page {
             }
             Request::Confirm(of) => {
                 let confirmed = self.shared.control.ledger().confirm(&of.drive, self.stamp(&of));
-                match confirmed {
-                    Ok(()) => self.reply.accepted(of.n),
-                    Err(denied) => self.refuse(of.n, Some(&of.drive), "confirm", None, &denied),
-                }
+                self.answered(&of, "confirm", confirmed.map(|()| None));
             }
             Request::Reset { n, epoch } => self.reset(n, epoch),
             Request::Enable(of) => self.order(of, Order::Enable),

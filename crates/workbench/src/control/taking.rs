@@ -207,24 +207,24 @@ impl Page {
         {
             running.end();
         }
-        self.answered(of, "hand_over", accepted);
+        self.answered(of, "hand_over", accepted.map(Some));
     }
 
     pub(super) fn keep(&self, of: &Stamped, request: u64) {
         let (drive, stamp) = (&of.drive, self.stamp(of));
         let kept = self.shared.control.ledger().keep(drive, stamp, request);
-        self.answered(of, "keep", kept);
+        self.answered(of, "keep", kept.map(Some));
     }
 
-    /// Answers and notes what this page has answered to another one.
-    fn answered(&self, of: &Stamped, action: &'static str, done: Result<String, Denied>) {
-        let who = match done {
-            Ok(who) => who,
+    /// Answers and notes what the ledger has done, with which value.
+    pub(super) fn answered(&self, of: &Stamped, action: &'static str, done: Result<Option<String>, Denied>) {
+        let value = match done {
+            Ok(value) => value,
             Err(denied) => return self.refuse(of.n, Some(&of.drive), action, None, &denied),
         };
         self.reply.accepted(of.n);
         let (shared, caller) = (Arc::clone(&self.shared), self.caller.clone());
-        let intent = Intent::of_drive(action, &of.drive, Some(who));
+        let intent = Intent::of_drive(action, &of.drive, value);
         tokio::spawn(async move { act::noted_quietly(&shared, &caller, &intent, "done".to_owned()).await });
     }
 }

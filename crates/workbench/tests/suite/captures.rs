@@ -8,9 +8,9 @@ use serde_json::Value;
 
 use crate::server::{Answer, Running, eventually};
 
-const FULL: &[u8] = include_bytes!("../../../../captures/pnet-profinetpy-full.pcapng");
+pub const FULL: &[u8] = include_bytes!("../../../../captures/pnet-profinetpy-full.pcapng");
 
-fn post(server: &Running, length: u64, octets: &[u8]) -> Answer {
+pub fn post(server: &Running, length: u64, octets: &[u8]) -> Answer {
     let head = format!(
         "POST /api/v1/captures HTTP/1.1\r\n{}Connection: close\r\nContent-Length: {length}\r\n\r\n",
         Running::bearer(&server.control).replace("{address}", &server.address.to_string())

@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::panic)] // a test reports by panicking
 
 mod access;
+mod actions;
 mod captures;
 mod change;
 mod control;

@@ -9,7 +9,7 @@ fn get(server: &Running, path: &str) -> Value {
     server.ask("GET", path, &Running::bearer(&server.view), "").json()
 }
 
-fn plant_file(server: &Running) -> String {
+pub fn plant_file(server: &Running) -> String {
     let path = "/api/v1/plant/scenario?without_events=true";
     server.ask("GET", path, &Running::bearer(&server.view), "").body
 }

@@ -11,7 +11,7 @@ fn get(server: &Running, path: &str) -> Answer {
 }
 
 /// Waits for the end of a job that a request began.
-fn settled(server: &Running, answer: &Answer) -> Value {
+pub fn settled(server: &Running, answer: &Answer) -> Value {
     assert_eq!(answer.status, 200, "{answer:?}");
     let path = format!("/api/v1/jobs/{}", answer.json()["id"]);
     eventually(server, &path, |job| job["phase"] != "working")
