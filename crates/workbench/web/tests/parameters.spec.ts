@@ -113,6 +113,32 @@ test("what cannot be written is said beside the rest, and nothing is written", a
   });
 });
 
+test("one name of three that cannot be written holds up all of them", async ({ page }) => {
+  await alone(async (server) => {
+    // a list that is wrong about one parameter: the server still knows better
+    await page.route("**/api/v1/drives/*/parameters", async (route) => {
+      const answer = await route.fetch();
+      const list = (await answer.json()) as { parameters: { name: string; access: string }[] };
+      for (const one of list.parameters) if (one.name === "IL.FB") one.access = "read, write";
+      await route.fulfill({ response: answer, json: list });
+    });
+    const id = await open(page, server, "axis-1", "parameters");
+    const search = page.getByRole("searchbox");
+    const review = page.getByRole("region", { name: "Changes" });
+    const wanted = { "DRV.ACC": "8000", "IL.FB": "1", "DRV.DEC": "2000" };
+    for (const [name, value] of Object.entries(wanted)) {
+      await search.fill(name);
+      await page.getByRole("textbox", { name: `Value of ${name}`, exact: true }).fill(value);
+    }
+    await expect(review).toContainText("IL.FB (r2216) is read-only");
+    await expect(review.getByRole("button", { name: "Apply 3" })).toBeDisabled();
+    await expect(review).toContainText("Nothing is written as long as a value cannot be written.");
+    const path = `${server.origin}/api/v1/drives/${encodeURIComponent(id)}/values/DRV.ACC,DRV.DEC`;
+    const answer = (await (await page.request.get(path)).json()) as { parameters: { text: string }[] };
+    for (const { text } of answer.parameters) expect(text).toBe("3000");
+  });
+});
+
 test("a value that another program has changed meanwhile is not overwritten", async ({ page }) => {
   await alone(async (server) => {
     const id = await open(page, server, "axis-1", "parameters");
