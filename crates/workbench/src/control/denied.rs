@@ -40,7 +40,7 @@ pub(crate) enum Denied {
     #[error("{who} keeps control of this drive")]
     Kept { who: String },
     #[error(
-        "nobody has answered the request for this drive within {seconds} s: whoever has control may not be at their computer"
+        "no answer to the request for this drive within {seconds} s: whoever has control may be away from the computer"
     )]
     Unanswered { seconds: u64 },
     #[error("the request for this drive was withdrawn")]

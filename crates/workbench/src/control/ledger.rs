@@ -93,7 +93,7 @@ struct Wish {
     answer: oneshot::Sender<Result<(), Denied>>,
 }
 
-/// Who waits for an axis, as pages are told.
+/// Who waits for an axis, for pages.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub(crate) struct Wanted {
     /// By this number the request is answered.
@@ -316,7 +316,7 @@ impl Ledger {
         }
     }
 
-    /// Stops everything; nobody waits for an axis any more. Returns the new epoch.
+    /// Stops everything, and ends all requests for axes. Returns the new epoch.
     pub fn stop(&mut self) -> u64 {
         self.epoch += 1;
         self.stopped = true;

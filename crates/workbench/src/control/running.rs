@@ -315,7 +315,7 @@ impl Running {
         self.motion.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Returns how it is, for those who are told who waits for it.
+    /// Returns how it is, with who waits for it.
     pub fn picture(&self, wanted: Option<Wanted>) -> Picture {
         let picture = self.picture.lock().unwrap_or_else(PoisonError::into_inner);
         Picture {

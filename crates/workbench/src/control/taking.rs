@@ -21,7 +21,7 @@ use crate::shared::Shared;
 
 /// Axes of one page, with those that it waits for.
 const AXES: usize = 8;
-/// A request for an axis that nobody answers ends after this time.
+/// A request for an axis ends after this time without an answer.
 const ANSWER: Duration = Duration::from_secs(60);
 
 /// On which terms a page wants an axis.
@@ -106,7 +106,7 @@ impl Taking {
 
     /// Ends the waiting of a page that is gone or withdraws, or that has no answer. An answer that came meanwhile counts.
     fn gives_up(&mut self, control: &Control, waited: Duration) -> Option<Result<(), Denied>> {
-        // meanwhile nobody accepts
+        // the ledger is held: it is not accepted meanwhile
         let ledger = control.ledger();
         let running = &self.running;
         let denied = match () {

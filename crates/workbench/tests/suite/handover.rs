@@ -30,12 +30,12 @@ fn keep_alive(pages: &mut [&mut Hands]) {
     }
 }
 
-/// Returns how the axis is that a page is told of next.
+/// Returns the next picture of the axis that a page gets.
 fn picture(page: &mut Hands) -> Value {
     page.page.next("axes")["axes"][0].clone()
 }
 
-/// Beats for both until nobody waits.
+/// Beats until no page waits.
 fn unwanted(holder: &mut Hands) {
     let begin = Instant::now();
     while picture(holder)["wanted"] != Value::Null {
@@ -67,7 +67,7 @@ fn an_axis_is_handed_over_when_its_page_accepts_and_once_it_is_at_rest() {
     let early = second.order("velocity", &id, wanted, 0, &json!({ "speed": 5 }));
     assert!(sentence(&early).contains("no control"), "{early}");
     assert!(speed(&server, &id) > 15.0);
-    // another one is told who was before it
+    // another one learns who was before it
     let mut third = Hands::of(&server, &server.control);
     let terms = json!({ "purpose": "speed", "wait": true });
     let late = third.send("take", &id, &terms);
@@ -130,7 +130,7 @@ fn a_request_ends_when_it_is_refused_withdrawn_or_stopped_and_when_its_page_is_s
     second.send("release", &id, &json!({}));
     assert!(sentence(&second.answer(number)).contains("withdrawn"));
     unwanted(&mut first);
-    // silent: nobody sits there, and the axis goes on
+    // silent: it may be abandoned. The axis goes on
     request(&mut second, &mut first, &id);
     unwanted(&mut first);
     assert!(speed(&server, &id) > 15.0, "all the time");

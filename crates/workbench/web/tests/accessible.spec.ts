@@ -2,8 +2,8 @@ import { readFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { join } from "node:path";
 import type { Locator, Page } from "@playwright/test";
-import { expect, pictures, rows, test } from "./bench";
-import { alone, open, operate, options, underControl } from "./moving";
+import { alone, expect, pictures, rows, test } from "./bench";
+import { open, operate, options, underControl } from "./moving";
 import { screens } from "./screens";
 
 const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
@@ -21,6 +21,8 @@ for (const theme of ["light", "dark", "contrast"] as const) {
   // longer words take the room that they take, in whatever colours
   for (const lang of theme === "light" ? ["", "?lang=xx"] : [""]) {
     test(`axe finds nothing: ${theme} ${lang}`, async ({ entered: page }) => {
+      // 18 screens, most of them twice
+      test.setTimeout(120_000);
       if (theme === "contrast") await page.getByRole("combobox", { name: "Theme" }).selectOption("contrast");
       else await page.emulateMedia({ colorScheme: theme });
       for (const [name, path] of await screens(page)) {

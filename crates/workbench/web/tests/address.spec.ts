@@ -1,8 +1,8 @@
 import { readFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import type { Page } from "@playwright/test";
-import { expect, idOf, type Running, rows, test, watch } from "./bench";
-import { alone, open as openControl } from "./moving";
+import { alone, expect, idOf, type Running, rows, test, watch } from "./bench";
+import { open as openControl } from "./moving";
 
 const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
 

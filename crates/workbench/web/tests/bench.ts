@@ -57,6 +57,16 @@ export async function end(server: Running): Promise<void> {
   }
 }
 
+/** A server of its own for a test that changes or moves drives. */
+export async function alone(test: (server: Running) => Promise<void>): Promise<void> {
+  const server = await serve("--demo", "--listen", "127.0.0.1:0");
+  try {
+    await test(server);
+  } finally {
+    await end(server);
+  }
+}
+
 /** What the page must not do: its policy refuses something, or a script fails. */
 export function watch(page: Page): string[] {
   const wrong: string[] = [];
@@ -126,6 +136,15 @@ export async function idOfStation(page: Page, name: string): Promise<string> {
   // a station may have been found before its name
   await expect.poll(look, name).toBe(true);
   return id ?? "";
+}
+
+/** Enters the page of a server, and goes to a screen of the drive of this name. Returns what that is called in paths. */
+export async function openScreen(page: Page, server: Running, name: string, screen: string): Promise<string> {
+  await page.goto(server.url);
+  await rows(page);
+  const id = await idOf(page, name);
+  await page.goto(`${server.origin}/drives/${encodeURIComponent(id)}/${screen}`);
+  return id;
 }
 
 /** Lets something happen to a drive as a click does. */

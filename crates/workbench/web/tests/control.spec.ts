@@ -1,10 +1,9 @@
 import { writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { type Browser, chromium, type Page } from "@playwright/test";
-import { end, expect, idOf, idOfStation, pictures, rows, serve, test, watch } from "./bench";
+import { alone, end, expect, idOf, idOfStation, pictures, rows, serve, test, watch } from "./bench";
 import { wire } from "./bench/wire";
 import {
-  alone,
   enable,
   ends,
   enter,
@@ -137,7 +136,7 @@ async function noteLoss(page: Page): Promise<void> {
       for (const name of places) {
         if (!(name in notes) && document.querySelector(name) !== null) notes[name] = performance.now() - last;
       }
-      // what nobody can know by then
+      // what cannot be known by then
       const claims = /No telegram|No controller|Not under control|STOP not available|controls no axis|WRITE/;
       const claim = claims.exec(document.body?.textContent ?? "")?.[0];
       if (claim !== undefined) notes[claim] ??= performance.now() - last;

@@ -1,13 +1,12 @@
 import { readFileSync } from "node:fs";
-import { end, expect, idOf, inject, rows, serve, test, watch } from "./bench";
+import { alone, expect, idOf, inject, rows, test, watch } from "./bench";
 
 // each test has a server of its own: what happens to its drives is no matter of another test
 test("a fault is announced once, with its remedy, and goes to the history when it is acknowledged", async ({
   page,
 }) => {
-  const server = await serve("--demo", "--listen", "127.0.0.1:0");
   const wrong = watch(page);
-  try {
+  await alone(async (server) => {
     await page.goto(server.url);
     await rows(page);
     await page.goto(`${server.origin}/drives/${encodeURIComponent(await idOf(page, "axis-1"))}/faults`);
@@ -73,14 +72,11 @@ test("a fault is announced once, with its remedy, and goes to the history when i
     await scope.click();
     await expect(page.getByRole("status").filter({ hasText: /^Around .* UTC/ })).toBeVisible();
     expect(wrong.filter((text) => !text.includes("409"))).toEqual([]);
-  } finally {
-    await end(server);
-  }
+  });
 });
 
 test("a fault that only a restart clears offers no acknowledgement", async ({ page }) => {
-  const server = await serve("--demo", "--listen", "127.0.0.1:0");
-  try {
+  await alone(async (server) => {
     await page.goto(server.url);
     await rows(page);
     // earth fault: a trip lock of the VLT
@@ -89,14 +85,11 @@ test("a fault that only a restart clears offers no acknowledgement", async ({ pa
     await expect(page.getByText("No command clears this.")).toBeVisible();
     await expect(page.getByText(/Fault situation counter \(PNU 952\): \d+/)).toBeVisible();
     await expect(page.getByRole("button", { name: "Acknowledge" })).toHaveCount(0);
-  } finally {
-    await end(server);
-  }
+  });
 });
 
 test("the overview acknowledges beside its sentence, and other pages show who did", async ({ page, browser }) => {
-  const server = await serve("--demo", "--listen", "127.0.0.1:0");
-  try {
+  await alone(async (server) => {
     await page.goto(server.url);
     await rows(page);
     const other = await (await browser.newContext()).newPage();
@@ -117,7 +110,5 @@ test("the overview acknowledges beside its sentence, and other pages show who di
     // one line, not two
     await expect(page.getByText("STOP was pressed.")).toHaveCount(0);
     await other.context().close();
-  } finally {
-    await end(server);
-  }
+  });
 });

@@ -1,7 +1,7 @@
 import { chmodSync, copyFileSync, existsSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
-import { end, expect, idOf, pictures, rows, serve, serveIn, test } from "./bench";
+import { alone, end, expect, idOf, pictures, rows, serve, serveIn, test } from "./bench";
 import { screens } from "./screens";
 
 test("frame and navigation are not cut, and high contrast shows what cannot be pressed", async ({ entered: page }) => {
@@ -130,8 +130,7 @@ test("what is waited for keeps its place, and has a name when it takes long", as
 
 test("a long state is read whole, and so is why a jog is refused", async ({ page }) => {
   // one whose STOP was not pressed
-  const server = await serve("--demo", "--listen", "127.0.0.1:0");
-  try {
+  await alone(async (server) => {
     await page.goto(server.url);
     await rows(page);
     const cut = await page
@@ -175,9 +174,7 @@ test("a long state is read whole, and so is why a jog is refused", async ({ page
     await expect(pad).toBeInViewport({ ratio: 1 });
     await page.getByRole("button", { name: "Release" }).click();
     await expect(why).toHaveText("Take control first.");
-  } finally {
-    await end(server);
-  }
+  });
 });
 
 test("without a token the page says what it needs", async ({ browser, demo }) => {
@@ -193,8 +190,7 @@ test("without a token the page says what it needs", async ({ browser, demo }) =>
 
 test("the picture of the README", async ({ page }) => {
   // one on which nothing was pressed yet
-  const server = await serve("--demo", "--listen", "127.0.0.1:0");
-  try {
+  await alone(async (server) => {
     await page.goto(server.url);
     await rows(page);
     await page.setViewportSize({ width: 1366, height: 440 });
@@ -204,7 +200,5 @@ test("the picture of the README", async ({ page }) => {
     if (process.env.PICTURE) {
       copyFileSync(file, process.env.PICTURE);
     }
-  } finally {
-    await end(server);
-  }
+  });
 });

@@ -1,10 +1,9 @@
 import type { Route } from "@playwright/test";
-import { end, expect, idOf, rows, serve, test } from "./bench";
+import { alone, end, expect, idOf, rows, serve, test } from "./bench";
 import { change } from "./sockets";
 
 test("a page that waits for its server says so, and enters once it answers", async ({ page }) => {
-  const server = await serve("--demo", "--listen", "127.0.0.1:0");
-  try {
+  await alone(async (server) => {
     const waiting: Route[] = [];
     await page.route("**/api/v1/session", (route) => {
       waiting.push(route);
@@ -19,14 +18,11 @@ test("a page that waits for its server says so, and enters once it answers", asy
     await Promise.all(waiting.slice(1).map((route) => route.abort()));
     // with the token that is in the address no more
     await rows(page);
-  } finally {
-    await end(server);
-  }
+  });
 });
 
 test("a lost workbench is said, old values are dashes, and it comes back by itself", async ({ page }) => {
-  const server = await serve("--demo", "--listen", "127.0.0.1:0");
-  try {
+  await alone(async (server) => {
     await page.goto(server.url);
     await rows(page);
     await page.getByRole("link", { name: "press-1" }).click();
@@ -62,9 +58,7 @@ test("a lost workbench is said, old values are dashes, and it comes back by itse
     } finally {
       await end(again);
     }
-  } finally {
-    await end(server);
-  }
+  });
 });
 
 test("a page of another build says that it has to be loaded again, and takes no control", async ({ page, demo }) => {
@@ -90,8 +84,7 @@ test("a network that is back opens the control socket at once", async ({ page })
     if (cut) socket.close();
     else socket.connectToServer();
   });
-  const server = await serve("--demo", "--listen", "127.0.0.1:0");
-  try {
+  await alone(async (server) => {
     await page.goto(server.url);
     await rows(page);
     cut = true;
@@ -102,7 +95,5 @@ test("a network that is back opens the control socket at once", async ({ page })
     cut = false;
     await page.evaluate(() => dispatchEvent(new Event("online")));
     await expect.poll(() => tries, { timeout: 1500 }).toBe(before + 1);
-  } finally {
-    await end(server);
-  }
+  });
 });

@@ -1,17 +1,7 @@
 /** Verbs of the tests that move axes. */
 import type { Page } from "@playwright/test";
-import { end, expect, idOf, type Running, rows, serve } from "./bench";
+import { expect, idOf, rows } from "./bench";
 import { commanded, type Frame, parse } from "./bench/wire";
-
-/** A server of its own for a test that moves drives. */
-export async function alone(test: (server: Running) => Promise<void>): Promise<void> {
-  const server = await serve("--demo", "--listen", "127.0.0.1:0");
-  try {
-    await test(server);
-  } finally {
-    await end(server);
-  }
-}
 
 /** Enters a page while drives are under control, whatever their status is. */
 export async function enter(page: Page, url: string): Promise<void> {
@@ -320,8 +310,12 @@ export async function ends(page: Page): Promise<End[]> {
     {
       name: "lostpointercapture",
       hand: mouse,
-      // dispatched: a browser reports it with the next event of the pointer, if there is one
-      end: () => button.dispatchEvent("lostpointercapture"),
+      // as when something else takes the pointer; the browser reports it with its next event, which is on the button still
+      async end() {
+        await button.evaluate((one) => one.releasePointerCapture(1));
+        const { x = 0, y = 0, width = 0, height = 0 } = (await button.boundingBox()) ?? {};
+        await page.mouse.move(x + width / 2 + 2, y + height / 2);
+      },
     },
     { name: "keyup", hand: key, end: key.up },
     { name: "blur of the window", hand: mouse, end: () => page.evaluate(() => dispatchEvent(new Event("blur"))) },

@@ -1,5 +1,5 @@
-import { expect, idOf, test } from "./bench";
-import { alone, enter, open, options } from "./moving";
+import { alone, expect, idOf, test } from "./bench";
+import { enter, open, options } from "./moving";
 
 test("who people say they are is asked once, and stands marked in the log and beside what they hold", async ({
   page,

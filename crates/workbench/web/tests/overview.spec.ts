@@ -1,5 +1,4 @@
-import { expect, idOf, inject, rows, test } from "./bench";
-import { alone } from "./moving";
+import { alone, expect, idOf, inject, rows, test } from "./bench";
 
 interface Known {
   id: string;

@@ -4,7 +4,7 @@ import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { fileURLToPath } from "node:url";
 import type { Page } from "@playwright/test";
-import { end, expect, idOf, inject, program, rows, serve, test, watch } from "./bench";
+import { alone, end, expect, idOf, inject, program, rows, serve, test, watch } from "./bench";
 import { packets } from "./bench/wire";
 
 const captures = fileURLToPath(new URL("../../../../captures", import.meta.url));
@@ -14,9 +14,8 @@ async function go(page: Page, drive: string, screen: string): Promise<void> {
 }
 
 test("the time line has each state of a drive that is enabled and disabled", async ({ page }) => {
-  const server = await serve("--demo", "--listen", "127.0.0.1:0");
   const wrong = watch(page);
-  try {
+  await alone(async (server) => {
     await page.goto(server.url);
     await rows(page);
     await page.getByRole("link", { name: "axis-1" }).click();
@@ -47,9 +46,7 @@ test("the time line has each state of a drive that is enabled and disabled", asy
     ).toBeVisible();
     await expect(page.locator(".edge.awaited")).toHaveAttribute("data-edge", "S2 S3");
     expect(wrong).toEqual([]);
-  } finally {
-    await end(server);
-  }
+  });
 });
 
 test("the diagram and its table have the same transitions, and STO is the condition of fan-1", async ({
@@ -226,9 +223,8 @@ test("the log says from which computer something was done", async ({ page, demo 
 });
 
 test("the log has what was done, follows it, and exports it", async ({ page }) => {
-  const server = await serve("--demo", "--listen", "127.0.0.1:0");
   const wrong = watch(page);
-  try {
+  await alone(async (server) => {
     await page.goto(server.url);
     await rows(page);
     await page.getByRole("link", { name: "Log" }).click();
@@ -319,9 +315,7 @@ test("the log has what was done, follows it, and exports it", async ({ page }) =
     expect(frameCount(join(folder, "b.pcapng"))).toBeGreaterThan(5);
     rmSync(folder, { recursive: true });
     expect(wrong.filter((text) => !/40[45]/.test(text))).toEqual([]);
-  } finally {
-    await end(server);
-  }
+  });
 });
 
 function frameCount(file: string): number {

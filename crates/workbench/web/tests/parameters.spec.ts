@@ -1,25 +1,6 @@
 import { readFileSync } from "node:fs";
-import type { Page } from "@playwright/test";
-import { end, expect, idOf, type Running, rows, serve, test, watch } from "./bench";
+import { alone, expect, idOf, openScreen as open, rows, test, watch } from "./bench";
 import { MANY, synthetic, unknown } from "./synthetic";
-
-async function open(page: Page, server: Running, name: string, screen: string): Promise<string> {
-  await page.goto(server.url);
-  await rows(page);
-  const id = await idOf(page, name);
-  await page.goto(`${server.origin}/drives/${encodeURIComponent(id)}/${screen}`);
-  return id;
-}
-
-/** A server of its own for a test that changes drives. */
-async function alone(test: (server: Running) => Promise<void>): Promise<void> {
-  const server = await serve("--demo", "--listen", "127.0.0.1:0");
-  try {
-    await test(server);
-  } finally {
-    await end(server);
-  }
-}
 
 test("a value is reviewed, written, verified, saved, and seen by a second page", async ({ page, browser }) => {
   await alone(async (server) => {

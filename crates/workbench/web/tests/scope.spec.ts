@@ -1,25 +1,7 @@
 import { readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import type { Page } from "@playwright/test";
-import { end, expect, idOf, pictures, type Running, rows, serve, test, watch } from "./bench";
-
-/** A server of its own for a test that moves drives. */
-async function alone(test: (server: Running) => Promise<void>): Promise<void> {
-  const server = await serve("--demo", "--listen", "127.0.0.1:0");
-  try {
-    await test(server);
-  } finally {
-    await end(server);
-  }
-}
-
-async function open(page: Page, server: Running, name: string, screen: string): Promise<string> {
-  await page.goto(server.url);
-  await rows(page);
-  const id = await idOf(page, name);
-  await page.goto(`${server.origin}/drives/${encodeURIComponent(id)}/${screen}`);
-  return id;
-}
+import { alone, expect, idOf, openScreen as open, pictures, test, watch } from "./bench";
 
 async function inject(page: Page, drive: string, event: string, seconds: number | null): Promise<void> {
   const done = await page.evaluate(async (body) => {

@@ -1,5 +1,5 @@
 import type { Route, WebSocketRoute } from "@playwright/test";
-import { end, expect, idOf, rows, serve, test } from "./bench";
+import { alone, expect, idOf, rows, test } from "./bench";
 import { screens } from "./screens";
 import { change } from "./sockets";
 
@@ -62,8 +62,7 @@ for (const [kind, sizes] of [
 }
 
 test("notices and STOP of a magnified page do not cover each other", async ({ page }) => {
-  const server = await serve("--demo", "--listen", "127.0.0.1:0");
-  try {
+  await alone(async (server) => {
     await page.goto(server.url);
     await rows(page);
     await page.setViewportSize({ width: 341, height: 192 });
@@ -84,9 +83,7 @@ test("notices and STOP of a magnified page do not cover each other", async ({ pa
     }
     await reset.click();
     await expect(reset).toHaveCount(0);
-  } finally {
-    await end(server);
-  }
+  });
 });
 
 test("STOP says honestly that there is nothing to stop, by mouse and keys", async ({ entered: page }) => {
@@ -107,8 +104,7 @@ test("STOP says honestly that there is nothing to stop, by mouse and keys", asyn
 for (const way of ["socket", "request"] as const) {
   test(`STOP to a server that hangs is reported at once, sent by ${way}`, async ({ page }) => {
     if (way === "request") await page.routeWebSocket("**/api/v1/control", (socket) => socket.close());
-    const server = await serve("--demo", "--listen", "127.0.0.1:0");
-    try {
+    await alone(async (server) => {
       await page.goto(server.url);
       await rows(page);
       server.process.kill("SIGSTOP");
@@ -121,9 +117,7 @@ for (const way of ["socket", "request"] as const) {
       await expect(notice).toHaveText(emergency, { timeout: 1500 });
       server.process.kill("SIGCONT");
       await expect(notice).toContainText("was received");
-    } finally {
-      await end(server);
-    }
+    });
   });
 }
 
@@ -134,20 +128,16 @@ test("STOP that its connection swallows is sent once more by a request", async (
       if (!String(message).includes('"stop"')) server.send(message);
     });
   });
-  const server = await serve("--demo", "--listen", "127.0.0.1:0");
-  try {
+  await alone(async (server) => {
     await page.goto(server.url);
     await rows(page);
     await page.getByRole("button", { name: /^STOP/ }).click();
     await expect(page.locator(".band.stopped")).toContainText("was received");
-  } finally {
-    await end(server);
-  }
+  });
 });
 
 test("a STOP of which no frame went out is not confirmed", async ({ page }) => {
-  const server = await serve("--demo", "--listen", "127.0.0.1:0");
-  try {
+  await alone(async (server) => {
     let drive = "";
     await change(page, "control", (message) =>
       message.type === "stopped"
@@ -161,9 +151,7 @@ test("a STOP of which no frame went out is not confirmed", async ({ page }) => {
     await expect(page.locator(".band.stopped")).toHaveText(
       "STOP 1 was received and is not confirmed. axis-1: no frame was sent. Use the emergency stop of the machine.",
     );
-  } finally {
-    await end(server);
-  }
+  });
 });
 
 test("STOP stops a drive that turns without a controller by its parameter, and says what became of it", async ({
@@ -226,8 +214,7 @@ test("one press stops the axes of the server and the selected drive without a co
   await page.route("**/api/v1/drives/*/stop", (route) => {
     waiting.push(route);
   });
-  const server = await serve("--demo", "--listen", "127.0.0.1:0");
-  try {
+  await alone(async (server) => {
     await page.goto(server.url);
     await rows(page);
     const why = page.locator("#stop-why");
@@ -263,9 +250,7 @@ test("one press stops the axes of the server and the selected drive without a co
     await expect(notice).toContainText("press-1 is at rest.");
     await expect(notice).not.toContainText("Stopping");
     await expect(page.getByRole("button", { name: "STOP axis-1", exact: true })).toBeVisible();
-  } finally {
-    await end(server);
-  }
+  });
 });
 
 test("a page that reconnects names the STOP that was pressed meanwhile", async ({ page }) => {
@@ -276,8 +261,7 @@ test("a page that reconnects names the STOP that was pressed meanwhile", async (
     if (cut) socket.close();
     else socket.connectToServer();
   });
-  const server = await serve("--demo", "--listen", "127.0.0.1:0");
-  try {
+  await alone(async (server) => {
     await page.goto(server.url);
     await rows(page);
     await page.getByRole("button", { name: /^STOP/ }).click();
@@ -289,7 +273,5 @@ test("a page that reconnects names the STOP that was pressed meanwhile", async (
     await page.evaluate(() => dispatchEvent(new Event("online")));
     await expect(page.getByText("STOP 2 was pressed. Nothing is enabled")).toBeVisible();
     await expect(page.getByText("STOP 1 was pressed")).toHaveCount(0);
-  } finally {
-    await end(server);
-  }
+  });
 });

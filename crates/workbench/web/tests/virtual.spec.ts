@@ -1,12 +1,11 @@
 import { execFileSync } from "node:child_process";
 import { writeFileSync } from "node:fs";
 import { join } from "node:path";
-import { end, expect, idOf, pictures, program, rows, serve, test, watch } from "./bench";
+import { alone, end, expect, idOf, pictures, program, rows, serve, test, watch } from "./bench";
 
 test("an event injected into a virtual drive shows on its other screens at once", async ({ page }) => {
-  const server = await serve("--demo", "--listen", "127.0.0.1:0");
   const wrong = watch(page);
-  try {
+  await alone(async (server) => {
     await page.goto(server.url);
     await rows(page);
     // it begins with the drive of the frame
@@ -23,6 +22,9 @@ test("an event injected into a virtual drive shows on its other screens at once"
     await expect(why).toHaveAttribute("data-cause", "no-controller");
     await page.getByRole("button", { name: "STO on" }).click();
     await expect(why).toHaveAttribute("data-cause", "sto", { timeout: 2000 });
+    await expect(overview.getByText("not met: STO not active")).toBeVisible();
+    await overview.emulateMedia({ colorScheme: "dark" });
+    await overview.screenshot({ path: join(pictures, "overview-sto-dark.png") });
     await expect(page.getByRole("status").filter({ hasText: "axis-1: sto=on" }).first()).toBeVisible();
     // what lasts is named in its row, and has a button that ends it
     const row = page.getByRole("row", { name: "axis-1" });
@@ -59,9 +61,7 @@ test("an event injected into a virtual drive shows on its other screens at once"
     await expect(page.getByText("A time is more than 0 s and at most a day.")).toBeVisible();
     await expect(page.getByRole("button", { name: "STO on" })).toBeDisabled();
     expect(wrong.filter((text) => !text.includes("400"))).toEqual([]);
-  } finally {
-    await end(server);
-  }
+  });
 });
 
 const LIFT = `
@@ -125,8 +125,7 @@ test("the ends of a way and a parameter channel are shown of drives that have th
 });
 
 test("events that were injected become a plant file that repeats them", async ({ page }) => {
-  const server = await serve("--demo", "--listen", "127.0.0.1:0");
-  try {
+  await alone(async (server) => {
     await page.goto(server.url);
     await rows(page);
     await page.getByRole("link", { name: "Virtual drives" }).click();
@@ -159,15 +158,12 @@ test("events that were injected become a plant file that repeats them", async ({
     });
     const happened = printed.split("\n").filter((line) => line.includes("axis-1") && line.includes("! "));
     expect(happened.map((line) => line.split("! ")[1]?.trim())).toEqual(clicks.map(([, event]) => event));
-  } finally {
-    await end(server);
-  }
+  });
 });
 
 test("a plant is edited with the line of an error, restarted with another seed, and paused", async ({ page }) => {
-  const server = await serve("--demo", "--listen", "127.0.0.1:0");
   const wrong = watch(page);
-  try {
+  await alone(async (server) => {
     await page.goto(server.url);
     await rows(page);
     await page.getByRole("link", { name: "Virtual drives" }).click();
@@ -253,7 +249,5 @@ test("a plant is edited with the line of an error, restarted with another seed, 
     await expect(page.getByRole("row", { name: "fan-9" })).toContainText("Safe torque off");
     await expect(page.getByRole("row", { name: "fan-1" })).toHaveCount(0);
     await expect(page.getByText("No longer answers")).toHaveCount(0);
-  } finally {
-    await end(server);
-  }
+  });
 });

@@ -1,6 +1,7 @@
 /** Each way to end a hold, many times: at rest, and after which time. Not a part of `make test`: tools/web-bench. */
 import { expect, test } from "@playwright/test";
-import { alone, enable, ends, open, rest, turningBy, underControl, withLateBeats } from "../moving";
+import { alone } from "../bench";
+import { enable, ends, open, rest, turningBy, underControl, withLateBeats } from "../moving";
 import { Verdicts } from "./verdict";
 import { percentile } from "./wire";
 

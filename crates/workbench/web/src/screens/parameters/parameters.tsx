@@ -173,7 +173,7 @@ function Row({ line }: { line: edit.Line }) {
           </bdi>
         )}
       </td>
-      {/* without a unit, which nobody knows, there is room for both forms */}
+      {/* without a unit, which is not known, there is room for both forms */}
       {!isUnknown(line) && (
         <td class="unit" title={line.of.unit}>
           {line.of.unit || read?.value.unit}
