@@ -23,6 +23,10 @@ const SEARCH: Duration = Duration::from_secs(1);
 const SURVEY: Duration = Duration::from_secs(5);
 /// Time between two readings of a status.
 const STATUS: Duration = Duration::from_secs(1);
+/// The readings of that time are divided among its parts, so that neither the network nor this computer has all of them at once.
+const PARTS: u32 = 20;
+/// A drive is due so long after its last reading has ended.
+const REST: Duration = Duration::from_millis(900);
 /// The network is left alone when no page has looked for this time.
 const LOOK: Duration = Duration::from_secs(10);
 /// A station that no longer answers is shown for this time.
@@ -228,14 +232,16 @@ impl Board {
         self.addresses.is_empty()
     }
 
-    /// Waits until a page looks.
-    async fn watched(&self) {
+    /// Waits until a page looks. Returns whether none did before.
+    async fn watched(&self) -> bool {
+        let mut has_waited = false;
         loop {
             let woken = self.wake.notified();
             if self.stations().is_watched(Instant::now()) {
-                return;
+                return has_waited;
             }
             woken.await;
+            has_waited = true;
         }
     }
 
@@ -245,7 +251,7 @@ impl Board {
         turn.set_missed_tick_behavior(MissedTickBehavior::Delay);
         loop {
             tokio::select! {
-                _ = turn.tick() => self.watched().await,
+                _ = turn.tick() => drop(self.watched().await),
                 () = self.wanted.notified() => turn.reset(),
             }
             self.searches.send_modify(|(begun, _)| *begun += 1);
@@ -301,20 +307,15 @@ impl Board {
 
     /// Reads the status of each drive once a second, for ever. A drive that answers late holds up no other one.
     pub async fn read(self: Arc<Self>, network: Caller) {
-        let mut turn = interval(STATUS);
+        let mut turn = interval(STATUS / PARTS);
         turn.set_missed_tick_behavior(MissedTickBehavior::Delay);
         let mut busy: HashSet<String> = HashSet::new();
         let mut reading: JoinSet<(u64, Reading)> = JoinSet::new();
         loop {
-            let is_turn = tokio::select! {
-                _ = turn.tick() => {
-                    self.watched().await;
-                    true
-                }
-                () = self.found.notified() => {
-                    turn.reset();
-                    true
-                }
+            // who begins to look, or has a new station, does not wait for its part of a second
+            let at_once = tokio::select! {
+                _ = turn.tick() => self.watched().await,
+                () = self.found.notified() => true,
                 Some(done) = reading.join_next() => {
                     match done {
                         Ok((restarts, (id, drive, status))) => {
@@ -328,13 +329,10 @@ impl Board {
                         // a panic in a reading was printed; its drive is read again
                         Err(_) => busy.clear(),
                     }
-                    false
+                    continue;
                 }
             };
-            if !is_turn {
-                continue;
-            }
-            let (restarts, due) = self.due(&busy);
+            let (restarts, due) = self.due(&busy, Instant::now(), at_once);
             for (id, drive) in due {
                 busy.insert(id.clone());
                 let status = status(Arc::clone(&self), network.clone(), id, drive);
@@ -343,13 +341,28 @@ impl Board {
         }
     }
 
-    /// Returns the drives to read now, those that wait longest first, with the number of restarts.
-    fn due(&self, busy: &HashSet<String>) -> (u64, Vec<(String, Option<Drive>)>) {
+    /// Returns the drives to read now, those that wait longest first, with the number of restarts: all that are due, or the share of a
+    /// part of the time between two readings.
+    fn due(
+        &self,
+        busy: &HashSet<String>,
+        now: Instant,
+        at_once: bool,
+    ) -> (u64, Vec<(String, Option<Drive>)>) {
         let stations = self.stations();
-        let free = |(id, known): &(&String, &Known)| known.is_readable() && !busy.contains(*id);
-        let mut due: Vec<_> = stations.known.iter().filter(free).collect();
+        let readable = stations.known.iter().filter(|(_, known)| known.is_readable());
+        let is_due =
+            |read: Option<Instant>| read.is_none_or(|read| now.saturating_duration_since(read) >= REST);
+        let mut due: Vec<_> = readable
+            .clone()
+            .filter(|(id, known)| !busy.contains(*id) && is_due(known.read))
+            .collect();
         due.sort_by_key(|(_, known)| known.read);
-        due.truncate(AT_ONCE.saturating_sub(busy.len()));
+        let most = match at_once {
+            true => AT_ONCE,
+            false => readable.count().min(AT_ONCE).div_ceil(PARTS as usize),
+        };
+        due.truncate(most.min(AT_ONCE.saturating_sub(busy.len())));
         let due = due
             .into_iter()
             .map(|(id, known)| (id.clone(), known.drive.clone()));
@@ -523,19 +536,35 @@ mod tests {
         );
         board.stations().survey(answers(&names), Instant::now());
         let mut busy = HashSet::new();
-        let first: Vec<String> = board.due(&busy).1.into_iter().map(|(id, _)| id).collect();
+        let now = Instant::now();
+        let due = |busy: &HashSet<String>, now, at_once| -> Vec<String> {
+            let (_, due) = board.due(busy, now, at_once);
+            due.into_iter().map(|(id, _)| id).collect()
+        };
+        let first = due(&busy, now, true);
         assert_eq!(first.len(), AT_ONCE);
         busy.extend(first.iter().cloned());
-        assert!(board.due(&busy).1.is_empty(), "no more at once");
+        assert!(due(&busy, now, true).is_empty(), "no more at once");
         for id in first {
             busy.remove(&id);
-            board.stations().known.get_mut(&id).unwrap().read = Some(Instant::now());
+            board.stations().known.get_mut(&id).unwrap().read = Some(now);
         }
-        let (_, second) = board.due(&busy);
-        let fresh = second
-            .iter()
-            .filter(|(id, _)| board.stations().known[id].read.is_none());
-        assert_eq!(fresh.count(), 7);
+        assert_eq!(due(&busy, now, true).len(), 7, "those that were never read");
+        // a second later all of them are due, and divided among the parts of a second
+        for part in 0..PARTS {
+            let now = now + STATUS + part * STATUS / PARTS;
+            let some = due(&busy, now, false);
+            assert!(some.len() <= 4, "{some:?}");
+            for id in &some {
+                board.stations().known.get_mut(id).unwrap().read = Some(now);
+            }
+        }
+        let stations = board.stations();
+        let mut reads = stations.known.values().map(|known| known.read);
+        assert!(
+            reads.all(|read| read >= Some(now + STATUS)),
+            "each has had its turn"
+        );
     }
 
     #[test]
@@ -543,7 +572,7 @@ mod tests {
         let opening = Opening::new(profidrive::Access::Records);
         let board = Board::new(opening, Vec::new(), Instant::now());
         board.stations().survey(answers(&["a"]), Instant::now());
-        let (before, _) = board.due(&HashSet::new());
+        let (before, _) = board.due(&HashSet::new(), Instant::now(), true);
         assert_eq!(board.restart(|_| Err(7)), Err(7));
         assert_eq!(board.name("a").as_deref(), Some("a"), "nothing was started");
         let mut before_it = None;

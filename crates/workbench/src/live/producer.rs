@@ -21,8 +21,12 @@ use crate::shared::Shared;
 const SHAFTS: Duration = Duration::from_millis(100);
 /// Time between two readings of faults.
 const FAULTS: Duration = Duration::from_secs(1);
-/// The least time between two pictures of the network, however many drives are read in it.
+/// The least time between two pictures of the network, however many drives are read in it, and that for each of its stations: a large
+/// one is much work for each page.
 const NETWORK: Duration = Duration::from_millis(100);
+const STATION: Duration = Duration::from_millis(8);
+/// The longest of these times.
+const LONGEST: Duration = Duration::from_secs(1);
 /// Between two looks whether the time of a plant stands still.
 const PAUSED: Duration = Duration::from_millis(500);
 
@@ -51,7 +55,9 @@ async fn network(shared: Arc<Shared>) {
         if shared.hub.is_wanted(&Topic::Network) {
             shared.hub.publish(&Topic::Network, &StationsReport::now(&shared));
         }
-        sleep(NETWORK).await;
+        let count = shared.board.peek(|stations| stations.known.len());
+        let each = STATION.saturating_mul(u32::try_from(count).unwrap_or(u32::MAX));
+        sleep(each.clamp(NETWORK, LONGEST)).await;
         // while the time of a plant stands still no station changes
         while let Err(_elapsed) = timeout(PAUSED, changes.changed()).await
             && shared.is_paused() == paused
