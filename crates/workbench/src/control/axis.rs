@@ -5,15 +5,15 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
 
-use profidrive::client::ErrorKind;
 use profidrive::client::axis::{Move, Purpose};
+use profidrive::client::{ErrorKind, Rest};
 use profidrive::motion::{self, HeldAxis, Hold, MotionError, Observer};
 use profidrive::profile::notation::{Position, figures};
 use serde::Serialize;
 use tokio::sync::{mpsc, watch};
 use tokio::time::{MissedTickBehavior, interval, sleep};
 
-use super::running::{Command, Order, Running, conflict, purpose_name};
+use super::running::{Command, GIVEN_BACK, Order, Running, conflict, purpose_name};
 use super::taking::Taking;
 use super::{Control, LEASE};
 use crate::access::Caller;
@@ -78,15 +78,15 @@ pub(super) async fn hold(shared: &Arc<Shared>, taking: Taking) -> bool {
     running.phase("releasing");
     let released = axis.release().await;
     shared.feeds.end(&running.drive);
-    let failure = match released {
-        Ok(_) => None,
+    let result = match released {
+        Ok(_) => "done".to_owned(),
         // that STOP ended its last motion is no failure of the release
-        Err(error) if error.kind() == ErrorKind::Interrupted => None,
-        Err(error) => Some(Problem::of(&error)),
+        Err(error) if error.kind() == ErrorKind::Interrupted => "done".to_owned(),
+        Err(error) => Problem::of(&error).message().to_owned(),
     };
-    let result = failure.as_ref().map_or("done", Problem::message).to_owned();
     act::note(shared, &caller, &intent("release", None), result).await;
-    failure.is_none()
+    // whatever had ended its last motion
+    running.stands.load(Ordering::Relaxed)
 }
 
 /// On which terms an axis is taken, for the log.
@@ -111,10 +111,14 @@ fn terms(running: &Running, wanted: &Hold, checks: bool) -> String {
 async fn take(shared: &Shared, running: &Arc<Running>, wanted: &Hold) -> Result<HeldAxis, Problem> {
     let (mut network, mut drive) = crate::api::find(shared, &running.drive).await?;
     let shown = Arc::clone(running);
-    let observer = Observer::new(move |event| {
-        if let motion::Event::Sample(status) = event {
-            shown.show(status);
+    let observer = Observer::new(move |event| match event {
+        motion::Event::Sample(status) => shown.show(status),
+        motion::Event::Ended(ended) => {
+            shown
+                .stands
+                .store(ended.report.rest == Rest::Stands, Ordering::Relaxed);
         }
+        _ => {}
     });
     let axis = motion::hold(&mut network, &mut drive, wanted, &observer).await;
     axis.map_err(|error| Problem::of(&error))
@@ -134,7 +138,7 @@ async fn serve(
     loop {
         tokio::select! {
             biased;
-            () = raised(&mut ended) => return axis,
+            () = raised(&mut ended) => break,
             Some(command) = queue.recv() => {
                 running.busy.store(true, Ordering::Relaxed);
                 let (number, reply) = (command.stamp.number, command.reply.clone());
@@ -150,12 +154,17 @@ async fn serve(
         match axis.status() {
             Some(status) if !status.lost => running.show(&status),
             // there is nothing left to control
-            _ => return axis,
+            _ => break,
         }
         if running.unbeaten() > LEASE {
-            running.end();
+            shared.control.let_go(running);
         }
     }
+    queue.close();
+    while let Ok(Command { stamp, reply, .. }) = queue.try_recv() {
+        reply.refused(stamp.number, &conflict(GIVEN_BACK));
+    }
+    axis
 }
 
 async fn raised(flag: &mut watch::Receiver<bool>) {
@@ -180,7 +189,7 @@ async fn carry_out(
             result = &mut work => result,
             // a call that waits renews the lease: that of a page that is gone must end
             () = abandoned(running) => {
-                running.end();
+                shared.control.let_go(running);
                 work.await
             }
         }
@@ -210,29 +219,39 @@ pub(super) async fn turn(
     let Command { order, stamp, .. } = command;
     let is_current = || control.ledger().is_current(&running.drive, *stamp);
     let off = matches!(order, Order::Disable | Order::Acknowledge);
-    if !off && !is_current() {
-        return Err(conflict("STOP was pressed before this had its turn"));
-    }
+    let permitted = || match () {
+        () if off => Ok(()),
+        () if !is_current() => Err(conflict("STOP was pressed before this had its turn")),
+        () if running.is_ending() => Err(conflict(GIVEN_BACK)),
+        () => Ok(()),
+    };
+    permitted()?;
     if order.kept().is_some() && !running.is_kept(stamp.number) {
         return Err(conflict("it was ended before it had its turn: nothing was moved"));
     }
-    let result = perform(axis, *order, running.purpose).await;
-    // a STOP that came while this was sent must not be overtaken by it
+    let result = perform(axis, *order, running.purpose, &permitted).await;
+    // a STOP that came while this was sent must not be overtaken by it, nor must the end of control
     if !off && !is_current() {
         running.stop();
+    } else if !off && running.is_ending() {
+        running.end();
     }
     result
 }
 
-/// Lets the library carry out a command, with all its rules.
-async fn perform(axis: &mut HeldAxis, order: Order, purpose: Purpose) -> Result<(), Problem> {
+/// Lets the library carry out a command, with all its rules. `permitted`: nothing has ended it while it waited.
+async fn perform(
+    axis: &mut HeldAxis,
+    order: Order,
+    purpose: Purpose,
+    permitted: &(dyn Fn() -> Result<(), Problem> + Sync),
+) -> Result<(), Problem> {
     let done: Result<(), MotionError> = match order {
         Order::Enable => {
-            // what ended the last operation is known by now: nothing is enabled from a stop under way
-            match axis.stop().await {
-                Ok(()) => axis.enable().await,
-                Err(error) => Err(error.into()),
-            }
+            // what ended the last operation is known by now: nothing is enabled from a stop under way, whoever began it
+            axis.stop().await.map_err(|error| Problem::of(&error))?;
+            permitted()?;
+            axis.enable().await
         }
         Order::Disable => axis.stop().await.map_err(MotionError::from),
         Order::Acknowledge => axis.acknowledge().await.map_err(MotionError::from),

@@ -35,7 +35,7 @@ pub(crate) enum Denied {
     LateJog,
     #[error("{who} has control of this drive")]
     Taken { who: String },
-    #[error("{who} has requested this drive before")]
+    #[error("{who} has already requested this drive")]
     Requested { who: String },
     #[error("{who} keeps control of this drive")]
     Kept { who: String },
@@ -43,17 +43,21 @@ pub(crate) enum Denied {
         "no answer to the request for this drive within {seconds} s: whoever has control may be away from the computer"
     )]
     Unanswered { seconds: u64 },
-    #[error("the request for this drive was withdrawn")]
+    #[error(
+        "the page that waited for this drive has withdrawn its request, is hidden or is no longer connected"
+    )]
     Withdrawn,
     #[error("STOP was pressed while this page waited for the drive: request it again")]
     StoppedWaiting,
-    #[error("the drive was not given back at rest: request it again once it is found as it should be")]
+    #[error(
+        "the axis turned when control of it was given back, or its drive could not be reached any more: look at it before you take control"
+    )]
     NotAtRest,
-    #[error("the server ends")]
+    #[error("the server is shutting down")]
     ServerEnds,
     #[error("this page is giving the drive back")]
     Leaving,
-    #[error("this page has no control of the drive, or has it no more")]
+    #[error("this page does not have control of the drive")]
     NotHeld,
     #[error("STOP was pressed meanwhile: what was requested before it is not carried out")]
     Outdated,

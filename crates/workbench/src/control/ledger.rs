@@ -204,10 +204,11 @@ impl Ledger {
         self.held.get(drive).is_some_and(|held| held.leaving)
     }
 
-    /// Notes that an axis is given back, whoever waits for it.
+    /// Notes that an axis is given back, whoever waits for it, or that this lease is not waited for any more.
     pub fn leave(&mut self, drive: &str, lease: u64) {
-        if let Some(held) = self.held.get_mut(drive).filter(|held| held.lease == lease) {
-            held.leaving = true;
+        if let Some(held) = self.held.get_mut(drive) {
+            held.leaving |= held.lease == lease;
+            held.wish.take_if(|wish| wish.request == lease);
         }
     }
 
@@ -425,13 +426,15 @@ mod tests {
         let lease = take(&mut ledger, 1);
         let (first, turn) = request(&mut ledger, 2);
         let denied = ledger.take("a", Holder::of(3), 100.0, true).unwrap_err();
-        assert_eq!(denied.to_string(), "session 2 has requested this drive before");
+        assert_eq!(denied.to_string(), "session 2 has already requested this drive");
         drop(turn);
         assert_eq!(ledger.wanted("a"), None);
         let (second, turn) = request(&mut ledger, 3);
         let denied = ledger.hand_over("a", stamp(1, lease, 0, 1), first);
         assert_eq!(denied, Err(Denied::Withdrawn), "what was meant for another one");
         assert_eq!(ledger.wanted("a").unwrap().request, second);
+        ledger.leave("a", second);
+        assert_eq!(ledger.wanted("a"), None, "withdrawn");
         drop(turn);
         ledger.leave("a", lease);
         ledger.give_back("a", lease, true);

@@ -104,8 +104,14 @@ impl Control {
     pub fn end(&self) {
         self.ledger().end_requests(&Denied::ServerEnds);
         for running in self.axes().values() {
-            running.end();
+            self.let_go(running);
         }
+    }
+
+    /// Lets an axis be ramped down and given back, or waits for it no more.
+    fn let_go(&self, running: &Running) {
+        self.ledger().leave(&running.drive, running.lease);
+        running.end();
     }
 
     /// Returns how each axis is, and who waits for it.

@@ -57,8 +57,8 @@ struct Play {
     drive: Drive,
     taken: Option<Taken>,
     waits: Option<Waits>,
-    /// The axis is on its way back.
-    leaving: bool,
+    /// Time since the axis is on its way back.
+    leaving: Option<Duration>,
     /// How often it was handed over.
     passed: usize,
     /// The button that each page holds: the number of its command.
@@ -86,7 +86,7 @@ impl Play {
             drive,
             taken: None,
             waits: None,
-            leaving: false,
+            leaving: None,
             passed: 0,
             held: [None; PAGES],
             seen: [0; PAGES],
@@ -134,10 +134,13 @@ impl Play {
             return;
         }
         let taken = self.taken.as_ref().unwrap();
-        assert!(taken.page == page && !self.leaving, "by the holder, once");
+        assert!(
+            taken.page == page && self.leaving.is_none(),
+            "by the holder, once"
+        );
         if accepts {
             taken.running.end();
-            self.leaving = true;
+            self.leaving = Some(Duration::ZERO);
         } else {
             self.waits_no_more();
         }
@@ -196,7 +199,10 @@ impl Play {
             return;
         };
         assert!(permitted.is_err() || taken.page == page, "of the holder alone");
-        assert!(permitted.is_err() || !self.leaving, "not once it was handed over");
+        assert!(
+            permitted.is_err() || self.leaving.is_none(),
+            "not once it was handed over"
+        );
         assert!(permitted.is_err() || self.stopped.is_none(), "not after a STOP");
         if permitted.is_ok() {
             if order.kept().is_some() {
@@ -249,7 +255,7 @@ impl Play {
             assert!(waits.turn.is_empty(), "not before it is at rest");
         }
         self.control.ledger().give_back("a", lease, true);
-        (self.held, self.leaving) = ([None; PAGES], false);
+        (self.held, self.leaving) = ([None; PAGES], None);
         if let Some(mut waits) = self.waits.take() {
             assert_eq!(waits.turn.try_recv(), Ok(Ok(())), "who waits is the next");
             self.hold(waits.page, waits.lease);
@@ -271,8 +277,21 @@ impl Play {
         if let Some(stopped) = &mut self.stopped {
             *stopped += time;
         }
+        if let Some(leaving) = &mut self.leaving {
+            *leaving += time;
+        }
         while self.answers.try_recv().is_ok() {}
         let Some(taken) = &self.taken else { return };
+        if self.leaving.is_some_and(|leaving| leaving >= CYCLES) {
+            let operates = taken
+                .axis
+                .status()
+                .is_some_and(|status| status.view.goal.operates());
+            assert!(
+                !operates,
+                "nothing that waited is carried out once it is handed over"
+            );
+        }
         let moves = taken.axis.status().is_some_and(|status| status.view.goal.moves());
         self.moved |= moves;
         if self.stopped.is_some_and(|stopped| stopped >= CYCLES) {
@@ -303,7 +322,7 @@ impl Play {
                     self.stopped = None;
                 }
             }
-            22 if self.leaving || dice.up_to(2) == 0 => self.leave(page),
+            22 if self.leaving.is_some() || dice.up_to(2) == 0 => self.leave(page),
             23 => {
                 let accepts = dice.up_to(3) > 0;
                 self.answer(page, accepts);

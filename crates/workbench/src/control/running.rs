@@ -21,6 +21,9 @@ use crate::problem::Problem;
 /// Commands that wait for their turn.
 pub(super) const QUEUE: usize = 8;
 
+/// Why a command of a page is not carried out any more.
+pub(super) const GIVEN_BACK: &str = "the drive is given back: nothing more is enabled or moved";
+
 /// What an axis is to do.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Order {
@@ -264,6 +267,8 @@ pub(super) struct Running {
     /// Its page is gone, or gives it back.
     pub(super) ended: watch::Sender<bool>,
     pub(super) busy: AtomicBool,
+    /// It stood when it was given back, as far as the drive reports.
+    pub(super) stands: AtomicBool,
     picture: Mutex<Picture>,
 }
 
@@ -287,6 +292,7 @@ impl Running {
             beaten: Mutex::new(Instant::now()),
             ended: watch::Sender::new(false),
             busy: AtomicBool::new(true),
+            stands: AtomicBool::new(false),
             picture: Mutex::new(Picture {
                 drive: drive.to_owned(),
                 lease,
@@ -403,7 +409,11 @@ impl Running {
             if kept.is_some() {
                 self.halt();
             }
-            reply.refused(number, &conflict("too many commands wait for this drive"));
+            let why = match self.is_ending() {
+                true => GIVEN_BACK,
+                false => "too many commands wait for this drive",
+            };
+            reply.refused(number, &conflict(why));
         }
     }
 
@@ -420,6 +430,11 @@ impl Running {
     pub fn end(&self) {
         self.ramp();
         self.ended.send_replace(true);
+    }
+
+    /// Returns whether it is given back.
+    pub(super) fn is_ending(&self) -> bool {
+        *self.ended.borrow()
     }
 
     pub(super) fn is_kept(&self, number: u64) -> bool {

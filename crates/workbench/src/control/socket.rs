@@ -250,7 +250,7 @@ impl Page {
     /// Gives back everything that this page has.
     fn end(&self) {
         for running in &self.own {
-            running.end();
+            self.shared.control.let_go(running);
         }
     }
 

@@ -53,10 +53,15 @@ impl Taking {
     /// Takes the axis once it is free, and has it until its page gives it back or is gone.
     async fn attend(mut self, shared: Arc<Shared>) {
         let running = Arc::clone(&self.running);
+        let waits = self.turn.is_empty();
+        let action = if waits { "request_control" } else { "take" };
+        let intent = Intent::of_drive(action, &running.drive, None);
+        if waits {
+            act::noted_quietly(&shared, &self.caller, &intent, "waiting".to_owned()).await;
+        }
         if let Err(denied) = self.begin(&shared).await {
             let reason = denied.to_string();
             self.reply.refused(self.number, &conflict(&reason));
-            let intent = Intent::of_drive("take", &running.drive, None);
             act::note_refusal(&shared, Author::caller(&self.caller), intent, &reason);
             return;
         }
@@ -71,14 +76,10 @@ impl Taking {
     /// Waits for the axis, and shows to all pages that it is taken.
     async fn begin(&mut self, shared: &Arc<Shared>) -> Result<(), Denied> {
         let (control, running) = (&shared.control, Arc::clone(&self.running));
-        if self.turn.is_empty() {
-            let intent = Intent::of_drive("request_control", &running.drive, None);
-            act::noted_quietly(shared, &self.caller, &intent, "waiting".to_owned()).await;
-        }
         self.turn(control).await?;
         control.axes().insert(running.drive.clone(), Arc::clone(&running));
         let denied = match () {
-            () if *running.ended.borrow() => Denied::Withdrawn,
+            () if running.is_ending() => Denied::Withdrawn,
             // after it is there, so that the time of the plant either goes on or is not stopped any more
             () if shared.is_paused() => Denied::StandsStill,
             () => return Ok(()),
@@ -94,7 +95,7 @@ impl Taking {
         loop {
             tokio::select! {
                 biased;
-                // the other end is dropped with an answer
+                // without an answer it was withdrawn
                 answer = &mut self.turn => return answer.unwrap_or(Err(Denied::Withdrawn)),
                 _ = look.tick() => {}
             }
@@ -104,13 +105,13 @@ impl Taking {
         }
     }
 
-    /// Ends the waiting of a page that is gone or withdraws, or that has no answer. An answer that came meanwhile counts.
+    /// Ends the waiting of a page that is silent, or that has no answer. An answer that came meanwhile counts.
     fn gives_up(&mut self, control: &Control, waited: Duration) -> Option<Result<(), Denied>> {
         // the ledger is held: it is not accepted meanwhile
         let ledger = control.ledger();
         let running = &self.running;
         let denied = match () {
-            () if *running.ended.borrow() || running.unbeaten() > LEASE => Denied::Withdrawn,
+            () if running.unbeaten() > LEASE => Denied::Withdrawn,
             () if waited > ANSWER && !ledger.is_leaving(&running.drive) => Denied::Unanswered {
                 seconds: ANSWER.as_secs(),
             },
@@ -194,8 +195,7 @@ impl Page {
     /// Gives an axis back, or waits for it no more.
     pub(super) fn release(&self, drive: &str) {
         if let Some(running) = self.own(drive) {
-            self.shared.control.ledger().leave(drive, running.lease);
-            running.end();
+            self.shared.control.let_go(running);
         }
     }
 
@@ -280,10 +280,8 @@ mod tests {
         let request = third.running.lease;
         control.ledger().hand_over("a", stamp, request).unwrap();
         assert_eq!(third.gives_up(&control, 2 * ANSWER), None, "it is on its way");
-        // what was passed meanwhile counts
         control.give_back(&first, true);
-        third.running.end();
-        assert_eq!(third.gives_up(&control, PICTURE), Some(Ok(())));
+        assert_eq!(third.turn.try_recv(), Ok(Ok(())));
     }
 
     #[test]

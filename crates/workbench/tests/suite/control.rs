@@ -20,7 +20,7 @@ fn a_lease_is_of_its_socket_and_a_stop_of_everybody() {
     let mut thief = Hands::of(&server, &server.control);
     assert!(sentence(&thief.take(&id)).contains("has control"));
     let stolen = thief.order("enable", &id, lease, 0, &json!({}));
-    assert!(sentence(&stolen).contains("no control"), "{stolen}");
+    assert!(sentence(&stolen).contains("not have control"), "{stolen}");
     thief.send("release", &id, &json!({}));
     thief.send("halt", &id, &json!({ "lease": lease }));
     let mut looker = Hands::of(&server, &server.view);
@@ -197,7 +197,7 @@ fn what_is_refused_is_in_the_log() {
     );
     for (action, value, reason) in [
         ("take", None, "has control of this drive"),
-        ("enable", None, "no control"),
+        ("enable", None, "not have control"),
         ("velocity", Some("301 rpm"), "above the limit of this page"),
         ("home", None, "direction of a first motion"),
         ("velocity", Some("20 rpm"), "STOP was pressed meanwhile"),
@@ -359,7 +359,10 @@ fn a_lease_is_of_no_other_tab_of_its_session_and_of_no_socket_after_a_reconnect(
     assert!(sentence(&tab.take(&id)).contains("has control"));
     for kind in ["enable", "disable", "acknowledge", "velocity", "home"] {
         let refused = tab.order(kind, &id, lease, 0, &json!({ "speed": 20 }));
-        assert!(sentence(&refused).contains("no control"), "{kind}: {refused}");
+        assert!(
+            sentence(&refused).contains("not have control"),
+            "{kind}: {refused}"
+        );
     }
     tab.send("release", &id, &json!({}));
     tab.send("halt", &id, &json!({ "lease": lease }));
@@ -369,7 +372,7 @@ fn a_lease_is_of_no_other_tab_of_its_session_and_of_no_socket_after_a_reconnect(
     let mut again = Hands::at(&server, &session);
     for _ in 0..2 {
         let refused = again.order("enable", &id, lease, 0, &json!({}));
-        assert!(sentence(&refused).contains("no control"), "{refused}");
+        assert!(sentence(&refused).contains("not have control"), "{refused}");
         // while the axis is given back, and afterwards
         eventually(&server, "/api/v1/server", |report| {
             report["controlled"] == json!([])
@@ -378,7 +381,9 @@ fn a_lease_is_of_no_other_tab_of_its_session_and_of_no_socket_after_a_reconnect(
     server.logged(|log| {
         log.iter().any(|record| {
             let result = record["result"].as_str().unwrap_or_default();
-            record["action"] == "enable" && result.starts_with("refused: ") && result.contains("no control")
+            record["action"] == "enable"
+                && result.starts_with("refused: ")
+                && result.contains("not have control")
         })
     });
 }

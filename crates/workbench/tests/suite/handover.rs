@@ -65,14 +65,14 @@ fn an_axis_is_handed_over_when_its_page_accepts_and_once_it_is_at_rest() {
     let (number, wanted) = request(&mut second, &mut first, &id);
     // the axis goes on, and who waits moves nothing
     let early = second.order("velocity", &id, wanted, 0, &json!({ "speed": 5 }));
-    assert!(sentence(&early).contains("no control"), "{early}");
+    assert!(sentence(&early).contains("not have control"), "{early}");
     assert!(speed(&server, &id) > 15.0);
     // another one learns who was before it
     let mut third = Hands::of(&server, &server.control);
     let terms = json!({ "purpose": "speed", "wait": true });
     let late = third.send("take", &id, &terms);
     let late = third.answer(late);
-    assert!(sentence(&late).contains("requested this drive before"), "{late}");
+    assert!(sentence(&late).contains("already requested this drive"), "{late}");
     // an answer that was meant for another request answers nothing
     let other = json!({ "request": wanted + 1 });
     let wrong = first.order("hand_over", &id, of_first, 0, &other);
@@ -140,6 +140,64 @@ fn a_request_ends_when_it_is_refused_withdrawn_or_stopped_and_when_its_page_is_s
     first.page.send(&json!({ "type": "stop" }));
     assert!(sentence(&second.answer(number)).contains("STOP"));
     rests(&server, &id);
+}
+
+#[test]
+fn what_waits_when_an_axis_is_given_back_is_refused() {
+    let server = Running::demo();
+    let id = known(&server, "axis-1");
+    let mut page = Hands::of(&server, &server.control);
+    // the moment at which the first one has its turn is another one each time
+    for pause in 0..12 {
+        let lease = lease(&page.take(&id));
+        let terms = json!({ "lease": lease, "epoch": 0, "speed": 20 });
+        let commands = ["enable", "velocity", "disable", "enable"];
+        let sent: Vec<u64> = commands.map(|kind| page.send(kind, &id, &terms)).to_vec();
+        std::thread::sleep(Duration::from_millis(pause));
+        page.send("release", &id, &json!({}));
+        let answers: Vec<Value> = sent.iter().map(|number| page.answer(*number)).collect();
+        assert_eq!(answers[3]["type"], "refused", "{answers:?}");
+        let begin = Instant::now();
+        loop {
+            assert!(begin.elapsed() < Duration::from_secs(10), "it is not given back");
+            let axis = picture(&mut page);
+            if axis.is_null() {
+                break;
+            }
+            assert_ne!(axis["phase"], "moving", "{axis}");
+        }
+    }
+}
+
+#[test]
+fn who_waits_has_the_axis_of_a_page_that_is_silent_or_whose_drive_has_a_fault() {
+    let server = Running::demo();
+    let id = known(&server, "axis-1");
+    let (mut first, of_first) = turning(&server, &id);
+    let mut second = Hands::of(&server, &server.control);
+    let (number, wanted) = request(&mut second, &mut first, &id);
+    // frozen: its lease ends, and with it what it could answer
+    let taken = second.answer(number);
+    assert_eq!(lease(&taken), wanted, "{taken}");
+    assert!(speed(&server, &id).abs() < 0.1, "at rest");
+    let late = first.order("keep", &id, of_first, 0, &json!({ "request": wanted }));
+    assert!(sentence(&late).contains("not have control"), "{late}");
+    let enabled = second.order("enable", &id, wanted, 0, &json!({}));
+    assert_eq!(enabled["type"], "accepted", "{enabled}");
+    // a fault ends the operation, and the axis stands all the same
+    let mut third = Hands::of(&server, &server.control);
+    let (number, next) = request(&mut third, &mut second, &id);
+    let fault = json!({ "drive": id, "event": "fault=439", "seconds": null });
+    assert_eq!(server.post("/api/v1/plant/inject", &fault).status, 200);
+    let begin = Instant::now();
+    while picture(&mut second)["phase"] != "off" {
+        assert!(begin.elapsed() < Duration::from_secs(10), "it is on");
+        keep_alive(&mut [&mut second, &mut third]);
+    }
+    let yes = json!({ "request": next });
+    let accepted = second.order("hand_over", &id, wanted, 0, &yes);
+    assert_eq!(accepted["type"], "accepted", "{accepted}");
+    assert_eq!(lease(&third.answer(number)), next);
 }
 
 #[test]

@@ -32,6 +32,17 @@ test("a newcomer takes control, enables, jogs, and releases", async ({ page }) =
     const id = await open(page, server.url, "axis-1");
     const pad = page.getByRole("group", { name: /^Jog buttons/ });
     const place = await pad.boundingBox();
+    // while it is taken it is not that of another page
+    await page.evaluate(() => {
+      const claims: string[] = [];
+      Object.assign(window, { claims });
+      new MutationObserver(() => {
+        const claim = /[^.]*(has control of this drive|hands the drive over)/.exec(
+          document.body.textContent ?? "",
+        )?.[0];
+        if (claim !== undefined) claims.push(claim);
+      }).observe(document.body, { subtree: true, childList: true, characterData: true });
+    });
     await underControl(page, async () => {
       await enable(page);
       expect(await pad.boundingBox()).toEqual(place);
@@ -39,6 +50,7 @@ test("a newcomer takes control, enables, jogs, and releases", async ({ page }) =
       const position = page.locator(".control-values .value").filter({ hasText: "Position" });
       await expect(position).toContainText(/\d\.\d{3}/);
       await expect(page.getByText("IN CONTROL")).toBeVisible();
+      expect(await page.evaluate(() => (window as unknown as { claims: string[] }).claims)).toEqual([]);
       await expect(page.getByRole("button", { name: "STOP axis-1" })).toBeVisible();
       await turning(page, server.origin, id);
       await expect(page.locator("main").getByText("Torque on, moving")).toBeVisible();
@@ -277,8 +289,8 @@ test("a drive of another controller and a second page are refused in words", asy
     await expect(other.locator(".why-not")).toContainText("Session 1 of this server controls this drive.");
     await other.locator(".why-not").getByRole("link", { name: "Open Control" }).click();
     const request = other.getByRole("button", { name: "Request control" });
-    const waits = other.getByText("Waiting until session 1 hands the drive over.");
-    const band = page.getByText("Session 2 requests control of axis-1.");
+    const waits = other.getByText("Waiting for a minute until session 1 hands the drive over.");
+    const band = page.getByText("Session 2 requests control of axis-1, and waits for a minute.");
     // by the keyboard, and withdrawn by the same button
     await request.focus();
     await other.keyboard.press("Enter");
@@ -308,7 +320,7 @@ test("a drive of another controller and a second page are refused in words", asy
     await page.screenshot({ path: join(pictures, "control-requested.png") });
     await page.getByRole("button", { name: "Stop and hand over" }).click();
     await expect.poll(() => speed(page, server.origin, id), { intervals: [5] }).toBeLessThan(19);
-    await expect(waits).toBeVisible();
+    await expect(other.getByText("The axis of session 1 stops, and is handed over.")).toBeVisible();
     expect(await speed(page, server.origin, id)).toBeGreaterThan(1);
     await expect(page.getByText("axis-1 stops, and is handed over to session 2.")).toBeVisible();
     await expect(other.getByText(/This page has control/)).toBeVisible({ timeout: 15_000 });

@@ -89,8 +89,8 @@ export interface Stopping {
 export const lastStop = signal<Stopping | null>(null);
 /** What became of the last command of each drive. */
 export const said = signal<ReadonlyMap<string, Said>>(new Map());
-/** The drives that this page waits for, with the number of its request. */
-export const waits = signal<ReadonlyMap<string, number>>(new Map());
+/** The drives that this page takes, or waits for, with the number of its command. */
+export const taking = signal<ReadonlyMap<string, number>>(new Map());
 /** Round trip that 99 of the last 100 beats keep to, in ms; nothing before there are ten. */
 export const trip = signal<number | null>(null);
 /** The last answer to a beat of this page: which one, whether it came in time, and when, by the clock of this page in ms. */
@@ -256,26 +256,22 @@ export interface Taking {
   stop_by: StopBy;
 }
 
-export function take(drive: string, how: Taking): void {
-  command("take", drive, how);
-}
-
-/** Takes a drive once the page that has it hands it over. */
-export function request(drive: string, how: Taking): void {
-  const n = command("take", drive, { ...how, wait: true });
-  if (pending.has(n)) waits.value = new Map(waits.value).set(drive, n);
+/** Takes a drive, at once or when the page that has it hands it over. */
+export function take(drive: string, how: Taking, wait: boolean): void {
+  const n = command("take", drive, { ...how, wait });
+  if (pending.has(n)) taking.value = new Map(taking.value).set(drive, n);
 }
 
 /** Waits for a drive no more. */
 export function withdraw(drive: string): void {
-  const n = waits.value.get(drive);
-  if (n !== undefined) waitsNoMore(n);
+  const n = taking.value.get(drive);
+  if (n !== undefined) isAnswered(n);
   send({ type: "release", drive });
 }
 
-function waitsNoMore(n: number): void {
+function isAnswered(n: number): void {
   pending.delete(n);
-  waits.value = new Map([...waits.value].filter(([, one]) => one !== n));
+  taking.value = new Map([...taking.value].filter(([, one]) => one !== n));
 }
 
 export function release(drive: string): void {
@@ -381,7 +377,7 @@ function forget(): void {
     noteReleased([]);
     axes.value = [];
     held.value = null;
-    waits.value = new Map();
+    taking.value = new Map();
     trip.value = null;
     pulse.value = null;
     confirmed.value = new Set();
@@ -416,7 +412,7 @@ function receive(message: Incoming): void {
       return;
     case "refused": {
       const drive = pending.get(message.n) ?? "";
-      waitsNoMore(message.n);
+      isAnswered(message.n);
       if (held.value?.n === message.n) held.value = null;
       targets.delete(drive);
       const hint = message.hint === null ? "" : `. ${message.hint.charAt(0).toUpperCase()}${message.hint.slice(1)}`;
@@ -424,7 +420,7 @@ function receive(message: Incoming): void {
       return;
     }
     case "lease":
-      waitsNoMore(message.n);
+      isAnswered(message.n);
       leases.value = new Map(leases.value).set(message.drive, message.lease);
       track.value = track.value.filter((one) => one.drive !== message.drive);
       moved.value = new Set([...moved.value].filter((drive) => drive !== message.drive));
@@ -531,7 +527,7 @@ export function runControl(): void {
   const leave = () => {
     letGo();
     for (const drive of leases.value.keys()) release(drive);
-    for (const drive of waits.value.keys()) withdraw(drive);
+    for (const drive of taking.value.keys()) withdraw(drive);
   };
   document.addEventListener("visibilitychange", () => {
     if (document.hidden) leave();

@@ -153,8 +153,17 @@ function Take({ station }: { station: Station }) {
   const far = way !== "" && !((numberOf(travel.value) ?? 0) > 0);
   const other = control.axes.value.find((one) => one.drive === station.id);
   const who = other === undefined ? "" : otherPage(other.holder, other.claimed_name);
-  const isTaken = other?.phase === "taking";
-  const waits = control.waits.value.has(station.id);
+  const mine = control.taking.value.has(station.id);
+  const waits = mine && other !== undefined && other.phase !== "taking";
+  // by this page, or by the one that has it then
+  const isTaken = (mine && !waits) || other?.phase === "taking";
+  const next = other?.wanted ? otherPage(other.wanted.by, other.wanted.claimed_name) : null;
+  const state = () => {
+    if (waits) return t(other.wanted?.accepted ? "control.waits.stops" : "control.waits", { who });
+    if (why !== null || other === undefined || mine) return why ?? "";
+    const taken = capital(t("control.taken", { who }));
+    return next === null ? taken : `${taken} ${capital(t("control.next", { who: next }))}`;
+  };
   if (axis !== undefined) {
     return (
       <>
@@ -226,11 +235,12 @@ function Take({ station }: { station: Station }) {
       <button
         type="button"
         class="primary"
-        disabled={!waits && (why !== null || !ready || isTaken || highest === null || highest <= 0 || far)}
+        disabled={
+          !waits && (why !== null || !ready || isTaken || next !== null || highest === null || highest <= 0 || far)
+        }
         onClick={() => {
           if (waits) return control.withdraw(station.id);
-          const take = other === undefined ? control.take : control.request;
-          take(station.id, {
+          const how = {
             purpose: purpose.value,
             limit: highest ?? 0,
             travel: numberOf(travel.value),
@@ -238,7 +248,8 @@ function Take({ station }: { station: Station }) {
             may_run_on: runs.value,
             checks: seen.value.every(Boolean),
             stop_by: stopBy(station.id),
-          });
+          };
+          control.take(station.id, how, other !== undefined);
         }}
       >
         {waits
@@ -246,11 +257,7 @@ function Take({ station }: { station: Station }) {
           : t(isTaken ? "control.taking" : other === undefined ? "control.take" : "control.request")}
       </button>
       <p class="muted" role="status">
-        <bdi>
-          {waits
-            ? t("control.waits", { who })
-            : (why ?? (other === undefined ? "" : capital(t("control.taken", { who }))))}
-        </bdi>
+        <bdi>{state()}</bdi>
       </p>
     </>
   );
