@@ -33,7 +33,7 @@ fn a_jog_lasts_as_long_as_fresh_beats_and_control_too() {
         report["controlled"] == json!([])
     });
     let late = hands.order("enable", &id, lease, 0, &json!({}));
-    assert!(sentence(&late).contains("no control"), "{late}");
+    assert!(sentence(&late).contains("not have control"), "{late}");
     for action in ["take", "enable", "jog", "release"] {
         server.logged(|log| log.iter().any(|record| record["action"] == action));
     }
@@ -73,7 +73,7 @@ fn beats_that_come_too_late_keep_nothing_going() {
     );
     let late = hands.answer(late);
     assert!(
-        sentence(&late).contains("too late") || sentence(&late).contains("no control"),
+        sentence(&late).contains("too late") || sentence(&late).contains("not have control"),
         "{late}"
     );
 }
