@@ -216,7 +216,7 @@ impl Ledger {
     pub fn hand_over(&mut self, drive: &str, stamp: Stamp, request: u64) -> Result<String, Denied> {
         let held = self.held(drive, stamp)?;
         let wish = held.wish().filter(|wish| wish.request == request);
-        // it must not be given to somebody else
+        // another page must not have it
         let who = wish.ok_or(Denied::Withdrawn)?.holder.person();
         held.leaving = true;
         Ok(who)
@@ -381,7 +381,7 @@ mod tests {
         let early = ledger.permit_motion("a", stamp(2, request, 0, 1), Some(1.0));
         assert_eq!(early, Err(Denied::NotHeld));
         let other = ledger.hand_over("a", stamp(1, lease, 0, 2), request + 1);
-        assert_eq!(other, Err(Denied::Withdrawn), "for somebody else");
+        assert_eq!(other, Err(Denied::Withdrawn), "for another page");
         ledger.hand_over("a", stamp(1, lease, 0, 3), request).unwrap();
         assert!(ledger.wanted("a").unwrap().accepted);
         let late = ledger.permit_motion("a", stamp(1, lease, 0, 4), Some(1.0));
