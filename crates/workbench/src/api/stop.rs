@@ -46,17 +46,14 @@ pub(super) async fn stop_drive(
         // it goes on when its page goes away
         tokio::spawn(async move {
             let stopped = motion::stop_unowned(&mut network, &mut drive, LIMIT).await;
+            // one that was sent and did not bring the axis to rest is no stop of nothing
+            let has_stopped = stopped.as_ref().is_ok_and(|report| report.sent.is_some());
             let stopped = stopped.and_then(|report| report.check().map(|()| report));
             let result = stopped.map_err(|error| Problem::of(&error));
-            let intent = Intent {
-                action: "stop",
-                drive: Some(id),
-                value: None,
-                changes: Vec::new(),
-            };
-            let (text, has_stopped) = match &result {
-                Ok(report) => (report.to_string(), report.sent.is_some()),
-                Err(problem) => (problem.message().to_owned(), false),
+            let intent = Intent::of_drive("stop", &id, None);
+            let text = match &result {
+                Ok(report) => report.to_string(),
+                Err(problem) => problem.message().to_owned(),
             };
             // as each stop it is logged after it was done, whether that succeeds or not
             act::note_stopped(&shared, &caller, &intent, text, has_stopped).await;
