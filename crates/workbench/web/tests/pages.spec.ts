@@ -94,12 +94,15 @@ test("the byte map has the values of the program for the same octets", async ({ 
   await expect(page.getByText("No cyclic frame of this drive was seen.")).toBeVisible();
 });
 
-/** A press that a controller turns at a constant speed, so that nothing but a load changes it. */
+/**
+ * A press that a controller turns at a constant speed, so that nothing but a load changes it.
+ * Its inertia is such that 5 N m hold it below 50 rpm for 0.3 s: a page shows this however slow its computer is.
+ */
 const PRESS = `
 [[drive]]
 name = "press-1"
 ip = "192.168.77.21/24"
-load = { inertia = 1e-3, friction = 0.1 }
+load = { inertia = 1e-2, friction = 0.1 }
 
 [[controller]]
 drive = "press-1"
@@ -137,8 +140,8 @@ test("a load changes the speed in the telegram, at the octets and with the value
     await page.goto(`${server.origin}/drives/${encodeURIComponent(await idOf(page, "press-1"))}/telegram`);
     const input = page.locator("[data-direction=input]");
     const speed = input.locator("[data-field=NIST_A] td").last();
-    await expect(speed).toHaveText("60.04 rpm");
-    // each frame that the page shows with another speed than that
+    await expect(speed).toHaveText(/^60\.\d+ rpm$/);
+    // each frame that the page shows with a lower speed than 50 rpm
     await input.evaluate((section) => {
       const seen: object[] = [];
       Object.assign(window, { seen });
@@ -146,7 +149,7 @@ test("a load changes the speed in the telegram, at the octets and with the value
         const row = section.querySelector("[data-field=NIST_A]");
         const text = (place: string) => row?.querySelector(`td:${place}`)?.textContent ?? "";
         const value = text("last-child");
-        if (value !== "60.04 rpm") {
+        if (Number.parseFloat(value) < 50) {
           const octets = section.getAttribute("data-octets") ?? "";
           seen.push({ octets, value, offset: Number(text("first-child")), hex: text("nth-of-type(2)") });
         }
@@ -155,15 +158,9 @@ test("a load changes the speed in the telegram, at the octets and with the value
     });
     type Seen = { octets: string; value: string; offset: number; hex: string };
     const seen = () => page.evaluate(() => (window as unknown as { seen: Seen[] }).seen);
-    // the drive holds its speed against the load soon: the frames between are few
-    await expect(async () => {
-      await inject(page, "press-1", "load=0Nm");
-      await expect(speed).toHaveText("60.04 rpm");
-      await inject(page, "press-1", "load=1.5Nm");
-      const slow = async () => (await seen()).filter(({ value }) => Number.parseFloat(value) < 50).length;
-      await expect.poll(slow, { timeout: 2000, intervals: [50] }).toBeGreaterThan(0);
-    }).toPass({ timeout: 30_000 });
-    const shown = (await seen()).find(({ value }) => Number.parseFloat(value) < 50) as Seen;
+    await inject(page, "press-1", "load=5Nm");
+    await expect.poll(async () => (await seen()).length, { timeout: 30_000 }).toBeGreaterThan(0);
+    const [shown] = (await seen()) as [Seen];
     const octets = shown.octets.split(" ");
     expect(octets.slice(shown.offset, shown.offset + 2).join(" ")).toBe(shown.hex);
     // the same frame, among those of the last minute
