@@ -4,6 +4,7 @@
 //! was requested before it is refused afterwards, and nothing is enabled or moved before it is reset.
 
 use std::collections::BTreeMap;
+use std::time::Instant;
 
 use serde::Serialize;
 use tokio::sync::oneshot;
@@ -90,6 +91,8 @@ struct Wish {
     /// The lease that it will have.
     request: u64,
     limit: f64,
+    /// It ends then, without an answer.
+    until: Instant,
     answer: oneshot::Sender<Result<(), Denied>>,
 }
 
@@ -103,6 +106,8 @@ pub(crate) struct Wanted {
     claimed_name: Option<String>,
     /// Whether it is handed over, or about to be.
     accepted: bool,
+    /// What is left for an answer, s.
+    seconds: u64,
 }
 
 /// What a command comes with.
@@ -136,13 +141,14 @@ impl Ledger {
         self.stopped
     }
 
-    /// Gives an axis to a page, or lets it wait for one that another page has. Returns the lease, and when it begins.
+    /// Gives an axis to a page, or lets it wait until this time for one that another page has. Returns the lease, and when it
+    /// begins.
     pub fn take(
         &mut self,
         drive: &str,
         holder: Holder,
         limit: f64,
-        wait: bool,
+        wait: Option<Instant>,
     ) -> Result<(u64, Turn), Denied> {
         let (answer, turn) = oneshot::channel();
         let lease = self.leases + 1;
@@ -153,12 +159,11 @@ impl Ledger {
                 self.held
                     .insert(drive.to_owned(), Held::new(holder, lease, limit));
             }
-            Some(held) if !wait || held.holder.socket == holder.socket => {
-                return Err(Denied::Taken {
-                    who: held.holder.person(),
-                });
-            }
             Some(held) => {
+                let until = wait.filter(|_| held.holder.socket != holder.socket);
+                let until = until.ok_or_else(|| Denied::Taken {
+                    who: held.holder.person(),
+                })?;
                 if let Some(wish) = held.wish() {
                     return Err(Denied::Requested {
                         who: wish.holder.person(),
@@ -168,6 +173,7 @@ impl Ledger {
                     holder,
                     request: lease,
                     limit,
+                    until,
                     answer,
                 });
             }
@@ -176,8 +182,8 @@ impl Ledger {
         Ok((lease, turn))
     }
 
-    /// Returns who waits for an axis.
-    pub fn wanted(&self, drive: &str) -> Option<Wanted> {
+    /// Returns who waits for an axis, and how long from now.
+    pub fn wanted(&self, drive: &str, now: Instant) -> Option<Wanted> {
         let held = self.held.get(drive)?;
         let wish = held.wish()?;
         Some(Wanted {
@@ -185,6 +191,7 @@ impl Ledger {
             by: wish.holder.who.clone(),
             claimed_name: wish.holder.claimed_name.clone(),
             accepted: held.leaving,
+            seconds: wish.until.saturating_duration_since(now).as_secs_f64().ceil() as u64,
         })
     }
 
@@ -343,6 +350,8 @@ impl Ledger {
 
 #[cfg(test)]
 mod tests {
+    use std::time::Duration;
+
     use tokio::sync::oneshot::error::TryRecvError;
 
     use super::*;
@@ -356,14 +365,22 @@ mod tests {
         }
     }
 
+    fn minute() -> Option<Instant> {
+        Some(Instant::now() + Duration::from_secs(60))
+    }
+
+    fn wanted(ledger: &Ledger) -> Option<Wanted> {
+        ledger.wanted("a", Instant::now())
+    }
+
     fn take(ledger: &mut Ledger, socket: u64) -> u64 {
-        let (lease, mut turn) = ledger.take("a", Holder::of(socket), 100.0, false).unwrap();
+        let (lease, mut turn) = ledger.take("a", Holder::of(socket), 100.0, None).unwrap();
         assert_eq!(turn.try_recv(), Ok(Ok(())), "at once");
         lease
     }
 
     fn request(ledger: &mut Ledger, socket: u64) -> (u64, Turn) {
-        let (request, mut turn) = ledger.take("a", Holder::of(socket), 100.0, true).unwrap();
+        let (request, mut turn) = ledger.take("a", Holder::of(socket), 100.0, minute()).unwrap();
         assert_eq!(turn.try_recv(), Err(TryRecvError::Empty), "not at once");
         (request, turn)
     }
@@ -373,7 +390,7 @@ mod tests {
         let mut ledger = Ledger::default();
         let lease = take(&mut ledger, 1);
         let (request, mut turn) = request(&mut ledger, 2);
-        assert!(ledger.is_known("a", request) && !ledger.wanted("a").unwrap().accepted);
+        assert!(ledger.is_known("a", request) && !wanted(&ledger).unwrap().accepted);
         // the one who has it is not disturbed, and the other one moves nothing
         ledger
             .permit_motion("a", stamp(1, lease, 0, 1), Some(1.0))
@@ -383,13 +400,13 @@ mod tests {
         let other = ledger.hand_over("a", stamp(1, lease, 0, 2), request + 1);
         assert_eq!(other, Err(Denied::Withdrawn), "for another page");
         ledger.hand_over("a", stamp(1, lease, 0, 3), request).unwrap();
-        assert!(ledger.wanted("a").unwrap().accepted);
+        assert!(wanted(&ledger).unwrap().accepted);
         let late = ledger.permit_motion("a", stamp(1, lease, 0, 4), Some(1.0));
         assert_eq!(late, Err(Denied::Leaving));
         assert_eq!(turn.try_recv(), Err(TryRecvError::Empty), "before it is at rest");
         ledger.give_back("a", lease, true);
         assert_eq!(turn.try_recv(), Ok(Ok(())));
-        assert!(!ledger.is_known("a", lease) && ledger.wanted("a").is_none());
+        assert!(!ledger.is_known("a", lease) && wanted(&ledger).is_none());
         ledger
             .permit_motion("a", stamp(2, request, 0, 2), Some(1.0))
             .unwrap();
@@ -425,16 +442,16 @@ mod tests {
         let mut ledger = Ledger::default();
         let lease = take(&mut ledger, 1);
         let (first, turn) = request(&mut ledger, 2);
-        let denied = ledger.take("a", Holder::of(3), 100.0, true).unwrap_err();
+        let denied = ledger.take("a", Holder::of(3), 100.0, minute()).unwrap_err();
         assert_eq!(denied.to_string(), "session 2 has already requested this drive");
         drop(turn);
-        assert_eq!(ledger.wanted("a"), None);
+        assert_eq!(wanted(&ledger), None);
         let (second, turn) = request(&mut ledger, 3);
         let denied = ledger.hand_over("a", stamp(1, lease, 0, 1), first);
         assert_eq!(denied, Err(Denied::Withdrawn), "what was meant for another one");
-        assert_eq!(ledger.wanted("a").unwrap().request, second);
+        assert_eq!(wanted(&ledger).unwrap().request, second);
         ledger.leave("a", second);
-        assert_eq!(ledger.wanted("a"), None, "withdrawn");
+        assert_eq!(wanted(&ledger), None, "withdrawn");
         drop(turn);
         ledger.leave("a", lease);
         ledger.give_back("a", lease, true);
@@ -448,7 +465,7 @@ mod tests {
         let taken = Denied::Taken {
             who: "session 1".to_owned(),
         };
-        for (socket, wait) in [(2, false), (1, false), (1, true)] {
+        for (socket, wait) in [(2, None), (1, None), (1, minute())] {
             let denied = ledger.take("a", Holder::of(socket), 100.0, wait).unwrap_err();
             assert_eq!(denied, taken, "nor twice");
         }
@@ -509,8 +526,8 @@ mod tests {
             claimed_name: Some("Anna".to_owned()),
             ..Holder::of(1)
         };
-        ledger.take("a", anna, 100.0, false).unwrap();
-        let denied = ledger.take("a", Holder::of(2), 100.0, false).unwrap_err();
+        ledger.take("a", anna, 100.0, None).unwrap();
+        let denied = ledger.take("a", Holder::of(2), 100.0, None).unwrap_err();
         assert_eq!(
             denied.to_string(),
             "session 1 (\"Anna\", not verified) has control of this drive"

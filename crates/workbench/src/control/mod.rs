@@ -19,7 +19,7 @@ mod taking;
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use tokio::sync::watch;
 
@@ -118,7 +118,8 @@ impl Control {
     fn pictures(&self) -> Vec<Picture> {
         let axes = self.axes();
         let ledger = self.ledger();
-        let picture = |running: &Arc<Running>| running.picture(ledger.wanted(&running.drive));
+        let now = Instant::now();
+        let picture = |running: &Arc<Running>| running.picture(ledger.wanted(&running.drive, now));
         axes.values().map(picture).collect()
     }
 

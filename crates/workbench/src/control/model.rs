@@ -2,7 +2,7 @@
 //! at rest, and after a STOP or without beats nothing moves.
 
 use std::sync::Arc;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use profidrive::client::Drive;
 use profidrive::motion::{self, HeldAxis, Hold, Observer};
@@ -101,7 +101,8 @@ impl Play {
 
     /// A page takes the axis, and waits for it where it may.
     fn take(&mut self, page: u64, wait: bool) {
-        let taken = self.control.ledger().take("a", Holder::of(page), 1000.0, wait);
+        let until = wait.then(Instant::now);
+        let taken = self.control.ledger().take("a", Holder::of(page), 1000.0, until);
         match taken {
             Ok((lease, turn)) if turn.is_empty() => {
                 let other = self.taken.as_ref().is_some_and(|taken| taken.page != page);
@@ -124,7 +125,9 @@ impl Play {
         let stamp = self.stamp(page);
         let answered = {
             let mut ledger = self.control.ledger();
-            let Some(wanted) = ledger.wanted("a") else { return };
+            let Some(wanted) = ledger.wanted("a", Instant::now()) else {
+                return;
+            };
             match accepts {
                 true => ledger.hand_over("a", stamp, wanted.request),
                 false => ledger.keep("a", stamp, wanted.request),

@@ -47,6 +47,8 @@ pub(super) struct Taking {
     pub reply: Reply,
     pub number: u64,
     turn: Turn,
+    /// It waits until then for an answer.
+    until: Instant,
 }
 
 impl Taking {
@@ -91,7 +93,6 @@ impl Taking {
     /// Waits until the axis is that of its page.
     async fn turn(&mut self, control: &Control) -> Result<(), Denied> {
         let mut look = interval(PICTURE);
-        let begin = Instant::now();
         loop {
             tokio::select! {
                 biased;
@@ -99,20 +100,20 @@ impl Taking {
                 answer = &mut self.turn => return answer.unwrap_or(Err(Denied::Withdrawn)),
                 _ = look.tick() => {}
             }
-            if let Some(answer) = self.gives_up(control, begin.elapsed()) {
+            if let Some(answer) = self.gives_up(control, Instant::now()) {
                 return answer;
             }
         }
     }
 
     /// Ends the waiting of a page that is silent, or that has no answer. An answer that came meanwhile counts.
-    fn gives_up(&mut self, control: &Control, waited: Duration) -> Option<Result<(), Denied>> {
+    fn gives_up(&mut self, control: &Control, now: Instant) -> Option<Result<(), Denied>> {
         // the ledger is held: it is not accepted meanwhile
         let ledger = control.ledger();
         let running = &self.running;
         let denied = match () {
             () if running.unbeaten() > LEASE => Denied::Withdrawn,
-            () if waited > ANSWER && !ledger.is_leaving(&running.drive) => Denied::Unanswered {
+            () if now > self.until && !ledger.is_leaving(&running.drive) => Denied::Unanswered {
                 seconds: ANSWER.as_secs(),
             },
             () => return None,
@@ -168,11 +169,13 @@ impl Page {
             claimed_name: self.caller.claimed.name(),
         };
         let limit = terms.hold.limit;
+        let until = Instant::now() + ANSWER;
+        let wait = terms.wait.then_some(until);
         let taken = self
             .shared
             .control
             .ledger()
-            .take(drive, holder.clone(), limit, terms.wait);
+            .take(drive, holder.clone(), limit, wait);
         let (lease, turn) = match taken {
             Ok(taken) => taken,
             Err(denied) => return refused(&denied),
@@ -188,6 +191,7 @@ impl Page {
             reply: self.reply.clone(),
             number: n,
             turn,
+            until,
         };
         tokio::spawn(taking.attend(Arc::clone(&self.shared)));
     }
@@ -237,7 +241,8 @@ mod tests {
 
     fn taking(control: &Control, socket: u64) -> Taking {
         let holder = Holder::of(socket);
-        let taken = control.ledger().take("a", holder.clone(), 100.0, true);
+        let until = Instant::now() + ANSWER;
+        let taken = control.ledger().take("a", holder.clone(), 100.0, Some(until));
         let (lease, turn) = taken.unwrap();
         let hold = Hold::for_speed();
         let (running, queue) = Running::new("a", lease, holder, hold.purpose, StopBy::Off3);
@@ -257,6 +262,7 @@ mod tests {
             reply: Reply(mpsc::channel(1).0),
             number: 1,
             turn,
+            until,
         }
     }
 
@@ -265,11 +271,17 @@ mod tests {
         let control = Control::new();
         let first = taking(&control, 1).running;
         let mut second = taking(&control, 2);
-        assert_eq!(second.gives_up(&control, ANSWER), None);
-        let denied = second.gives_up(&control, ANSWER + PICTURE);
+        let end = second.until;
+        let left = |now| serde_json::to_value(control.ledger().wanted("a", now)).unwrap()["seconds"].clone();
+        assert_eq!(
+            (left(end - ANSWER), left(end - PICTURE), left(end)),
+            (60.into(), 1.into(), 0.into())
+        );
+        assert_eq!(second.gives_up(&control, end), None);
+        let denied = second.gives_up(&control, end + PICTURE);
         let unanswered = Denied::Unanswered { seconds: 60 };
         assert_eq!(denied, Some(Err(unanswered)));
-        assert_eq!(control.ledger().wanted("a"), None);
+        assert_eq!(control.ledger().wanted("a", end), None);
         let mut third = taking(&control, 3);
         let stamp = Stamp {
             socket: 1,
@@ -279,7 +291,11 @@ mod tests {
         };
         let request = third.running.lease;
         control.ledger().hand_over("a", stamp, request).unwrap();
-        assert_eq!(third.gives_up(&control, 2 * ANSWER), None, "it is on its way");
+        assert_eq!(
+            third.gives_up(&control, end + 2 * ANSWER),
+            None,
+            "it is on its way"
+        );
         control.give_back(&first, true);
         assert_eq!(third.turn.try_recv(), Ok(Ok(())));
     }

@@ -289,8 +289,8 @@ test("a drive of another controller and a second page are refused in words", asy
     await expect(other.locator(".why-not")).toContainText("Session 1 of this server controls this drive.");
     await other.locator(".why-not").getByRole("link", { name: "Open Control" }).click();
     const request = other.getByRole("button", { name: "Request control" });
-    const waits = other.getByText("Waiting for a minute until session 1 hands the drive over.");
-    const band = page.getByText("Session 2 requests control of axis-1, and waits for a minute.");
+    const waits = other.getByText("Waiting until session 1 hands the drive over.");
+    const band = page.getByText("Session 2 requests control of axis-1.");
     // by the keyboard, and withdrawn by the same button
     await request.focus();
     await other.keyboard.press("Enter");
@@ -318,6 +318,17 @@ test("a drive of another controller and a second page are refused in words", asy
     await page.getByRole("navigation").getByRole("link", { name: "Faults" }).click();
     await expect(band).toBeVisible();
     await page.screenshot({ path: join(pictures, "control-requested.png") });
+    // what is left counts down on both pages; the frame has room for the whole product
+    for (const one of [page, other]) {
+      const left = one.getByText(/The request ends in \d+ s\./);
+      const seconds = async () => Number(/\d+/.exec((await left.textContent()) ?? "")?.[0]);
+      const first = await seconds();
+      expect(first).toBeLessThanOrEqual(60);
+      await expect.poll(seconds).toBeLessThan(first);
+    }
+    const product = page.locator(".frame .line bdi").first();
+    await expect(product).toHaveText("Kollmorgen AKD");
+    expect(await product.evaluate((one) => one.scrollWidth > one.clientWidth)).toBe(false);
     await page.getByRole("button", { name: "Stop and hand over" }).click();
     await expect.poll(() => speed(page, server.origin, id), { intervals: [5] }).toBeLessThan(19);
     await expect(other.getByText("The axis of session 1 stops, and is handed over.")).toBeVisible();

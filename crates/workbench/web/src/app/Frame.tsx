@@ -171,10 +171,13 @@ function Link({ id }: { id: string }) {
   const timing = fresh ? (held.data as LinkTopic).timing : null;
   if (timing === null) return <span class="spare muted">{t("frame.link.none")}</span>;
   return (
-    <span class="number spare" title={t("frame.link.about")} data-link={timing.frames}>
+    <span
+      class="number spare"
+      title={t("frame.link.about", { median: ms(timing.jitter_p50) })}
+      data-link={timing.frames}
+    >
       {t("frame.link", {
         cycle: Number((timing.cycle * 1000).toFixed(3)),
-        median: ms(timing.jitter_p50),
         most: ms(timing.jitter_p99),
       })}{" "}
       <span class={timing.lost > 0 ? "fault" : ""}>{t("frame.link.missed", { count: timing.lost })}</span>
@@ -347,6 +350,8 @@ function Wanted({ axis }: { axis: control.Axis }) {
           <button type="button" onClick={() => control.keep(axis)}>
             {t("control.keep")}
           </button>
+          {/* outside of the status, which would be read out each second, and where it moves no button */}
+          <span class="number">{t("control.waits.left", { seconds: wanted.seconds })}</span>
         </>
       )}
     </div>

@@ -32,7 +32,7 @@ export interface Axis {
   /** What that one is called by its own words; nothing verifies it. */
   claimed_name: string | null;
   /** Who waits for it; `accepted` once it is on its way to that one. */
-  wanted: { request: number; by: string; claimed_name: string | null; accepted: boolean } | null;
+  wanted: { request: number; by: string; claimed_name: string | null; accepted: boolean; seconds: number } | null;
   purpose: "speed" | "position";
   stop_by: StopBy;
   phase: "taking" | "off" | "enabled" | "moving" | "stopping" | "releasing";

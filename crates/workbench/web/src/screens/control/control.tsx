@@ -259,6 +259,10 @@ function Take({ station }: { station: Station }) {
       <p class="muted" role="status">
         <bdi>{state()}</bdi>
       </p>
+      {/* outside of the status, which would be read out each second */}
+      {waits && other.wanted?.accepted === false && (
+        <p class="muted number">{t("control.waits.left", { seconds: other.wanted.seconds })}</p>
+      )}
     </>
   );
 }
