@@ -8,7 +8,7 @@ use std::fs::{DirBuilder, File, OpenOptions};
 use std::io::{self, BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant, SystemTime};
 
 use chrono::{DateTime, SecondsFormat, Utc};
@@ -150,6 +150,7 @@ pub(crate) struct Audit {
     open: Mutex<Option<(PathBuf, File)>>,
     /// Records that were written since the start.
     written: AtomicU64,
+    turn: Mutex<()>,
 }
 
 /// Why a record could not be written.
@@ -169,6 +170,7 @@ impl Audit {
             boot,
             open: Mutex::new(None),
             written: AtomicU64::new(0),
+            turn: Mutex::new(()),
         }
     }
 
@@ -227,6 +229,11 @@ impl Audit {
             }
         }
         Ok(page)
+    }
+
+    /// Waits until nothing else has the turn to read the whole log. However many read it, they take one processor.
+    pub fn turn(&self) -> MutexGuard<'_, ()> {
+        self.turn.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Calls `each` with every record, the oldest first, until that has no room for more.

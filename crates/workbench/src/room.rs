@@ -1,4 +1,6 @@
-//! Room for connections: so many at once, and none of them idle while another one waits.
+//! Room for connections and for what they request. A new connection always has a place: there are more places than requests at once,
+//! and whoever is idle, waits or is slow to take its answer makes room. No request but a STOP is carried out by the threads that serve
+//! the connections.
 
 use std::pin::Pin;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -7,22 +9,34 @@ use std::time::Instant;
 
 use axum::body::{Body, Bytes, HttpBody};
 use axum::extract::Request;
+use axum::http::header::UPGRADE;
 use axum::middleware::Next;
-use axum::response::Response;
+use axum::response::{IntoResponse, Response};
 use hyper::body::{Frame, SizeHint};
-use tokio::sync::Notify;
+use tokio::runtime::Handle;
+use tokio::sync::{Notify, Semaphore};
+use tokio::task::JoinSet;
 
-use crate::access::Caller;
+use crate::access::{Caller, Stops};
+use crate::problem::Problem;
 
 /// Connections served at once.
-pub(crate) const CONNECTIONS: usize = 256;
+const CONNECTIONS: usize = 256;
+/// Requests carried out at once, without stops; others wait for their turn.
+const REQUESTS: usize = 128;
+/// Stops of single drives at once, each until its axis is at rest.
+const STOPS: usize = 64;
 
 /// The connections that are served. A socket is none any more: those have bounds of their own.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(crate) struct Room {
     seats: Mutex<Vec<Arc<Seat>>>,
     /// A connection has ended, or is idle.
     free: Notify,
+    requests: Semaphore,
+    stops: Semaphore,
+    /// Carries out requests.
+    work: Handle,
 }
 
 /// What is known of one connection.
@@ -35,10 +49,12 @@ struct Seat {
 
 #[derive(Debug)]
 struct Activity {
-    /// Requests of a session or with a token that are not answered to their end.
+    /// Requests of a session or with a token that are carried out.
     requests: u32,
-    /// When it came, or when its last request was answered.
-    idle: Instant,
+    /// Answers to such requests that are being handed over. How long that takes is up to the client.
+    answers: u32,
+    /// When it came, or when one of these numbers last changed.
+    since: Instant,
 }
 
 /// The place of one connection, until this is dropped.
@@ -53,8 +69,20 @@ fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 }
 
 impl Room {
-    /// Gives a place to a new connection: at once, as long as any of those that have one is not within a request. The one that has been
-    /// idle for longest goes then. A client that opens connections and sends nothing thus delays no other one.
+    /// With the threads that carry out requests.
+    pub fn new(work: Handle) -> Self {
+        Self {
+            seats: Mutex::default(),
+            free: Notify::new(),
+            requests: Semaphore::new(REQUESTS),
+            stops: Semaphore::new(STOPS),
+            work,
+        }
+    }
+
+    /// Gives a place to a new connection. When there is none left, the one that has been idle for longest goes, or has waited for its
+    /// turn; where none has, the one that has been taking its answer for longest. A client that opens connections and sends nothing, sends
+    /// much or reads nothing thus delays no other one.
     pub async fn enter(self: &Arc<Self>) -> Place {
         loop {
             if let Some(seat) = self.find_seat() {
@@ -71,14 +99,15 @@ impl Room {
             let idle = seats
                 .iter()
                 .enumerate()
-                .filter_map(|(place, seat)| Some((place, seat.idle()?)));
-            let (place, _) = idle.min_by_key(|(_, since)| *since)?;
+                .filter_map(|(place, seat)| Some((place, seat.spare()?)));
+            let (place, _) = idle.min_by_key(|(_, spare)| *spare)?;
             seats.swap_remove(place).ended.notify_one();
         }
         let seat = Arc::new(Seat {
             state: Mutex::new(Activity {
                 requests: 0,
-                idle: Instant::now(),
+                answers: 0,
+                since: Instant::now(),
             }),
             ended: Notify::new(),
         });
@@ -88,10 +117,10 @@ impl Room {
 }
 
 impl Seat {
-    /// Returns since when it is idle; `None` within a request.
-    fn idle(&self) -> Option<Instant> {
+    /// Returns whether an answer is handed over to it, and since when; `None` within a request.
+    fn spare(&self) -> Option<(bool, Instant)> {
         let state = locked(&self.state);
-        (state.requests == 0).then_some(state.idle)
+        (state.requests == 0).then_some((state.answers > 0, state.since))
     }
 }
 
@@ -124,52 +153,99 @@ pub(crate) struct Requests {
     seat: Arc<Seat>,
 }
 
-/// A request that is not answered to its end.
+impl Requests {
+    fn change(&self, change: impl FnOnce(&mut Activity)) {
+        {
+            let mut state = locked(&self.seat.state);
+            change(&mut state);
+            state.since = Instant::now();
+        }
+        self.room.free.notify_one();
+    }
+}
+
+/// A request that is carried out.
 struct Within(Requests);
 
 impl Within {
     fn begin(requests: Requests) -> Self {
-        locked(&requests.seat.state).requests += 1;
+        requests.change(|state| state.requests += 1);
         Self(requests)
     }
 }
 
 impl Drop for Within {
     fn drop(&mut self) {
-        let Self(Requests { room, seat }) = self;
-        {
-            let mut state = locked(&seat.state);
-            state.requests = state.requests.saturating_sub(1);
-            state.idle = Instant::now();
-        }
-        room.free.notify_one();
+        self.0
+            .change(|state| state.requests = state.requests.saturating_sub(1));
     }
 }
 
-/// Notes that a connection is within a request, until its answer was handed over to the end. This stands behind the guard: what has neither
-/// a session nor a token, a login too, keeps no place from others.
-pub(crate) async fn note(request: Request, next: Next) -> Response {
-    let is_known = request.extensions().get::<Caller>().is_some();
-    let requests = request
-        .extensions()
-        .get::<Requests>()
-        .filter(|_| is_known)
-        .cloned();
-    let Some(within) = requests.map(Within::begin) else {
+/// An answer that is handed over.
+struct Handing(Requests);
+
+impl Handing {
+    fn begin(requests: Requests) -> Self {
+        requests.change(|state| state.answers += 1);
+        Self(requests)
+    }
+}
+
+impl Drop for Handing {
+    fn drop(&mut self) {
+        self.0
+            .change(|state| state.answers = state.answers.saturating_sub(1));
+    }
+}
+
+/// Carries out the request of a connection: a STOP and the begin of a socket at once, others in their turn and by other threads. Notes
+/// that the connection is within a request, and until when the answer is handed over. This stands behind the guard: what has neither a
+/// session nor a token, a login too, keeps no place from others.
+pub(crate) async fn carry_out(request: Request, next: Next) -> Response {
+    let extensions = request.extensions();
+    let is_known = extensions.get::<Caller>().is_some();
+    let Some(requests) = extensions.get::<Requests>().filter(|_| is_known).cloned() else {
         return next.run(request).await;
     };
-    next.run(request).await.map(|body| {
+    let room = Arc::clone(&requests.room);
+    let stops = Stops::of(request.method(), request.uri().path());
+    let turns = match stops {
+        Some(Stops::All) => None,
+        Some(Stops::Drive) => Some(&room.stops),
+        None => Some(&room.requests),
+    };
+    let _turn = match turns {
+        // nothing closes it
+        Some(turns) => turns.acquire().await.ok(),
+        None => None,
+    };
+    let within = Within::begin(requests.clone());
+    let is_socket = request.headers().contains_key(UPGRADE);
+    let answer = match stops.is_some() || is_socket {
+        true => next.run(request).await,
+        false => {
+            // it ends with its connection
+            let mut working = JoinSet::new();
+            working.spawn_on(next.run(request), &room.work);
+            let worked = working.join_next().await.and_then(Result::ok);
+            // a panic was printed
+            worked.unwrap_or_else(|| Problem::defect().into_response())
+        }
+    };
+    let handing = Handing::begin(requests);
+    drop(within);
+    answer.map(|body| {
         Body::new(Answer {
             body,
-            _within: within,
+            _handing: handing,
         })
     })
 }
 
-/// The body of an answer, which keeps its connection within the request.
+/// The body of an answer, which keeps its connection from being idle.
 struct Answer {
     body: Body,
-    _within: Within,
+    _handing: Handing,
 }
 
 impl HttpBody for Answer {

@@ -37,9 +37,8 @@ use crate::live::{Feeds, Hub, produce};
 use crate::room::{self, Room};
 use crate::settings::{Settings, Source};
 use crate::shared::Shared;
+use crate::upgrade::SOCKETS;
 
-/// Sockets of pages at once.
-const SOCKETS: usize = 64;
 /// The longest head of a request, in octets.
 const HEAD: usize = 64 << 10;
 /// The longest body of a request, in octets.
@@ -282,12 +281,15 @@ impl Server {
             stop,
             ..
         } = self;
-        let runtime = tokio::runtime::Builder::new_multi_thread()
-            .worker_threads(2)
-            .thread_name("profidrive-web")
-            .on_thread_unpark(answer_first)
-            .enable_all()
-            .build()?;
+        let threads = |name: &str| {
+            let mut threads = tokio::runtime::Builder::new_multi_thread();
+            threads.worker_threads(2).thread_name(name).enable_all();
+            threads
+        };
+        let runtime = threads("profidrive-web").on_thread_unpark(answer_first).build()?;
+        // whatever requests cost there, no STOP waits for it
+        let work = threads("profidrive-work").build()?;
+        let room = Room::new(work.handle().clone());
         let served = runtime.block_on(async {
             let listener = TcpListener::from_std(listener)?;
             tokio::spawn(Arc::clone(&shared.board).survey(network.clone()));
@@ -296,19 +298,20 @@ impl Server {
             tokio::spawn(follow(Arc::clone(&shared)));
             let caller = network.clone();
             tokio::select! {
-                () = accept(listener, Arc::clone(&shared), tls) => Ok(()),
+                () = accept(listener, room, Arc::clone(&shared), tls) => Ok(()),
                 () = rested(&stop, &shared.control, network.transport()) => Ok(()),
                 // pages of a network that nothing carries any more would show what is not so: they lose their server instead
                 failure = caller.carrier_ended() => Err(ServeError::Carrier(failure)),
             }
         });
+        work.shutdown_timeout(Duration::from_secs(1));
         runtime.shutdown_timeout(Duration::from_secs(1));
         drop(network);
         served
     }
 }
 
-/// Lets a thread that serves requests run before other programs, a browser among them: STOP comes to it. Work that takes long has
+/// Lets a thread that serves connections run before other programs, a browser among them: STOP comes to it. What else is requested has
 /// other threads.
 fn answer_first() {
     thread_local! {
@@ -349,15 +352,15 @@ fn app(shared: Arc<Shared>) -> Router {
     bounded(all, REQUEST_TIME)
         .merge(bounded(long_router(), STOP_TIME))
         .merge(large_router().layer(in_time(UPLOAD_TIME)))
-        .layer(from_fn(room::note))
+        .layer(from_fn(room::carry_out))
         .layer(from_fn_with_state(Arc::clone(&shared), guard))
         .layer(from_fn(secure))
         .with_state(shared)
 }
 
-async fn accept(listener: TcpListener, shared: Arc<Shared>, tls: Option<Tls>) {
+async fn accept(listener: TcpListener, room: Room, shared: Arc<Shared>, tls: Option<Tls>) {
     let app = app(shared);
-    let room = Arc::new(Room::default());
+    let room = Arc::new(room);
     loop {
         let Ok((stream, peer)) = listener.accept().await else {
             sleep(RETRY).await;

@@ -135,8 +135,7 @@ fn check(shared: &Shared, request: &Request) -> Result<Option<Caller>, Problem> 
             }
         }
     };
-    let stops = path == "/api/v1/stop" || (path.starts_with("/api/v1/drives/") && path.ends_with("/stop"));
-    let always = stops || path == "/api/v1/session";
+    let always = Stops::of(method, path).is_some() || path == "/api/v1/session";
     if caller.role == Role::View && !is_safe(method) && !always {
         let detail = match shared.read_only {
             true => "this server was started view-only: pages can look and stop",
@@ -145,6 +144,28 @@ fn check(shared: &Shared, request: &Request) -> Result<Option<Caller>, Problem> 
         return Err(Problem::new(StatusCode::FORBIDDEN, "view", detail));
     }
     Ok(Some(caller))
+}
+
+/// What a request stops: it passes where others do not.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Stops {
+    /// All axes of this server.
+    All,
+    /// One drive.
+    Drive,
+}
+
+impl Stops {
+    /// Returns what a request with this method and path stops, if anything.
+    pub fn of(method: &Method, path: &str) -> Option<Self> {
+        let of_drive = |path: &str| path.starts_with("/api/v1/drives/") && path.ends_with("/stop");
+        match path {
+            _ if method != Method::POST => None,
+            "/api/v1/stop" => Some(Self::All),
+            path if of_drive(path) => Some(Self::Drive),
+            _ => None,
+        }
+    }
 }
 
 /// Headers by which a proxy says that it passes on what another computer sent.

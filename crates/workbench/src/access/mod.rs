@@ -9,7 +9,7 @@ mod tls;
 mod token;
 
 pub(crate) use claimed::{Claimed, person};
-pub(crate) use guard::{Caller, guard, session_of};
+pub(crate) use guard::{Caller, Stops, guard, session_of};
 pub(crate) use headers::secure;
 pub(crate) use origin::{Peer, Places};
 pub(crate) use session::{IDLE, LIFETIME, SESSIONS, Sessions};

@@ -12,6 +12,8 @@ pub(crate) const LIFETIME: Duration = Duration::from_secs(12 * 3600);
 pub(crate) const IDLE: Duration = Duration::from_secs(30 * 60);
 /// Sessions at once.
 pub(crate) const SESSIONS: usize = 16;
+/// Of them those that only look at most: whoever may not control does not keep others from it.
+const VIEWS: usize = 12;
 
 /// One session.
 #[derive(Debug)]
@@ -49,7 +51,8 @@ impl Sessions {
             self.end(before);
         }
         self.0.retain(|session| !session.is_over(now));
-        if self.0.len() >= SESSIONS {
+        let views = self.0.iter().filter(|session| session.role == Role::View);
+        if self.0.len() >= SESSIONS || (role == Role::View && views.count() >= VIEWS) {
             return Ok(None);
         }
         let id = Secret::random()?;
@@ -142,9 +145,14 @@ mod tests {
             sessions.begin(Role::View, before, now).unwrap()
         };
         let first = begin(&mut sessions, None, now).unwrap();
-        for _ in 1..SESSIONS {
+        for _ in 1..VIEWS {
             assert!(begin(&mut sessions, None, now).is_some());
         }
+        assert_eq!(begin(&mut sessions, None, now), None, "more would only look");
+        for _ in VIEWS..SESSIONS {
+            assert!(sessions.begin(Role::Control, None, now).unwrap().is_some());
+        }
+        assert_eq!(sessions.begin(Role::Control, None, now).unwrap(), None);
         assert_eq!(begin(&mut sessions, None, now), None);
         let again = begin(&mut sessions, Some(&first), now).unwrap();
         assert_eq!(sessions.role(&first, now), None, "replaced");

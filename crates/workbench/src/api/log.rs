@@ -127,11 +127,19 @@ fn file(
     let wanted = wanted(query);
     tokio::task::spawn_blocking(move || {
         let mut text = head;
-        // a reader that is gone ends it
+        let mut turn = Some(shared.audit.turn());
         let read = shared.audit.each(&wanted, &mut |line, record| {
             text += &each(line, record);
-            text.len() < CHUNK || chunks.blocking_send(Ok(std::mem::take(&mut text).into())).is_ok()
+            if text.len() < CHUNK {
+                return true;
+            }
+            // a slow reader keeps the turn from no other one, and one that is gone ends it
+            turn = None;
+            let taken = chunks.blocking_send(Ok(std::mem::take(&mut text).into())).is_ok();
+            turn = Some(shared.audit.turn());
+            taken
         });
+        drop(turn);
         let _ = chunks.blocking_send(Ok(text.into()));
         if let Err(error) = read {
             let _ = chunks.blocking_send(Err(error));

@@ -9,10 +9,11 @@ use axum::extract::State;
 use axum::extract::ws::rejection::WebSocketUpgradeRejection;
 use axum::extract::ws::{CloseFrame, Message, WebSocket, WebSocketUpgrade, close_code};
 use axum::response::Response;
-use futures::stream::SplitSink;
-use futures::{SinkExt, StreamExt};
+use futures::stream::{SplitSink, SplitStream};
+use futures::{FutureExt, SinkExt, StreamExt};
 use profidrive::motion::{Control as Common, Hold};
 use tokio::sync::{OwnedSemaphorePermit, mpsc};
+use tokio::task::unconstrained;
 use tokio::time::{MissedTickBehavior, interval, timeout};
 
 use super::denied::{Denied, permit_round_trip};
@@ -37,6 +38,8 @@ const PROTOCOL: &str = "profidrive.control.1";
 const MESSAGE: usize = 4096;
 /// Messages of a page in a second; STOP is not counted.
 const RATE: u32 = 100;
+/// Messages that are searched for a STOP before a socket is closed that broke the rules.
+const BEHIND: usize = 1000;
 /// Answers that a page has not taken, before its socket is closed.
 const ANSWERS: usize = 64;
 /// Time between two pictures of the axes that differ.
@@ -64,7 +67,7 @@ pub(crate) async fn control(
     Extension(caller): Extension<Caller>,
     upgrade: Result<WebSocketUpgrade, WebSocketUpgradeRejection>,
 ) -> Result<Response, Problem> {
-    let (upgrade, place) = agree(upgrade, PROTOCOL, MESSAGE, &shared.control_sockets)?;
+    let (upgrade, place) = agree(upgrade, PROTOCOL, MESSAGE, &shared.control_sockets, caller.role)?;
     Ok(upgrade.on_upgrade(move |socket| serve(shared, caller, socket, place)))
 }
 
@@ -82,7 +85,10 @@ async fn serve(shared: Arc<Shared>, caller: Caller, socket: WebSocket, place: Ow
         tokio::select! {
             message = stream.next() => match message.map(|message| page.read(message)) {
                 Some(Ok(())) => {}
-                Some(Err(closing)) => break closing,
+                Some(Err(closing)) => {
+                    page.read_stop(&mut stream);
+                    break closing;
+                }
                 None => break None,
             },
             _ = look.tick() => if let Err(closing) = page.look() { break Some(closing) },
@@ -278,6 +284,20 @@ impl Page {
         }
         self.carry_out(request);
         Ok(())
+    }
+
+    /// Looks for a STOP among the messages that came behind the one that ends the socket: it passes those.
+    fn read_stop(&mut self, stream: &mut SplitStream<WebSocket>) {
+        for _ in 0..BEHIND {
+            // what has come is looked at without waiting, however much it is
+            let next = unconstrained(stream.next()).now_or_never();
+            let Some(Some(Ok(message))) = next else { return };
+            if let Message::Text(text) = message
+                && matches!(serde_json::from_str(&text), Ok(Request::Stop))
+            {
+                return self.stop();
+            }
+        }
     }
 
     /// Stops everything now; the log comes behind. A flood of stops is carried out, and not logged one by one.

@@ -100,7 +100,7 @@ pub(crate) async fn live(
     Extension(caller): Extension<Caller>,
     upgrade: Result<WebSocketUpgrade, WebSocketUpgradeRejection>,
 ) -> Result<Response, Problem> {
-    let (upgrade, place) = agree(upgrade, PROTOCOL, MESSAGE, &shared.sockets)?;
+    let (upgrade, place) = agree(upgrade, PROTOCOL, MESSAGE, &shared.sockets, caller.role)?;
     Ok(upgrade.on_upgrade(move |socket| Client::new(shared, caller, place).serve(socket)))
 }
 

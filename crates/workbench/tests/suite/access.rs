@@ -6,8 +6,9 @@ use std::time::{Duration, Instant};
 
 use profidrive::Stop;
 use profidrive_workbench::{ServeError, Server, Settings, Source, openapi};
-use serde_json::Value;
+use serde_json::{Value, json};
 
+use crate::change::known;
 use crate::hands::Hands;
 use crate::live::open_at;
 use crate::namespace;
@@ -360,9 +361,14 @@ fn a_program_has_its_token_in_a_header() {
 #[test]
 fn sessions_are_bounded() {
     let server = Running::demo();
-    let first = server.session(&server.view);
-    for _ in 1..16 {
+    for _ in 0..12 {
         server.session(&server.view);
+    }
+    // whoever only looks keeps nobody from control
+    assert_eq!(server.login(&server.view).status, 429);
+    let first = server.session(&server.control);
+    for _ in 13..16 {
+        server.session(&server.control);
     }
     let refused = server.login(&server.control);
     assert_eq!(
@@ -502,6 +508,47 @@ fn connections_that_stay_idle_hold_up_nobody() {
     slow.read_to_string(&mut answer).unwrap();
     assert!(answer.starts_with("HTTP/1.1 200"), "{answer}");
     drop(idle);
+}
+
+/// Opens more connections than there are places, which request something over and over again and read nothing.
+fn that_read_nothing(server: &Running, path: &str, each: usize) -> Vec<TcpStream> {
+    let bearer = Running::bearer(&server.view).replace("{address}", &server.address.to_string());
+    let requests = format!("GET {path} HTTP/1.1\r\n{bearer}\r\n").repeat(each);
+    let open = |_| {
+        let mut stream = TcpStream::connect(server.address).unwrap();
+        // one that was ended already takes nothing
+        let _ = stream.write_all(requests.as_bytes());
+        stream
+    };
+    (0..300).map(open).collect()
+}
+
+#[test]
+fn connections_that_read_nothing_or_request_much_hold_up_no_stop() {
+    let server = Running::demo();
+    let id = known(&server, "axis-1");
+    // a log that is more than a connection takes without being read
+    let record = json!({
+        "time": "2026-11-01T00:00:00.000Z", "boot": "b", "engine_us": 1, "epoch": 0, "who": "1",
+        "action": "stop", "result": "x".repeat(1500),
+    });
+    let log = format!("{record}\n").repeat(8000);
+    std::fs::write(server.folder.join("audit-2026-11-01-000.jsonl"), log).unwrap();
+    // and a list of parameters is much work
+    let paths = [
+        "/api/v1/logs/log.csv".to_owned(),
+        format!("/api/v1/drives/{id}/parameters"),
+    ];
+    for (path, each) in paths.iter().zip([1, 60]) {
+        let connections = that_read_nothing(&server, path, each);
+        let begin = Instant::now();
+        let stopped = server.ask("POST", "/api/v1/stop", &Running::bearer(&server.view), "");
+        let time = begin.elapsed();
+        // with the others there still, none of which ends by itself
+        assert_eq!(stopped.status, 200, "{path}");
+        assert!(time < Duration::from_secs(10), "{path}: {time:?}");
+        drop(connections);
+    }
 }
 
 #[test]
