@@ -75,6 +75,8 @@ pub(crate) enum Denied {
         figures(*.limit)
     )]
     UnconfirmedStored { limit: f64 },
+    #[error("the axis has not moved since this page has it: its direction is confirmed after a first motion")]
+    Unmoved,
     #[error("{} rpm is above the limit of this page, {} rpm", figures(*.speed), figures(*.limit))]
     Limit { speed: f64, limit: f64 },
     #[error(

@@ -310,10 +310,19 @@ impl Ledger {
         }
     }
 
-    /// Notes that a person has seen the axis turn in the direction that was meant.
-    pub fn confirm(&mut self, drive: &str, stamp: Stamp) -> Result<(), Denied> {
-        self.held(drive, stamp)?.confirmed = true;
-        Ok(())
+    /// Notes that a person has seen the axis turn in the direction that was meant, where it has moved.
+    pub fn confirm(&mut self, drive: &str, stamp: Stamp, moved: bool) -> Result<(), Denied> {
+        let held = self.held(drive, stamp)?;
+        held.confirmed |= moved;
+        match moved {
+            true => Ok(()),
+            false => Err(Denied::Unmoved),
+        }
+    }
+
+    /// Returns whether the direction of an axis was confirmed.
+    pub fn is_confirmed(&self, drive: &str) -> bool {
+        self.held.get(drive).is_some_and(|held| held.confirmed)
     }
 
     /// Ends the waiting of each page.
@@ -556,7 +565,13 @@ mod tests {
             at(&mut ledger, Some(f64::NAN)),
             Err(Denied::Limit { .. })
         ));
-        ledger.confirm("a", stamp(1, lease, 0, 50)).unwrap();
+        assert_eq!(
+            ledger.confirm("a", stamp(1, lease, 0, 49), false),
+            Err(Denied::Unmoved)
+        );
+        assert!(!ledger.is_confirmed("a"), "of an axis that stood");
+        ledger.confirm("a", stamp(1, lease, 0, 50), true).unwrap();
+        assert!(ledger.is_confirmed("a"));
         number = 50;
         let mut at = |ledger: &mut Ledger, speed| {
             number += 1;

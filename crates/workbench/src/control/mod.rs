@@ -119,7 +119,10 @@ impl Control {
         let axes = self.axes();
         let ledger = self.ledger();
         let now = Instant::now();
-        let picture = |running: &Arc<Running>| running.picture(ledger.wanted(&running.drive, now));
+        let picture = |running: &Arc<Running>| {
+            let drive = &running.drive;
+            running.picture(ledger.wanted(drive, now), ledger.is_confirmed(drive))
+        };
         axes.values().map(picture).collect()
     }
 

@@ -68,8 +68,10 @@ struct Play {
     number: u64,
     /// Time since the last beat of the page that has the axis.
     silent: Duration,
-    /// Time since the last STOP that is not reset, and since the last button went up.
+    /// Time since the last STOP that is not reset.
     stopped: Option<Duration>,
+    /// The speed of the shaft since nothing may turn it any more, rpm.
+    slows: Option<f64>,
     answers: mpsc::Receiver<Out>,
     reply: Reply,
     moved: bool,
@@ -93,6 +95,7 @@ impl Play {
             number: 0,
             silent: Duration::ZERO,
             stopped: None,
+            slows: None,
             answers,
             reply: Reply(sender),
             moved: false,
@@ -303,6 +306,17 @@ impl Play {
         if self.silent >= HOLD + CYCLES {
             assert!(!moves, "without beats nothing moves");
         }
+        let ends = |since: Duration, wait: Duration| since >= wait + CYCLES;
+        let ended =
+            self.stopped.is_some_and(|stopped| ends(stopped, Duration::ZERO)) || ends(self.silent, HOLD);
+        // whatever the engine says of it: what the drive was sent turns no shaft
+        let speed = self.truth().abs();
+        let before = self.slows.filter(|_| ended);
+        assert!(
+            before.is_none_or(|before| speed <= before + 1.0),
+            "{before:?} to {speed} rpm"
+        );
+        self.slows = ended.then_some(speed);
     }
 
     fn step(&mut self, dice: &mut Dice) {

@@ -207,6 +207,10 @@ pub(super) struct Picture {
     claimed_name: Option<String>,
     /// Who waits for it.
     wanted: Option<Wanted>,
+    /// Whether it has moved since its page has it.
+    moved: bool,
+    /// Whether its direction was confirmed.
+    confirmed: bool,
     purpose: &'static str,
     stop_by: StopBy,
     /// `taking`, `off`, `enabled`, `moving`, `stopping` or `releasing`.
@@ -321,11 +325,17 @@ impl Running {
         self.motion.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Returns how it is, with who waits for it.
-    pub fn picture(&self, wanted: Option<Wanted>) -> Picture {
+    /// Returns whether it has moved since its page has it.
+    pub fn has_moved(&self) -> bool {
+        self.picture.lock().unwrap_or_else(PoisonError::into_inner).moved
+    }
+
+    /// Returns how it is, with who waits for it and whether its direction was confirmed.
+    pub fn picture(&self, wanted: Option<Wanted>, confirmed: bool) -> Picture {
         let picture = self.picture.lock().unwrap_or_else(PoisonError::into_inner);
         Picture {
             wanted,
+            confirmed,
             busy: self.busy.load(Ordering::Relaxed),
             ..picture.clone()
         }
@@ -470,6 +480,8 @@ impl Running {
             holder: self.holder.who.clone(),
             claimed_name: self.holder.claimed_name.clone(),
             wanted: None,
+            moved: picture.moved || phase == "moving",
+            confirmed: false,
             purpose: purpose_name(self.purpose),
             stop_by: self.stop_by,
             phase,

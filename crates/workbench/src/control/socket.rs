@@ -374,7 +374,12 @@ impl Page {
                 }
             }
             Request::Confirm(of) => {
-                let confirmed = self.shared.control.ledger().confirm(&of.drive, self.stamp(&of));
+                let moved = self.own(&of.drive).is_some_and(|running| running.has_moved());
+                let confirmed = self
+                    .shared
+                    .control
+                    .ledger()
+                    .confirm(&of.drive, self.stamp(&of), moved);
                 self.answered(&of, "confirm", confirmed.map(|()| None));
             }
             Request::Reset { n, epoch } => self.reset(n, epoch),

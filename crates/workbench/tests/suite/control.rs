@@ -253,6 +253,15 @@ fn a_socket_that_breaks_the_rules_is_closed_and_its_axis_stops() {
     }
     let closed = flood.page.closed();
     assert!(closed == Some(1008) || closed.is_none(), "{closed:?}");
+    // nor does a STOP behind it get lost
+    let before = server.stops();
+    let mut late = Hands::of(&server, &server.control);
+    for _ in 0..150 {
+        late.page.text("{\"type\":\"tomorrow\"}");
+    }
+    late.page.send(&json!({ "type": "stop" }));
+    late.page.closed();
+    eventually(&server, "/api/v1/server", |_| server.stops() > before);
 }
 
 #[test]

@@ -66,27 +66,6 @@ impl Hands {
             .send(&json!({ "type": "beat", "n": self.beats, "t": t, "held": held }));
     }
 
-    /// Beats until a command is answered, and returns the answer.
-    pub fn answer(&mut self, number: u64) -> Value {
-        let begin = Instant::now();
-        self.page.patience(Duration::from_millis(20));
-        loop {
-            assert!(begin.elapsed() < Duration::from_secs(30), "no answer to {number}");
-            if let Some(message) = self.page.poll() {
-                let kind = message["type"].as_str().unwrap_or_default();
-                if message["n"] == number && matches!(kind, "accepted" | "refused" | "lease") {
-                    return message;
-                }
-            }
-            if self
-                .beaten
-                .is_none_or(|beaten| beaten.elapsed() > Duration::from_millis(50))
-            {
-                self.beat(&Value::Null);
-            }
-        }
-    }
-
     /// Waits until the server closes the socket; returns why.
     pub fn closed(&mut self) -> Option<u16> {
         self.page.closed()
@@ -95,6 +74,44 @@ impl Hands {
     pub fn take(&mut self, drive: &str) -> Value {
         let number = self.send("take", drive, &json!({ "purpose": "speed", "limit": 300 }));
         self.answer(number)
+    }
+
+    /// Beats until a message comes that fits.
+    pub fn beats_until(&mut self, held: &Value, fits: impl Fn(&Value) -> bool) -> Value {
+        let begin = Instant::now();
+        self.page.patience(Duration::from_millis(20));
+        loop {
+            assert!(begin.elapsed() < Duration::from_secs(30), "it does not come");
+            if let Some(message) = self.page.poll().filter(|message| fits(message)) {
+                return message;
+            }
+            let is_due = |beaten: Instant| beaten.elapsed() > Duration::from_millis(50);
+            if self.beaten.is_none_or(is_due) {
+                self.beat(held);
+            }
+        }
+    }
+
+    /// Beats until a command is answered, and returns the answer.
+    pub fn answer(&mut self, number: u64) -> Value {
+        self.beats_until(&Value::Null, |message| {
+            let kind = message["type"].as_str().unwrap_or_default();
+            message["n"] == number && matches!(kind, "accepted" | "refused" | "lease")
+        })
+    }
+
+    /// Confirms the direction of an axis, once it was jogged at this speed in rpm.
+    pub fn confirm(&mut self, drive: &str, lease: u64, speed: f64) {
+        let early = self.order("confirm", drive, lease, 0, &json!({}));
+        assert!(sentence(&early).contains("after a first motion"), "{early}");
+        let jog = json!({ "lease": lease, "epoch": 0, "speed": speed, "rtt": 1, "t": self.time() });
+        let jog = self.send("jog", drive, &jog);
+        self.beats_until(&json!({ "drive": drive, "n": jog }), |message| {
+            let mut axes = message["axes"].as_array().into_iter().flatten();
+            axes.any(|axis| axis["drive"] == drive && axis["moved"] == true)
+        });
+        let confirmed = self.order("confirm", drive, lease, 0, &json!({}));
+        assert_eq!(confirmed["type"], "accepted", "{confirmed}");
     }
 
     /// Sends a command of this lease and waits for its answer.
@@ -128,7 +145,6 @@ pub fn speed(server: &Running, id: &str) -> f64 {
         .unwrap()
 }
 
-/// Waits until the shaft rests.
 pub fn position(server: &Running, id: &str) -> f64 {
     let answer = server.ask("GET", "/api/v1/plant/drives", &Running::bearer(&server.view), "");
     let drives = answer.json();
@@ -138,6 +154,7 @@ pub fn position(server: &Running, id: &str) -> f64 {
         .unwrap()
 }
 
+/// Waits until the shaft rests.
 pub fn rests(server: &Running, id: &str) {
     let begin = Instant::now();
     while speed(server, id).abs() > 0.1 {

@@ -175,7 +175,7 @@ fn speeds_above_the_limits_and_drives_of_others_are_refused_in_words() {
     hands.order("enable", &id, lease, 0, &json!({}));
     let fast = hands.order("velocity", &id, lease, 0, &json!({ "speed": 31 }));
     assert!(sentence(&fast).contains("tenth"), "{fast}");
-    hands.order("confirm", &id, lease, 0, &json!({}));
+    hands.confirm(&id, lease, 20.0);
     let fast = hands.order("velocity", &id, lease, 0, &json!({ "speed": -301 }));
     assert!(sentence(&fast).contains("limit of this page"), "{fast}");
     let go = hands.order("velocity", &id, lease, 0, &json!({ "speed": -300 }));
@@ -208,7 +208,8 @@ fn homing(limit: f64) -> (Running, String, Hands, u64) {
         sentence(&first).contains("direction of a first motion"),
         "{first}"
     );
-    hands.order("confirm", &id, lease, 0, &json!({}));
+    hands.confirm(&id, lease, limit / 10.0);
+    rests(&server, &id);
     (server, id, hands, lease)
 }
 

@@ -55,6 +55,11 @@ impl Running {
         }
     }
 
+    /// Raises the stop of the server, which then ends by itself.
+    pub fn end(&self) {
+        self.stop.stop();
+    }
+
     pub fn demo() -> Self {
         Self::start(Settings::new(Source::Demo))
     }

@@ -114,7 +114,7 @@ fn nothing_waits_for_the_drives_of_a_plant_that_stands_still() {
 }
 
 #[test]
-fn a_stop_passes_a_socket_that_takes_no_answers() {
+fn a_stop_by_a_request_reaches_the_axis_of_a_socket() {
     let server = Running::demo();
     let id = known(&server, "axis-1");
     let mut hands = Hands::of(&server, &server.control);
@@ -122,7 +122,7 @@ fn a_stop_passes_a_socket_that_takes_no_answers() {
     hands.order("enable", &id, lease, 0, &json!({}));
     hands.order("velocity", &id, lease, 0, &json!({ "speed": 20 }));
     turns(&server, &mut hands, &id, &Value::Null);
-    // by the way of a program, while the socket is not read
+    // by the way of a program
     let stopped = server
         .ask("POST", "/api/v1/stop", &Running::bearer(&server.view), "")
         .json();
@@ -142,8 +142,12 @@ fn a_server_that_ends_stops_its_axes() {
     hands.order("enable", &id, lease, 0, &json!({}));
     hands.order("velocity", &id, lease, 0, &json!({ "speed": 20 }));
     turns(&server, &mut hands, &id, &Value::Null);
+    server.end();
+    // written once it is at rest and given back, and before the server is gone
+    let log = server.logged(|log| log.iter().any(|record| record["action"] == "release"));
+    let release = log.iter().find(|record| record["action"] == "release").unwrap();
+    assert_eq!(release["result"], "done", "{release}");
     let begin = Instant::now();
-    // waits until the axis is at rest and given back
     drop(server);
     assert!(begin.elapsed() < Duration::from_secs(10));
 }
@@ -193,7 +197,7 @@ fn a_drive_that_turns_without_a_controller_is_stopped_by_each_session() {
     let number = hands.send("take", &id, &take);
     let lease = lease(&hands.answer(number));
     hands.order("enable", &id, lease, 0, &json!({}));
-    hands.order("confirm", &id, lease, 0, &json!({}));
+    hands.confirm(&id, lease, 20.0);
     let go = hands.order("velocity", &id, lease, 0, &json!({ "speed": 120 }));
     assert_eq!(go["type"], "accepted", "{go}");
     turns(&server, &mut hands, &id, &Value::Null);
@@ -253,7 +257,7 @@ fn a_second_stop_is_quick(waits_for_the_ramp: bool) {
     let number = hands.send("take", &id, &take);
     let lease = lease(&hands.answer(number));
     hands.order("enable", &id, lease, 0, &json!({}));
-    hands.order("confirm", &id, lease, 0, &json!({}));
+    hands.confirm(&id, lease, 20.0);
     hands.order("velocity", &id, lease, 0, &json!({ "speed": 900 }));
     let begin = Instant::now();
     while speed(&server, &id) < 800.0 {

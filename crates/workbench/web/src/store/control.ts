@@ -33,6 +33,9 @@ export interface Axis {
   claimed_name: string | null;
   /** Who waits for it; `accepted` once it is on its way to that one. */
   wanted: { request: number; by: string; claimed_name: string | null; accepted: boolean; seconds: number } | null;
+  /** Whether it has moved since its page has it, and whether its direction was confirmed then. */
+  moved: boolean;
+  confirmed: boolean;
   purpose: "speed" | "position";
   stop_by: StopBy;
   phase: "taking" | "off" | "enabled" | "moving" | "stopping" | "releasing";
@@ -99,10 +102,6 @@ export const pulse = signal<{ n: number; fresh: boolean; at: number } | null>(nu
 export const late = signal(Number.NEGATIVE_INFINITY);
 /** The button that is held: its drive, and the number of its command. */
 export const held = signal<{ drive: string; n: number } | null>(null);
-/** The drives whose direction was confirmed. */
-export const confirmed = signal<ReadonlySet<string>>(new Set());
-/** The drives that have moved since this page has them. */
-export const moved = signal<ReadonlySet<string>>(new Set());
 /** What the axes of this page did in the last seconds; a telegram has a speed, a position or both. */
 export const track = signal<readonly Tracked[]>([]);
 /** What became of the last STOP of this page. `unsent`: the workbench has it, and no frame went to some axis. */
@@ -304,10 +303,7 @@ export function move(drive: string, turns: number, relative: boolean, speed: num
   if (typeof from === "number") targets.set(drive, from + turns);
 }
 
-export function confirmDirection(drive: string): void {
-  command("confirm", drive);
-  confirmed.value = new Set(confirmed.value).add(drive);
-}
+export const confirmDirection = (drive: string) => command("confirm", drive);
 
 export function halt(drive: string): void {
   send({ type: "halt", drive, lease: leases.value.get(drive) ?? 0 });
@@ -380,8 +376,6 @@ function forget(): void {
     taking.value = new Map();
     trip.value = null;
     pulse.value = null;
-    confirmed.value = new Set();
-    moved.value = new Set();
   });
   trips = [];
   pending.clear();
@@ -423,7 +417,6 @@ function receive(message: Incoming): void {
       isAnswered(message.n);
       leases.value = new Map(leases.value).set(message.drive, message.lease);
       track.value = track.value.filter((one) => one.drive !== message.drive);
-      moved.value = new Set([...moved.value].filter((drive) => drive !== message.drive));
       begin();
       return;
     case "axes":
@@ -452,16 +445,10 @@ function show(all: Axis[]): void {
     const left = [...leases.value].filter(([drive, lease]) =>
       all.some((axis) => axis.drive === drive && axis.lease === lease),
     );
-    if (left.length < leases.value.size) {
-      leases.value = new Map(left);
-      confirmed.value = new Set([...confirmed.value].filter((drive) => leases.value.has(drive)));
-      moved.value = new Set([...moved.value].filter((drive) => leases.value.has(drive)));
-    }
+    if (left.length < leases.value.size) leases.value = new Map(left);
     const time = performance.now();
     const mine = all.filter(({ drive, lease }) => leases.value.get(drive) === lease);
     endMoves(before, mine);
-    const begun = mine.filter(({ drive, phase }) => phase === "moving" && !moved.value.has(drive));
-    if (begun.length > 0) moved.value = new Set([...moved.value, ...begun.map(({ drive }) => drive)]);
     const now = mine.map(({ drive, speed, position }) => ({ drive, time, speed, position }));
     if (now.length > 0) track.value = [...track.value.filter((one) => one.time > time - TRACK), ...now];
   });

@@ -319,8 +319,9 @@ function Enable({ station }: { station: Station }) {
 
 function Confirm({ id }: { id: string }) {
   const highest = numberOf(limits.of(id).value);
-  if (control.confirmed.value.has(id) || highest === null) return null;
-  const moved = control.moved.value.has(id);
+  const axis = control.own(id);
+  if (axis?.confirmed || highest === null) return null;
+  const moved = axis?.moved === true;
   return (
     <p class="buttons">
       <span class="muted small">
@@ -372,7 +373,7 @@ function Motion({ station }: { station: Station }) {
   const task = numberOf(number.value);
   const numbered = task !== null && Number.isInteger(task);
   // the drive has the speeds of homing and of tasks, which no tenth bounds
-  const unconfirmed = control.confirmed.value.has(id) ? null : t("control.motion.direction");
+  const unconfirmed = control.own(id)?.confirmed ? null : t("control.motion.direction");
   const none = (name: string) => t("control.motion.number", { name });
   const noSpeed = rpm === null ? none(t("control.speed")) : null;
   const far = t(relative.value ? "control.distance" : "control.target");
