@@ -483,10 +483,18 @@ test("a speed that is stored in the drive is within the highest speed of the ses
   test.setTimeout(120_000);
   // a page that has confirmed the direction, and a server that does not know
   let forward = false;
+  let confirmed = false;
   await page.routeWebSocket("**/api/v1/control", (socket) => {
     const server = socket.connectToServer();
     socket.onMessage((message) => {
-      if (forward || !String(message).includes('"confirm"')) server.send(message);
+      const confirms = String(message).includes('"confirm"');
+      confirmed ||= confirms;
+      if (forward || !confirms) server.send(message);
+    });
+    server.onMessage((message) => {
+      const text = String(message);
+      const pretends = confirmed && !forward;
+      socket.send(pretends ? text.replaceAll('"confirmed":false', '"confirmed":true') : text);
     });
   });
   await alone(async (server) => {
