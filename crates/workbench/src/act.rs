@@ -15,7 +15,7 @@ use crate::problem::Problem;
 use crate::shared::Shared;
 
 /// Something that a person or program wants.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(crate) struct Intent {
     /// What is done.
     pub action: &'static str,
@@ -25,6 +25,8 @@ pub(crate) struct Intent {
     pub value: Option<String>,
     /// Each value that is changed, in one line.
     pub changes: Vec<String>,
+    /// The drives of something that is of more than one.
+    pub drives: Vec<String>,
 }
 
 /// Who wants something, and from where.
@@ -53,6 +55,7 @@ impl Intent {
             drive: None,
             value,
             changes: Vec::new(),
+            drives: Vec::new(),
         }
     }
 
@@ -76,6 +79,7 @@ impl Intent {
             action: self.action,
             value: self.value.clone(),
             changes: self.changes.clone(),
+            drives: self.drives.clone(),
             result: None,
             ..Record::default()
         }
@@ -183,7 +187,11 @@ pub(crate) async fn confirm_stop(shared: &Arc<Shared>, caller: &Caller, stopping
 
 /// Writes a STOP, and reports it to all pages, after it was carried out.
 async fn note_stop(shared: &Shared, caller: &Caller, stopped: &Stopped) {
-    let intent = Intent::new("stop", None);
+    let drives = stopped.axes.iter().map(|axis| axis.drive().to_owned()).collect();
+    let intent = Intent {
+        drives,
+        ..Intent::new("stop", None)
+    };
     let named = |id: &str| shared.board.name(id).unwrap_or_else(|| id.to_owned());
     let axes: Vec<String> = stopped
         .axes

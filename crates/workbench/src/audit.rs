@@ -51,6 +51,9 @@ pub(crate) struct Record {
     /// Each value that is or was changed, in one line: before, after, and in a result how far it came.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub changes: Vec<String>,
+    /// The drives of a STOP of all axes, as they are called in paths.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub drives: Vec<String>,
     /// What became of it; null for an intent.
     pub result: Option<String>,
 }
@@ -102,6 +105,9 @@ pub(crate) struct LogRecord {
     /// Each value that was to be changed or was changed, in one line.
     #[serde(default)]
     pub changes: Vec<String>,
+    /// The drives of a STOP of all axes, as they are called in paths; absent in records of other things and of older versions.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub drives: Vec<String>,
     /// What became of it; null for an intent.
     pub result: Option<String>,
 }
@@ -127,7 +133,12 @@ impl Wanted {
         let record: LogRecord = serde_json::from_str(line).ok()?;
         let is =
             |wanted: &Option<String>, value: Option<&String>| wanted.is_none() || wanted.as_ref() == value;
-        (is(&self.drive, record.drive.as_ref()) && is(&self.action, Some(&record.action))).then_some(record)
+        let stopped = self
+            .drive
+            .as_ref()
+            .is_some_and(|drive| record.drives.contains(drive));
+        let of_drive = stopped || is(&self.drive, record.drive.as_ref());
+        (of_drive && is(&self.action, Some(&record.action))).then_some(record)
     }
 }
 

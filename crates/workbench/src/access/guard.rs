@@ -66,13 +66,12 @@ fn note(shared: &Arc<Shared>, request: &Request, problem: &Problem) {
     };
     let intent = Intent {
         action: "request",
-        drive: None,
         value: Some(format!(
             "{} {}{origin}",
             request.method(),
             short(request.uri().path())
         )),
-        changes: Vec::new(),
+        ..Intent::default()
     };
     act::note_refusal(shared, author, intent, problem.message());
 }

@@ -194,7 +194,7 @@ pub(super) async fn inject(
             Some(seconds) => format!("{event} for {seconds} s"),
             None => event.to_string(),
         }),
-        changes: Vec::new(),
+        ..Intent::default()
     };
     let at = Arc::clone(&shared);
     let work = async move {

@@ -163,7 +163,7 @@ fn row(record: &LogRecord) -> String {
     let cells = [
         cell(&record.time),
         cell(&record.who),
-        of(&record.drive),
+        cell(record.drive.as_deref().unwrap_or(&record.drives.join(" "))),
         of(&record.name),
         cell(&record.action),
         of(&record.value),
@@ -209,6 +209,7 @@ mod tests {
             action: "write".to_owned(),
             value: Some("1".to_owned()),
             changes: vec!["a".to_owned(), "b".to_owned()],
+            drives: Vec::new(),
             result: Some("done".to_owned()),
         };
         assert_eq!(

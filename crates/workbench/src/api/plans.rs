@@ -281,6 +281,7 @@ where
         drive: Some(id),
         value: Some(count(planned.set().total())),
         changes: planned.lines(),
+        ..Intent::default()
     };
     let noted = async move {
         let (drive, planned, phase, problem) = work(network, drive, planned).await?;

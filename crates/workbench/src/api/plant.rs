@@ -158,13 +158,12 @@ pub(super) async fn restart(
     }
     let intent = Intent {
         action: "restart",
-        drive: None,
         value: Some(format!(
             "{} drives, seed {}",
             source.plan().drives.len(),
             source.plan().seed
         )),
-        changes: Vec::new(),
+        ..Intent::default()
     };
     let at = Arc::clone(&shared);
     let work = async move {

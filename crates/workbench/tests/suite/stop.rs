@@ -131,6 +131,15 @@ fn a_stop_by_a_request_reaches_the_axis_of_a_socket() {
     let log = server.logged(|log| log.iter().any(|record| record["action"] == "stop"));
     let stop = log.iter().find(|record| record["action"] == "stop").unwrap();
     assert!(stop["result"].as_str().unwrap().contains("axis-1"), "{stop}");
+    // it is in the log of that drive, and of no other one
+    let of = |id: &str| {
+        let path = format!("/api/v1/audit?action=stop&drive={id}");
+        let page = server
+            .ask("GET", &path, &Running::bearer(&server.view), "")
+            .json();
+        page["records"].as_array().unwrap().len()
+    };
+    assert_eq!((of(&id), of("02:00:00:00:00:77")), (1, 0));
 }
 
 #[test]

@@ -233,6 +233,7 @@ test("a hold ends by each of its ways, with setpoint 0 in the frames", async ({ 
     await withLateBeats(page);
     const id = await open(page, server.url, "axis-1");
     const take = page.getByRole("button", { name: "Take control" });
+    const pressed = page.locator(".jog[aria-pressed=true]");
     await expect(take).toBeEnabled();
     for (const { name, hand, end, back, releases } of await ends(page)) {
       await test.step(name, async () => {
@@ -248,6 +249,8 @@ test("a hold ends by each of its ways, with setpoint 0 in the frames", async ({ 
           await expect.poll(() => setpoint(page, server.origin, id), { message: name, intervals: [20] }).toBe(0);
           await back?.();
           await rest(page, server.origin, id, performance.now());
+          // whatever ended it: what does not move the axis any more does not look pressed
+          if (!releases) await expect(pressed).toHaveCount(0);
           await hand.up();
           if (releases) await expect(take).toBeEnabled();
         }

@@ -1,4 +1,4 @@
-import { alone, expect, idOf, inject, rows, test } from "./bench";
+import { alone, expect, idOf, inject, openScreen, rows, test } from "./bench";
 
 interface Known {
   id: string;
@@ -42,7 +42,7 @@ test("a fault has its meaning and its remedy, and the next step", async ({ enter
   await expect(page.locator(".sentence")).toContainText("439");
   await expect(page.locator(".next")).toContainText("Next:");
   await expect(page.getByText("Remedy:").first()).toBeVisible();
-  await expect(page.getByRole("listitem").filter({ hasText: "No fault" })).toContainText("not met");
+  await expect(page.getByRole("listitem").filter({ hasText: "Faults" })).toContainText("not met");
 });
 
 test("what was acknowledged keeps the focus in its place, and says so for a while", async ({ page }) => {
@@ -60,6 +60,23 @@ test("what was acknowledged keeps the focus in its place, and says so for a whil
     await expect(page.locator(".why-not")).toBeFocused();
     await expect(notice).toHaveCount(0);
     await expect(page.locator(".why-not")).toBeFocused();
+  });
+});
+
+test("a drive that does not answer any more has no advice and no signs of before", async ({ page }) => {
+  await alone(async (server) => {
+    await openScreen(page, server, "pump-1", "overview");
+    const why = page.locator(".why-not");
+    const tick = page.locator(".conditions li").filter({ hasText: /^met:/ });
+    await expect(why).toContainText("start the controller");
+    await expect(tick.first()).toBeVisible();
+    await inject(page, "pump-1", "cable=pulled");
+    await expect(why.locator(".next")).toContainText("Check its supply, its cable and its address.", {
+      timeout: 20_000,
+    });
+    await expect(why.getByRole("button")).toHaveCount(0);
+    await expect(why.getByRole("link")).toHaveCount(0);
+    await expect(tick).toHaveCount(0);
   });
 });
 

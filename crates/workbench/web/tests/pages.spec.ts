@@ -52,6 +52,11 @@ test("the time line has each state of a drive that is enabled and disabled", asy
 test("the diagram and its table have the same transitions, and STO is the condition of fan-1", async ({
   entered: page,
 }) => {
+  // the meaning is that of the value that is needed, and the present one stands behind it
+  await go(page, "axis-1", "machine");
+  const bit = page.locator(".conditions.awaited li").filter({ hasText: "STW1 bit 1" });
+  await expect(bit).toContainText("OFF2 must be 1 (OFF2 not active)");
+  await expect(bit).toContainText("is 0 now");
   await go(page, "fan-1", "machine");
   const condition = page.locator(".conditions.awaited .accent").filter({ hasText: /STO|safe torque off/i });
   await expect(condition.first()).toBeVisible();

@@ -52,6 +52,24 @@ test("a value is reviewed, written, verified, saved, and seen by a second page",
   });
 });
 
+test("what was typed for a drive waits while another one is shown", async ({ page }) => {
+  await alone(async (server) => {
+    await open(page, server, "axis-1", "parameters");
+    const drive = page.getByRole("combobox", { name: "Drive" });
+    const field = page.getByRole("textbox", { name: "Value of DRV.ACC", exact: true });
+    const review = page.getByRole("region", { name: "Changes" });
+    await page.getByRole("searchbox").fill("DRV.ACC");
+    await field.fill("400");
+    await expect(review).toContainText("3000 \u2192 400 rpm/s");
+    await drive.selectOption("axis-2");
+    await expect(field).toHaveValue("3000");
+    await expect(review.getByRole("button", { name: "Apply" })).toHaveCount(0);
+    await drive.selectOption("axis-1");
+    await expect(field).toHaveValue("400");
+    await expect(review).toContainText("3000 \u2192 400 rpm/s");
+  });
+});
+
 test("what cannot be written is said beside the rest, and nothing is written", async ({ page }) => {
   await alone(async (server) => {
     await open(page, server, "axis-1", "parameters");

@@ -22,7 +22,7 @@ test("an event injected into a virtual drive shows on its other screens at once"
     await expect(why).toHaveAttribute("data-cause", "no-controller");
     await page.getByRole("button", { name: "STO on" }).click();
     await expect(why).toHaveAttribute("data-cause", "sto", { timeout: 2000 });
-    await expect(overview.getByText("not met: STO not active")).toBeVisible();
+    await expect(overview.getByText("not met: Safe torque off (STO)")).toBeVisible();
     await overview.emulateMedia({ colorScheme: "dark" });
     await overview.screenshot({ path: join(pictures, "overview-sto-dark.png") });
     await expect(page.getByRole("status").filter({ hasText: "axis-1: sto=on" }).first()).toBeVisible();

@@ -1731,6 +1731,8 @@ export interface components {
             claimed_name: string | null;
             /** @description The drive, as it is called in paths. */
             drive: string | null;
+            /** @description The drives of a STOP of all axes, as they are called in paths; absent in records of other things and of older versions. */
+            drives?: string[];
             /**
              * Format: uint64
              * @description Time of the engine, in microseconds; null in records of older versions.

@@ -296,7 +296,7 @@ function Stop({ station }: { station: Station | undefined }) {
       </p>
       <button
         type="button"
-        class="stop"
+        class={text === t("stop.none") ? "stop none" : "stop"}
         aria-describedby="stop-why"
         onPointerDown={(event) => {
           if (event.button === 0) void pressStop();

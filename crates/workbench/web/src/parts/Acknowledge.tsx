@@ -5,22 +5,34 @@ import { t } from "../text";
 import { sentence } from "./format";
 import { ownerName } from "./Reason";
 
-/** What became of the last acknowledgement: of which drive, and in words. */
-const answer = signal<{ id: string; text: string; busy: boolean } | null>(null);
+/** What became of the last acknowledgement: of which drive, and in words. What is done is shown without a fault, and not for long. */
+const answer = signal<{ id: string; text: string; busy: boolean; done: boolean } | null>(null);
+/** Time for which it is shown that it is done, in ms. */
+const SHOWN = 10_000;
 
 async function acknowledge(id: string, by: "control_word" | "parameter"): Promise<void> {
-  answer.value = { id, text: t("faults.acknowledging"), busy: true };
-  const text = await post(`drives/${encodeURIComponent(id)}/acknowledge`, { by }).then(
-    () => t("faults.acknowledged"),
-    (error: unknown) => t("faults.refused", { reason: error instanceof Error ? error.message : String(error) }),
+  answer.value = { id, text: t("faults.acknowledging"), busy: true, done: false };
+  const became = await post(`drives/${encodeURIComponent(id)}/acknowledge`, { by }).then(
+    () => ({ text: t("faults.acknowledged"), done: true }),
+    (error: unknown) => {
+      const reason = error instanceof Error ? error.message : String(error);
+      return { text: t("faults.refused", { reason }), done: false };
+    },
   );
-  answer.value = { id, text, busy: false };
+  const ended = { id, busy: false, ...became };
+  answer.value = ended;
+  if (!ended.done) return;
+  setTimeout(() => {
+    if (answer.value === ended) answer.value = null;
+  }, SHOWN);
 }
 
 /** Acknowledges the faults of a drive, or says why that is not possible here. */
 export function Acknowledge({ station, present }: { station: Station; present: readonly Fault[] }) {
   const name = ownerName(station);
-  const last = answer.value?.id === station.id ? answer.value : null;
+  const of = answer.value?.id === station.id ? answer.value : null;
+  // until the drive was read again, and once it has another fault
+  const last = of?.done && present.length > 0 ? null : of;
   const said = <p role="status">{last && <bdi>{sentence(last.text)}</bdi>}</p>;
   if (present.length === 0) return said;
   if (present.every((fault) => fault.needs_restart === true)) return <p class="next">{t("faults.restart")}</p>;

@@ -310,6 +310,9 @@ export function halt(drive: string): void {
 }
 
 /** Jogs while the button is held: until `letGo`. */
+/** The command whose jog was seen to move its axis. */
+let moving = 0;
+
 export function hold(drive: string, speed: number): void {
   const n = command("jog", drive, { t: performance.now(), speed, rtt: trip.value });
   held.value = { drive, n };
@@ -437,6 +440,20 @@ function receive(message: Incoming): void {
   }
 }
 
+/** Ends a hold whose motion has ended by itself: the button shows nothing that is not so, and has to be pressed again. */
+function endHold(mine: readonly Axis[]): void {
+  const hold = held.value;
+  // before it is answered, what moves is of before
+  if (hold === null || pending.has(hold.n)) return;
+  const axis = mine.find(({ drive }) => drive === hold.drive);
+  if (axis?.phase === "moving") {
+    moving = hold.n;
+  } else if (moving === hold.n) {
+    letGo();
+    if (axis?.trouble == null && !stopped.value) say(hold.drive, t("control.hold.ended"), true);
+  }
+}
+
 function show(all: Axis[]): void {
   batch(() => {
     noteReleased(all);
@@ -449,6 +466,7 @@ function show(all: Axis[]): void {
     const time = performance.now();
     const mine = all.filter(({ drive, lease }) => leases.value.get(drive) === lease);
     endMoves(before, mine);
+    endHold(mine);
     const now = mine.map(({ drive, speed, position }) => ({ drive, time, speed, position }));
     if (now.length > 0) track.value = [...track.value.filter((one) => one.time > time - TRACK), ...now];
   });

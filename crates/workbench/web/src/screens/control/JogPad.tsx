@@ -10,9 +10,9 @@ const KEYS: Record<string, number> = { ArrowLeft: -1, ArrowRight: 1, ArrowDown: 
 /** The buttons: their share of the speed, and the key as it is shown. */
 const BUTTONS = [
   { share: -1, key: "ArrowLeft", arrow: "\u2190" },
+  { share: 1, key: "ArrowRight", arrow: "\u2192" },
   { share: -SLOW, key: "ArrowDown", arrow: "\u2193" },
   { share: SLOW, key: "ArrowUp", arrow: "\u2191" },
-  { share: 1, key: "ArrowRight", arrow: "\u2192" },
 ];
 
 /** Which button began which command last, to show it as pressed. */

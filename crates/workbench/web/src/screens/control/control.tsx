@@ -709,6 +709,7 @@ export function Control() {
       <p role="status" class={said?.failed ? "fault" : "muted"}>
         {said && <bdi>{foreign(said.text, 600)}</bdi>}
       </p>
+      <Step id={id} />
       <div class="steps">
         <section aria-label={t("control.step.take")}>
           <h2>
@@ -729,7 +730,6 @@ export function Control() {
           <Motion station={station} />
         </section>
       </div>
-      <Step id={id} />
       <p class="muted small">{t("control.rules")}</p>
     </article>
   );

@@ -162,7 +162,11 @@ function Records() {
           {records.value.length === 0 && (
             <tr>
               <td colSpan={6} class="empty">
-                {isRead.value || failure.value !== "" ? t("log.empty") : <Loading what={t("loading.log")} count={8} />}
+                {isRead.value || failure.value !== "" ? (
+                  t(Object.values(filter.value).some((text) => text !== "") ? "log.empty" : "log.empty.all")
+                ) : (
+                  <Loading what={t("loading.log")} count={8} />
+                )}
               </td>
             </tr>
           )}

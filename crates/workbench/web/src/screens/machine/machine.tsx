@@ -171,8 +171,8 @@ function Next({ station, topic }: { station: Station; topic: MachineTopic }) {
         {missing.map(({ bit, name, value, meaning }) => (
           <li key={bit}>
             <Icon name="square" tone="accent" />
-            <span class="accent">{t("machine.bit", { bit, name, value: value ? 1 : 0 })}</span>
-            <bdi class="muted">{t("machine.bit.is", { value: value ? 0 : 1, meaning })}</bdi>
+            <span class="accent">{t("machine.bit", { bit, name, value: value ? 1 : 0, meaning })}</span>
+            <span class="muted">{t("machine.bit.is", { value: value ? 0 : 1 })}</span>
           </li>
         ))}
         {awaited.also.map((text) => (

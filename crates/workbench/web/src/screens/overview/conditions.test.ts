@@ -25,7 +25,7 @@ function status(known: Partial<Status>): Status {
 }
 
 test("what keeps the power stage off is named, and what a drive does not report is left out", () => {
-  expect(conditions(status({}), null).map(({ name }) => name)).toEqual(["No fault"]);
+  expect(conditions(status({}), null).map(({ name }) => name)).toEqual(["Faults"]);
   const [, off, blocked] = conditions(
     status({ disable_sources: word(3, ["Software disable", "Fault present"]), motion_disable_sources: word(0, []) }),
     null,

@@ -48,7 +48,8 @@ function whyNot(station: Station): string {
 function Why({ station }: { station: Station }) {
   const { status, error } = station;
   const { icon, tone, word } = sign(station);
-  const next = status?.next ?? error?.hint;
+  // what was advised before a drive went silent is no advice for that
+  const next = station.lost === null ? (status?.next ?? error?.hint) : t("overview.lost.next");
   const name = otherOwner(station);
   return (
     <section class="why-not" data-cause={status?.cause ?? ""} data-id={station.id}>
@@ -64,9 +65,7 @@ function Why({ station }: { station: Station }) {
           <b>{t("overview.next")}</b> <bdi>{sentence(next)}</bdi>
         </p>
       )}
-      <p class="buttons next-steps">
-        <Steps station={station} />
-      </p>
+      <p class="buttons next-steps">{station.lost === null && <Steps station={station} />}</p>
       {name !== null && <p>{t("overview.watch", { name })}</p>}
       {name !== null && heldAxis(station.id) && (
         <p class="buttons next-steps">
@@ -75,7 +74,7 @@ function Why({ station }: { station: Station }) {
           </a>
         </p>
       )}
-      {status && <Acknowledge station={station} present={status.faults} />}
+      {status && station.lost === null && <Acknowledge station={station} present={status.faults} />}
       {station.remarks.includes("no_name") && <p>{t("overview.noname")}</p>}
       {status?.notes.map((note) => (
         <p key={note.cause} class="note">
@@ -91,21 +90,25 @@ function Conditions({ station, status }: { station: Station; status: Status }) {
     <section>
       <h2>{t("overview.conditions")}</h2>
       <ul class="conditions">
-        {conditions(status, ownerName(station)).map(({ name, met, value }) => (
-          <li key={name}>
-            {/* a fact that is neither good nor bad has no sign: a dash would say that it is missing */}
-            {met === null ? (
-              <span class="icon" />
-            ) : (
-              <Icon name={met ? "tick" : "square"} tone={met ? "muted" : "accent"} />
-            )}
-            <span class="unseen">
-              {t(met === null ? "condition.info" : met ? "condition.met" : "condition.unmet")}:{" "}
-            </span>
-            <span>{name}</span>
-            <bdi class="muted">{foreign(value)}</bdi>
-          </li>
-        ))}
+        {conditions(status, ownerName(station)).map(({ name, met: was, value }) => {
+          // of a drive that does not answer nothing is good or bad
+          const met = station.lost === null ? was : null;
+          return (
+            <li key={name}>
+              {/* a fact that is neither good nor bad has no sign: a dash would say that it is missing */}
+              {met === null ? (
+                <span class="icon" />
+              ) : (
+                <Icon name={met ? "tick" : "square"} tone={met ? "muted" : "accent"} />
+              )}
+              <span class="unseen">
+                {t(met === null ? "condition.info" : met ? "condition.met" : "condition.unmet")}:{" "}
+              </span>
+              <span>{name}</span>
+              <bdi class="muted">{foreign(value)}</bdi>
+            </li>
+          );
+        })}
       </ul>
     </section>
   );

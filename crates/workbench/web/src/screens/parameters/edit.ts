@@ -132,15 +132,26 @@ function linesOf(list: List): Line[] {
   return [...known, ...numbers];
 }
 
-/** Begins with a drive. What was typed for another one is forgotten. */
+/** What was typed for drives that are not shown now. */
+const kept = new Map<string, ReadonlyMap<string, string>>();
+
+/** Whether anything was typed and not written, for whichever drive. */
+export function waits(): boolean {
+  return edits.value.size > 0 || [...kept.values()].some((one) => one.size > 0);
+}
+
+/** Begins with a drive. What was typed for another one waits until that is shown again. */
 export async function open(id: string): Promise<void> {
   if (drive.value === id && lines.value !== null) return;
+  kept.set(drive.value, edits.value);
   drive.value = id;
   lines.value = null;
   values.value = new Map();
   changed.value = null;
   failure.value = "";
-  discard();
+  edits.value = kept.get(id) ?? new Map();
+  kept.delete(id);
+  planLater();
   applied.value = null;
   try {
     const list = await request<List>(`drives/${encodeURIComponent(id)}/parameters`);
@@ -157,6 +168,7 @@ function forget(): void {
   values.value = new Map();
   written.value = new Map();
   changed.value = null;
+  kept.clear();
   discard();
   applied.value = null;
 }

@@ -343,7 +343,7 @@ export function Parameters() {
   }, [wantsChanged, id, done]);
   useEffect(() => {
     const warn = (event: BeforeUnloadEvent) => {
-      if (edit.edits.value.size > 0) event.preventDefault();
+      if (edit.waits()) event.preventDefault();
     };
     addEventListener("beforeunload", warn);
     return () => removeEventListener("beforeunload", warn);
