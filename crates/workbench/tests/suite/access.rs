@@ -364,7 +364,7 @@ fn sessions_are_bounded() {
     for _ in 0..12 {
         server.session(&server.view);
     }
-    // whoever only looks keeps nobody from control
+    // links that only look keep no other one from control
     assert_eq!(server.login(&server.view).status, 429);
     let first = server.session(&server.control);
     for _ in 13..16 {

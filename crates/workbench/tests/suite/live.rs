@@ -305,7 +305,7 @@ fn a_socket_ends_with_its_session() {
 fn sockets_are_bounded_and_their_places_come_back() {
     let server = Running::demo();
     let mut pages: Vec<Page> = Vec::new();
-    // whoever only looks keeps nobody from control
+    // links that only look keep no other one from control
     for (token, most) in [(&server.view, 48), (&server.control, 64)] {
         while let Ok(page) = open(&server, &Running::bearer(token), Some(PROTOCOL)) {
             pages.push(page);
