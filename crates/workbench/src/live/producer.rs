@@ -19,8 +19,8 @@ use crate::shared::Shared;
 
 /// Time between two pictures of the shafts.
 const SHAFTS: Duration = Duration::from_millis(100);
-/// Time between two readings of faults.
-const FAULTS: Duration = Duration::from_secs(1);
+/// Time between two readings of faults: one that comes is shown within a second.
+const FAULTS: Duration = Duration::from_millis(500);
 /// The least time between two pictures of the network, however many drives are read in it, and that for each of its stations: a large
 /// one is much work for each page.
 const NETWORK: Duration = Duration::from_millis(100);

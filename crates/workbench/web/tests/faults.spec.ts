@@ -17,7 +17,7 @@ test("a fault is announced once, with its remedy, and goes to the history when i
     await inject(page, "axis-1", "clear=107");
     await inject(page, "axis-1", "fault=439!");
     const row = page.getByRole("listitem").filter({ hasText: "F439" });
-    await expect(row).toContainText("Remedy:", { timeout: 1000 });
+    await expect(row).toContainText("Remedy:", { timeout: 3000 });
     await expect(page.getByRole("alert").filter({ hasText: "Fault F439" })).toHaveCount(1);
     await expect(row).toContainText("Seen by this page since");
     // what the remedy names leads to the parameter
@@ -102,7 +102,7 @@ test("the overview acknowledges beside its sentence, and other pages show who di
     await expect(page.getByText(/^Not acknowledged: .*439/)).toBeVisible();
     await inject(page, "axis-2", "clear=439");
     await page.getByRole("button", { name: "Acknowledge" }).click();
-    await expect(page.locator(".why-not")).toHaveAttribute("data-cause", "no-controller", { timeout: 2000 });
+    await expect(page.locator(".why-not")).toHaveAttribute("data-cause", "no-controller", { timeout: 5000 });
     await expect(other.getByText(/Faults were acknowledged\. axis-2 \(session 1\)/)).toBeVisible();
     await other.getByRole("button", { name: "STOP" }).click();
     await expect(page.getByText("STOP 1 was pressed by session 2.")).toBeVisible();

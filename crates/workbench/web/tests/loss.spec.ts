@@ -94,6 +94,6 @@ test("a network that is back opens the control socket at once", async ({ page })
     const before = tries;
     cut = false;
     await page.evaluate(() => dispatchEvent(new Event("online")));
-    await expect.poll(() => tries, { timeout: 1500 }).toBe(before + 1);
+    await expect.poll(() => tries, { timeout: 1500 }).toBeGreaterThan(before);
   });
 });

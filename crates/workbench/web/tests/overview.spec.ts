@@ -71,7 +71,7 @@ test("a drive that does not answer any more has no advice and no signs of before
     await expect(why).toContainText("start the controller");
     await expect(tick.first()).toBeVisible();
     await inject(page, "pump-1", "cable=pulled");
-    await expect(why.locator(".next")).toContainText("Check its supply, its cable and its address.", {
+    await expect(why.locator(".next")).toContainText("Check its supply, cable and address.", {
       timeout: 20_000,
     });
     await expect(why.getByRole("button")).toHaveCount(0);

@@ -33,9 +33,11 @@ test("a value is reviewed, written, verified, saved, and seen by a second page",
     await expect(page.locator("[data-key]")).toHaveCount(1);
     await expect(page.locator("p", { hasText: "Last change by this server" })).toContainText("3000");
     await expect(review).toContainText("lost at the next power cycle");
-    await expect(seen).toContainText("8000", { timeout: 2000 });
+    await expect(seen).toContainText("8000", { timeout: 5000 });
     await expect(field).toHaveValue("8000");
     await review.getByRole("button", { name: "Save in the drive" }).click();
+    await expect(review).toContainText("Save all values in the drive, by DRV.NVSAVE");
+    await expect(review).not.toContainText("no memory for it");
     await review.getByRole("button", { name: "Apply 1" }).click();
     await expect(review).toContainText("saved in the drive");
     await expect(page.getByText("No matching parameters.")).toBeVisible();

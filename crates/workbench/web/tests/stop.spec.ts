@@ -111,10 +111,10 @@ for (const way of ["socket", "request"] as const) {
       await expect(page.getByText(/Connection to the workbench lost/)).toBeVisible();
       await page.getByRole("button", { name: "STOP cannot reach" }).click();
       const notice = page.locator(".band.stopped");
-      await expect(notice).toHaveText(/^STOP was sent/, { timeout: 400 });
+      await expect(notice).toHaveText(/^STOP was sent/, { timeout: 2000 });
       // a request ends only after 5 s
       const emergency = "STOP was sent and is not confirmed. Use the emergency stop of the machine.";
-      await expect(notice).toHaveText(emergency, { timeout: 1500 });
+      await expect(notice).toHaveText(emergency, { timeout: 4000 });
       server.process.kill("SIGCONT");
       await expect(notice).toContainText("was received");
     });

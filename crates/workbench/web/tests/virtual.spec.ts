@@ -21,7 +21,7 @@ test("an event injected into a virtual drive shows on its other screens at once"
     const why = overview.locator(".why-not");
     await expect(why).toHaveAttribute("data-cause", "no-controller");
     await page.getByRole("button", { name: "STO on" }).click();
-    await expect(why).toHaveAttribute("data-cause", "sto", { timeout: 2000 });
+    await expect(why).toHaveAttribute("data-cause", "sto", { timeout: 5000 });
     await expect(overview.getByText("not met: Safe torque off (STO)")).toBeVisible();
     await overview.emulateMedia({ colorScheme: "dark" });
     await overview.screenshot({ path: join(pictures, "overview-sto-dark.png") });
@@ -31,7 +31,7 @@ test("an event injected into a virtual drive shows on its other screens at once"
     await expect(row).toContainText("sto=on");
     await page.getByRole("button", { name: "End sto=on" }).click();
     await expect(row).not.toContainText("sto=on");
-    await expect(why).toHaveAttribute("data-cause", "no-controller", { timeout: 2000 });
+    await expect(why).toHaveAttribute("data-cause", "no-controller", { timeout: 5000 });
     await overview.close();
     await expect(page.getByText("No injected event is in effect.")).toBeVisible();
     await page.getByRole("combobox", { name: /^Fault/ }).selectOption("439");

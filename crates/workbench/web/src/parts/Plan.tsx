@@ -85,9 +85,16 @@ export function Plan({ job, children }: { job: Job; children?: ComponentChildren
             )}
           </li>
         ))}
-        {plan.changes.map((change) => (
-          <Change key={`${change.pnu} ${change.index}`} change={change} planned={planned} />
-        ))}
+        {plan.changes.map((change) =>
+          // what makes the drive save has no value of before, and none that is kept
+          planned && plan.saves && change.old === null && change.can_be_kept === false ? (
+            <li key="save">
+              <bdi>{t("plan.saves", { name: foreign(change.name ?? change.new.number) })}</bdi>
+            </li>
+          ) : (
+            <Change key={`${change.pnu} ${change.index}`} change={change} planned={planned} />
+          ),
+        )}
         {plan.tasks.map((task) => (
           <li key={`task ${task.number}`}>{t("plan.task", { number: task.number, step: task.step })}</li>
         ))}

@@ -68,6 +68,8 @@ async function compare(): Promise<void> {
     compared.value = { job, ...sides, rows, base: third };
     picked.value = new Set();
   });
+  // the table of the pair before is none of this one
+  if (failure.value !== "") compared.value = null;
 }
 
 /** Values as delivered are written like values that are typed; those of the connection only where they are chosen. */

@@ -297,7 +297,7 @@ function Enable({ station }: { station: Station }) {
       <p class="buttons">
         <button
           type="button"
-          class="primary"
+          class={faults.length > 0 ? "" : "primary"}
           disabled={!free || on || control.stopped.value}
           onClick={() => control.enable(station.id)}
         >
@@ -307,7 +307,7 @@ function Enable({ station }: { station: Station }) {
           {t("control.disable")}
         </button>
         {faults.length > 0 && (
-          <button type="button" disabled={!free || on} onClick={() => control.acknowledge(station.id)}>
+          <button type="button" class="primary" disabled={!free || on} onClick={() => control.acknowledge(station.id)}>
             {t("faults.acknowledge")}
           </button>
         )}
@@ -338,7 +338,7 @@ function Confirm({ id }: { id: string }) {
 function refusal(station: Station): string | null {
   const axis = control.own(station.id);
   if (axis === undefined) return t("control.motion.take");
-  if (control.stopped.value) return t("control.motion.reset");
+  if (control.stopped.value) return t("control.reset.first");
   return control.operates(axis) ? null : t("control.motion.enable");
 }
 
