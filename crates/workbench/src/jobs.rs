@@ -1,6 +1,6 @@
 //! Work on a drive that may take longer than a request: planning, writing, saving and comparing settings.
 
-use std::collections::{HashMap, VecDeque};
+use std::collections::{BTreeSet, HashMap, VecDeque};
 use std::future::Future;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
@@ -9,7 +9,7 @@ use axum::http::StatusCode;
 use profidrive::report::{DiffReport, Error};
 use schemars::JsonSchema;
 use serde::Serialize;
-use tokio::sync::watch;
+use tokio::sync::{Semaphore, watch};
 use tokio::time::timeout;
 
 use crate::plan::{PlanReport, Planned};
@@ -17,6 +17,8 @@ use crate::problem::Problem;
 
 /// Jobs that are kept; the oldest goes first.
 const KEPT: usize = 64;
+/// Jobs that work at once; others wait for their turn.
+const WORKING: usize = 16;
 /// A request waits so long for the end of its job.
 const BRIEFLY: Duration = Duration::from_secs(3);
 
@@ -72,6 +74,8 @@ pub(crate) struct Job {
     view: watch::Sender<(JobReport, Option<Problem>)>,
     /// What was planned or applied; taken out while something is done with it.
     planned: Mutex<Option<Planned>>,
+    /// Room to work.
+    turns: Arc<Semaphore>,
 }
 
 impl Job {
@@ -143,6 +147,8 @@ impl Job {
     pub fn run(self: &Arc<Self>, work: impl Future<Output = Result<(), Problem>> + Send + 'static) {
         let job = Arc::clone(self);
         tokio::spawn(async move {
+            // nothing closes it
+            let _turn = job.turns.acquire().await;
             // a panic was printed, and must not leave a job without an end
             let ended = tokio::spawn(work)
                 .await
@@ -175,11 +181,25 @@ impl Job {
 }
 
 /// The jobs of a server.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(crate) struct Jobs {
+    turns: Arc<Semaphore>,
     state: Mutex<(u64, VecDeque<Arc<Job>>)>,
     /// For each drive that was written to: who writes has it.
     drives: Mutex<HashMap<String, Arc<tokio::sync::Mutex<()>>>>,
+    /// What was written to each drive of this plant and is not saved in it, as requests name it.
+    unsaved: Mutex<HashMap<String, BTreeSet<String>>>,
+}
+
+impl Default for Jobs {
+    fn default() -> Self {
+        Self {
+            turns: Arc::new(Semaphore::new(WORKING)),
+            state: Mutex::default(),
+            drives: Mutex::default(),
+            unsaved: Mutex::default(),
+        }
+    }
 }
 
 impl Jobs {
@@ -209,6 +229,7 @@ impl Jobs {
             restarts,
             view: watch::Sender::new((report, None)),
             planned: Mutex::new(None),
+            turns: Arc::clone(&self.turns),
         });
         jobs.push_back(Arc::clone(&job));
         if jobs.len() > KEPT {
@@ -224,6 +245,26 @@ impl Jobs {
             let detail = "there is no such job: it was too long ago, or of another start of this server";
             Problem::new(StatusCode::NOT_FOUND, "job", detail)
         })
+    }
+
+    fn unsaved(&self) -> MutexGuard<'_, HashMap<String, BTreeSet<String>>> {
+        self.unsaved.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Notes what a plan has made of a drive.
+    pub fn note_written(&self, drive: &str, report: &PlanReport) {
+        report.note_unsaved(self.unsaved().entry(drive.to_owned()).or_default());
+    }
+
+    /// Returns what was written to a drive and is not saved in it.
+    pub fn unsaved_of(&self, drive: &str) -> Vec<String> {
+        let unsaved = self.unsaved();
+        unsaved.get(drive).into_iter().flatten().cloned().collect()
+    }
+
+    /// Forgets what was written: the drives are others.
+    pub fn forget_written(&self) {
+        self.unsaved().clear();
     }
 
     /// Returns what whoever writes to a drive holds, so that two plans are not carried out at once.

@@ -1,5 +1,6 @@
 //! A plan of changes: made, shown, and carried out once a person agrees.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use profidrive::client::Drive;
@@ -63,6 +64,24 @@ pub(crate) struct PlanReport {
     file: Option<String>,
     /// The file with the values before.
     before: Option<String>,
+}
+
+impl PlanReport {
+    /// Notes in `unsaved`, as requests name them, which values the drive would lose at its next power cycle once this was carried out.
+    pub fn note_unsaved(&self, unsaved: &mut BTreeSet<String>) {
+        for change in &self.changes {
+            let number = &change.new.number;
+            let name = match change.index {
+                Some(index) if !number.contains('[') => format!("{number}[{index}]"),
+                _ => number.clone(),
+            };
+            if self.saves || change.saved {
+                unsaved.remove(&name);
+            } else if change.written && change.can_be_kept != Some(false) {
+                unsaved.insert(name);
+            }
+        }
+    }
 }
 
 /// A plan that can be carried out.

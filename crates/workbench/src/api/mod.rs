@@ -82,6 +82,7 @@ fn routes() -> OpenApiRouter<Arc<Shared>> {
         .routes(routes!(plans::plan))
         .routes(routes!(plans::apply))
         .routes(routes!(plans::undo))
+        .routes(routes!(plans::unsaved))
         .routes(routes!(backups::kept, backups::upload))
         .routes(routes!(backups::backup))
         .routes(routes!(backups::back_up))
@@ -166,6 +167,7 @@ pub fn openapi() -> String {
     generator.subschema_for::<ParametersReport>();
     generator.subschema_for::<profidrive::report::TelegramLayout>();
     generator.subschema_for::<plans::NewPlan>();
+    generator.subschema_for::<plans::Unsaved>();
     generator.subschema_for::<JobReport>();
     generator.subschema_for::<backups::BackupsReport>();
     generator.subschema_for::<backups::NewBackup>();

@@ -175,6 +175,22 @@ async fn plan_restore(
 
 /// Carries a plan out: writes its values, reads them back, and where that was planned lets the drive save them. Nothing is
 /// written where the drive has other values now than the plan has as the old ones.
+/// What a drive would lose at its next power cycle.
+#[derive(Debug, Serialize, JsonSchema)]
+pub(super) struct Unsaved {
+    /// What this server has written since its start and the drive has not saved, as requests name it.
+    parameters: Vec<String>,
+}
+
+/// Returns what this server has written to a drive that is not saved in it.
+#[utoipa::path(get, path = "/api/v1/drives/{id}/unsaved", responses(
+    (status = 200, description = "What was written and is not saved", body = ref("#/components/schemas/Unsaved")),
+))]
+pub(super) async fn unsaved(State(shared): State<Arc<Shared>>, Path(id): Path<String>) -> Json<Unsaved> {
+    let parameters = shared.jobs.unsaved_of(&id.to_lowercase());
+    Json(Unsaved { parameters })
+}
+
 #[utoipa::path(post, path = "/api/v1/plans/{id}/apply", params(("id" = u64, Path, description = "The plan")), responses(
     (status = 200, description = "What was written; `working` where it takes longer, then its job has it", body = ref("#/components/schemas/JobReport")),
     (status = 404, description = "No such plan"),
@@ -278,11 +294,12 @@ where
     job.of_present(shared.board.restarts())?;
     let intent = Intent {
         action,
-        drive: Some(id),
+        drive: Some(id.clone()),
         value: Some(count(planned.set().total())),
         changes: planned.lines(),
         ..Intent::default()
     };
+    let (jobs, of) = (Arc::clone(&shared), id);
     let noted = async move {
         let (drive, planned, phase, problem) = work(network, drive, planned).await?;
         let outcome = Outcome {
@@ -293,6 +310,7 @@ where
             changes: planned.lines(),
         };
         let (report, remarks) = (planned.report(&drive), planned.after(&drive));
+        jobs.jobs.note_written(&of, &report);
         job.put(phase, planned, report, remarks, problem);
         Ok(((), outcome))
     };

@@ -79,7 +79,7 @@ const OF_DRIVES: [&str; 4] = [
     "/api/v1/compare",
 ];
 /// What this server knows of a drive without its answer.
-const KNOWN: [&str; 3] = ["/machine", "/telegram", "/parameters"];
+const KNOWN: [&str; 4] = ["/machine", "/telegram", "/parameters", "/unsaved"];
 
 /// Returns whether a path of the interface waits for drives.
 pub(super) fn waits_for_drives(path: &str) -> bool {
@@ -184,6 +184,7 @@ pub(super) async fn restart(
                 })?;
             at.frames.catch_up(&at.network);
             at.hub.forget();
+            at.jobs.forget_written();
             at.happened().clear();
             *at.plant() = Some(source);
             Ok(())

@@ -205,6 +205,39 @@ mod tests {
         }
     }
 
+    /// What programs read of the sockets.
+    const SOCKETS: &str = include_str!("../../../../docs/src/workbench-sockets.md");
+
+    #[test]
+    fn each_message_is_described() {
+        let (_, control) = SOCKETS.split_once("## Control").unwrap();
+        let own = [
+            "hello", "lease", "accepted", "refused", "beat", "axes", "stopped", "reset",
+        ];
+        let page = [
+            "take",
+            "release",
+            "hand_over",
+            "keep",
+            "beat",
+            "enable",
+            "disable",
+            "acknowledge",
+            "confirm",
+            "halt",
+            "jog",
+            "velocity",
+            "move",
+            "home",
+            "task",
+            "stop",
+            "reset",
+        ];
+        for name in own.iter().chain(&page) {
+            assert!(control.contains(&format!("`{name}`")), "{name}");
+        }
+    }
+
     #[test]
     fn a_message_is_in_the_log_or_left_out_on_purpose() {
         for (text, expected) in [

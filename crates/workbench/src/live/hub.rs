@@ -340,6 +340,19 @@ mod tests {
     }
 
     #[test]
+    fn each_topic_is_described() {
+        let page = include_str!("../../../../docs/src/workbench-sockets.md");
+        let of = ["faults", "machine", "telegram", "link", "samples", "acyclic"]
+            .map(|what| format!("drive/ID/{what}"));
+        let names = ["network", "plant", "log"].map(str::to_owned);
+        for name in names.iter().chain(&of) {
+            let topic = Topic::named(name, Vec::new()).unwrap();
+            assert_eq!(topic.name(), *name);
+            assert!(page.contains(&format!("| `{name}` |")), "{name}");
+        }
+    }
+
+    #[test]
     fn a_topic_has_its_newest_value_while_it_is_wanted() {
         let hub = Hub::new(Instant::now());
         let topic = Topic::named("drive/02:00:00:00:00:01/faults", Vec::new()).unwrap();

@@ -164,6 +164,31 @@ fn a_plan_is_shown_written_verified_undone_and_in_the_log() {
 }
 
 #[test]
+fn what_was_written_is_to_be_saved_until_the_drive_has_saved_it() {
+    let server = Running::demo();
+    let (id, other) = (known(&server, "axis-1"), known(&server, "axis-2"));
+    let unsaved =
+        |id: &str| get(&server, &format!("/api/v1/drives/{id}/unsaved")).json()["parameters"].clone();
+    let changes = [("DRV.ACC", "8000 rpm/s"), ("DRV.DEC", "3000 rpm/s")];
+    let planned = plan(&server, &id, &changes, false);
+    assert_eq!(unsaved(&id), json!([]), "nothing is written by a plan");
+    apply(&server, &planned);
+    // the other value was as it is
+    assert_eq!((unsaved(&id), unsaved(&other)), (json!(["p2108"]), json!([])));
+    let paused = |paused: bool| {
+        server
+            .post("/api/v1/plant/clock", &json!({ "paused": paused }))
+            .status
+    };
+    assert_eq!(paused(true), 200);
+    assert_eq!(unsaved(&id), json!(["p2108"]), "that is no question to the drive");
+    assert_eq!(paused(false), 200);
+    let saving = plan(&server, &id, &[("DRV.ACC", "8000 rpm/s")], true);
+    assert_eq!(apply(&server, &saving)["phase"], "applied");
+    assert_eq!(unsaved(&id), json!([]));
+}
+
+#[test]
 fn one_value_that_cannot_be_written_keeps_all_from_being_written() {
     let server = Running::demo();
     let id = known(&server, "axis-1");

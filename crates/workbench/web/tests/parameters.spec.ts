@@ -24,13 +24,20 @@ test("a value is reviewed, written, verified, saved, and seen by a second page",
     const review = page.getByRole("region", { name: "Changes" });
     await expect(review).toContainText("3000 \u2192 8000 rpm/s");
     await expect(seen).toContainText("3000");
-    await review.getByRole("button", { name: "Apply 1" }).click();
+    // by the keyboard: Enter leads to the button, however many rows are between
+    await field.press("Enter");
+    await expect(review.getByRole("button", { name: "Apply 1" })).toBeFocused();
+    await page.keyboard.press("Enter");
     await expect(review).toContainText("written and verified");
     // the button is gone, and the focus is where it was
     await expect(review).toBeFocused();
     await expect(page.getByRole("row", { name: "DRV.ACC p2108" })).toContainText("to be saved");
     await page.getByRole("combobox", { name: "Show" }).selectOption("unsaved");
     await expect(page.locator("[data-key]")).toHaveCount(1);
+    // other pages show it, too, and so does one that is loaded again
+    await expect(seen).toContainText("to be saved");
+    await other.reload();
+    await expect(seen).toContainText("to be saved");
     await expect(page.locator("p", { hasText: "Last change by this server" })).toContainText("3000");
     await expect(review).toContainText("lost at the next power cycle");
     await expect(seen).toContainText("8000", { timeout: 5000 });

@@ -24,6 +24,7 @@ export type Value = Schemas["Parameter"];
 export type Values = Schemas["ParametersReport"];
 export type Job = Schemas["JobReport"];
 export type SettingChange = Schemas["SettingChange"];
+export type Unsaved = Schemas["Unsaved"];
 export type Backups = Schemas["BackupsReport"];
 export type Difference = Schemas["Difference"];
 export type StateMachine = Schemas["StateMachine"];

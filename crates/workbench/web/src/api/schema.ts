@@ -427,6 +427,23 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/drives/{id}/unsaved": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** Returns what this server has written to a drive that is not saved in it. */
+        get: operations["unsaved"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/drives/{id}/values/{references}": {
         parameters: {
             query?: never;
@@ -521,10 +538,6 @@ export interface paths {
         };
         get?: never;
         put?: never;
-        /**
-         * Carries a plan out: writes its values, reads them back, and where that was planned lets the drive save them. Nothing is
-         *     written where the drive has other values now than the plan has as the old ones.
-         */
         post: operations["apply"];
         delete?: never;
         options?: never;
@@ -2967,6 +2980,15 @@ export interface components {
             /** @description The oldest first; the last 500 since the start. */
             troubles: components["schemas"]["NetworkTrouble"][];
         };
+        /**
+         * @description Carries a plan out: writes its values, reads them back, and where that was planned lets the drive save them. Nothing is
+         *     written where the drive has other values now than the plan has as the old ones.
+         *     What a drive would lose at its next power cycle.
+         */
+        Unsaved: {
+            /** @description What this server has written since its start and the drive has not saved, as requests name it. */
+            parameters: string[];
+        };
         /** @description A value, or a bit, and what it means. */
         ValueText: {
             /** @description What it means. */
@@ -4690,6 +4712,56 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["TelegramTopic"];
+                };
+            };
+            /** @description No session */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description No such drive has answered */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The drive does not answer */
+            504: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    unsaved: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description MAC address, or `ip-` with the IP address */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description What was written and is not saved */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Unsaved"];
                 };
             };
             /** @description No session */

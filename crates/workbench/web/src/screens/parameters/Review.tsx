@@ -1,3 +1,4 @@
+import { useEffect, useRef } from "preact/hooks";
 import { Check } from "../../parts/Check";
 import { sentence } from "../../parts/format";
 import { Plan } from "../../parts/Plan";
@@ -11,6 +12,14 @@ export function Review() {
   const count = edit.edits.value.size;
   const done = edit.applied.value;
   const usable = !edit.busy.value && silent.value === null;
+  const ready = usable && planned?.plan?.ready === true;
+  const apply = useRef<HTMLButtonElement>(null);
+  const leads = edit.leads.value && planned !== null;
+  useEffect(() => {
+    if (!leads) return;
+    edit.leads.value = false;
+    if (ready) apply.current?.focus();
+  }, [leads]);
   return (
     <section class="review" aria-label={t("plan.title")}>
       <h2>{t("plan.title")}</h2>
@@ -32,12 +41,7 @@ export function Review() {
             {t("plan.save")}
           </Check>
           <p class="buttons">
-            <button
-              type="button"
-              class="primary"
-              disabled={!usable || planned?.plan?.ready !== true}
-              onClick={() => void edit.apply()}
-            >
+            <button ref={apply} type="button" class="primary" disabled={!ready} onClick={() => void edit.apply()}>
               {t(edit.busy.value ? "plan.applying" : "plan.apply", { count })}
             </button>
             <button type="button" disabled={edit.busy.value} onClick={() => edit.discard()}>

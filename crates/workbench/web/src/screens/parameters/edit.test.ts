@@ -1,5 +1,5 @@
 import { beforeAll, expect, test, vi } from "vitest";
-import type { Job, LogPage } from "../../api";
+import type { LogPage } from "../../api";
 import { lastChange } from "./lastChange";
 
 vi.stubGlobal("location", { search: "" });
@@ -9,27 +9,6 @@ let favourites: typeof import("./favourites");
 beforeAll(async () => {
   edit = await import("./edit");
   favourites = await import("./favourites");
-});
-
-function job(phase: string, saves: boolean, changes: [string, number | null, string][]): Job {
-  const all = changes.map(([number, index, step]) => ({ index, step, new: { number } }));
-  return { phase, plan: { saves, changes: all } } as unknown as Job;
-}
-
-test("what was written is lost at the next power cycle until it is saved", () => {
-  const done = job("applied", false, [
-    ["p2108", null, "read back"],
-    ["p0915", 3, "written"],
-    ["p2109", null, "refused"],
-    ["p2110", null, "same"],
-  ]);
-  const after = edit.noteWritten(new Set(["p1000"]), done);
-  expect([...after].sort()).toEqual(["p0915[3]", "p1000", "p2108"]);
-  const saved = job("applied", true, [
-    ["p2108", null, "same"],
-    ["p0915", 3, "read back"],
-  ]);
-  expect([...edit.noteWritten(after, saved)]).toEqual(["p1000"]);
 });
 
 test("the last change is that of this parameter, and was carried out", () => {

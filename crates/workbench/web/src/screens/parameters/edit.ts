@@ -1,5 +1,5 @@
 /** What is edited of a drive: values that were typed, the plan of them, and what became of it. */
-import { computed, signal } from "@preact/signals";
+import { signal } from "@preact/signals";
 import {
   type Description,
   type Diff,
@@ -8,6 +8,7 @@ import {
   post,
   request,
   type SettingChange,
+  type Unsaved,
   type Value,
   type Values,
 } from "../../api";
@@ -54,26 +55,21 @@ export const applied = signal<Job | null>(null);
 /** Why the last request failed. */
 export const refused = signal("");
 export const busy = signal(false);
-/** The rows that this page wrote and no drive has saved, by drive. */
-const written = signal<ReadonlyMap<string, ReadonlySet<string>>>(new Map());
-/** Those of the drive that is shown. */
-export const unsaved = computed(() => written.value.get(drive.value) ?? new Set<string>());
+/** The rows that were written by this server and that the drive has not saved. */
+export const unsaved = signal<ReadonlySet<string>>(new Set());
+
+/** Reads them. */
+export async function readUnsaved(): Promise<void> {
+  const id = drive.value;
+  const { parameters } = await request<Unsaved>(`drives/${encodeURIComponent(id)}/unsaved`);
+  const before = unsaved.value;
+  if (drive.value !== id || (parameters.length === before.size && parameters.every((key) => before.has(key)))) return;
+  unsaved.value = new Set(parameters);
+}
 
 /** The rows of a change that was written, as requests name them. */
 function keyOf({ index, new: { number } }: SettingChange): string {
   return index === null || number.includes("[") ? number : `${number}[${index}]`;
-}
-
-/** Notes which rows the drive would lose at its next power cycle. */
-export function noteWritten(before: ReadonlySet<string>, done: Job): ReadonlySet<string> {
-  const next = new Set(before);
-  for (const change of done.plan?.changes ?? []) {
-    const { step } = change;
-    const key = keyOf(change);
-    if (done.plan?.saves) next.delete(key);
-    else if (done.phase === "applied" && (step === "read back" || step === "written")) next.add(key);
-  }
-  return next;
 }
 
 /** Puts the parameters first that are called exactly like this: others have the name as a common one, or in their text. */
@@ -147,6 +143,7 @@ export async function open(id: string): Promise<void> {
   drive.value = id;
   lines.value = null;
   values.value = new Map();
+  unsaved.value = new Set();
   changed.value = null;
   failure.value = "";
   edits.value = kept.get(id) ?? new Map();
@@ -166,7 +163,7 @@ function forget(): void {
   drive.value = "";
   lines.value = null;
   values.value = new Map();
-  written.value = new Map();
+  unsaved.value = new Set();
   changed.value = null;
   kept.clear();
   discard();
@@ -241,8 +238,12 @@ let timer = 0;
 /** Counts what was typed: the plan of before is no plan of now. */
 let revision = 0;
 
+/** Whether the focus goes to "Apply" once the plan is there, as Enter in a value says. */
+export const leads = signal(false);
+
 /** Notes what was typed; nothing takes it back. */
 export function edit(key: string, text: string | null): void {
+  leads.value = false;
   const next = new Map(edits.value);
   if (text === null) next.delete(key);
   else next.set(key, text);
@@ -291,10 +292,7 @@ export async function apply(): Promise<void> {
   if (planned === null || busy.value) return;
   busy.value = true;
   try {
-    const id = drive.value;
-    const done = await follow(await post<Job>(`plans/${planned.id}/apply`, {}), () => {});
-    written.value = new Map(written.value).set(id, noteWritten(written.value.get(id) ?? new Set(), done));
-    applied.value = done;
+    applied.value = await follow(await post<Job>(`plans/${planned.id}/apply`, {}), () => {});
     discard();
   } catch (error) {
     // the drive has changed: the plan is made again, and its old values are those of now
@@ -302,6 +300,7 @@ export async function apply(): Promise<void> {
     refused.value = reason(error);
   }
   busy.value = false;
+  void readUnsaved().catch(() => {});
   void read([...values.value.keys()].slice(0, PART)).catch(() => {});
 }
 

@@ -102,6 +102,7 @@ function Editor({ line, may }: { line: edit.Line; may: boolean }) {
       onInput={(event) => take(event.currentTarget.value)}
       onKeyDown={(event) => {
         if (event.key === "Escape") edit.edit(line.key, null);
+        if (event.key === "Enter") edit.leads.value = edit.edits.value.size > 0;
       }}
     />
   );
@@ -237,7 +238,10 @@ function Table({ rows }: { rows: readonly edit.Line[] }) {
     let going = false;
     const look = () => {
       const keys = wanted.split(",").filter((key) => key !== "" && !edit.isAbsent(key));
-      if (going || document.hidden || keys.length === 0) return;
+      if (going || document.hidden) return;
+      // another page may have written or saved, too
+      edit.readUnsaved().catch(() => {});
+      if (keys.length === 0) return;
       going = true;
       edit
         .read(keys)
