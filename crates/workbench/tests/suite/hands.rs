@@ -110,6 +110,11 @@ impl Hands {
             let mut axes = message["axes"].as_array().into_iter().flatten();
             axes.any(|axis| axis["drive"] == drive && axis["moved"] == true)
         });
+        // the button is up: from now on it only slows down
+        self.beats_until(&Value::Null, |message| {
+            let mut axes = message["axes"].as_array().into_iter().flatten();
+            axes.any(|axis| axis["drive"] == drive && axis["phase"] != "moving")
+        });
         let confirmed = self.order("confirm", drive, lease, 0, &json!({}));
         assert_eq!(confirmed["type"], "accepted", "{confirmed}");
     }

@@ -64,7 +64,7 @@ export const en = {
   "frame.link.missed": "missed {count}",
   "frame.link.none": "No cyclic frames",
   "frame.link.about":
-    "Cyclic frames that this computer received from the drive: cycle, jitter (99th percentile of the deviation from the cycle; median {median} ms), missed frames",
+    "Cyclic frames from the drive: cycle, jitter (99th percentile of the deviation; median {median} ms), missed frames",
   "frame.simulation": "SIMULATION",
   "frame.simulation.band": "SIMULATION: these drives are virtual",
   "frame.simulation.paused": "SIMULATION paused: no drive answers. Resume it on Virtual drives.",

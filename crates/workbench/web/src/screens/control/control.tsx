@@ -702,14 +702,16 @@ export function Control() {
         if (event.target instanceof HTMLElement && event.target.matches("input, select")) control.letGo();
       }}
     >
-      <h1>
-        {t("control.title")} <bdi>{label(station)}</bdi>
-      </h1>
+      <div class="title">
+        <h1>
+          {t("control.title")} <bdi>{label(station)}</bdi>
+        </h1>
+        <Step id={id} />
+      </div>
       <Values station={station} />
       <p role="status" class={said?.failed ? "fault" : "muted"}>
         {said && <bdi>{foreign(said.text, 600)}</bdi>}
       </p>
-      <Step id={id} />
       <div class="steps">
         <section aria-label={t("control.step.take")}>
           <h2>
