@@ -9,7 +9,6 @@ use std::time::Instant;
 
 use axum::body::{Body, Bytes, HttpBody};
 use axum::extract::Request;
-use axum::http::header::UPGRADE;
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 use hyper::body::{Frame, SizeHint};
@@ -164,37 +163,22 @@ impl Requests {
     }
 }
 
-/// A request that is carried out.
-struct Within(Requests);
+/// One more of what a connection has, until this is dropped: a request that is carried out, or an answer that is handed over.
+struct Counted {
+    requests: Requests,
+    count: fn(&mut Activity) -> &mut u32,
+}
 
-impl Within {
-    fn begin(requests: Requests) -> Self {
-        requests.change(|state| state.requests += 1);
-        Self(requests)
+impl Counted {
+    fn begin(requests: Requests, count: fn(&mut Activity) -> &mut u32) -> Self {
+        requests.change(|state| *count(state) += 1);
+        Self { requests, count }
     }
 }
 
-impl Drop for Within {
+impl Drop for Counted {
     fn drop(&mut self) {
-        self.0
-            .change(|state| state.requests = state.requests.saturating_sub(1));
-    }
-}
-
-/// An answer that is handed over.
-struct Handing(Requests);
-
-impl Handing {
-    fn begin(requests: Requests) -> Self {
-        requests.change(|state| state.answers += 1);
-        Self(requests)
-    }
-}
-
-impl Drop for Handing {
-    fn drop(&mut self) {
-        self.0
-            .change(|state| state.answers = state.answers.saturating_sub(1));
+        self.requests.change(|state| *(self.count)(state) -= 1);
     }
 }
 
@@ -219,8 +203,9 @@ pub(crate) async fn carry_out(request: Request, next: Next) -> Response {
         Some(turns) => turns.acquire().await.ok(),
         None => None,
     };
-    let within = Within::begin(requests.clone());
-    let is_socket = request.headers().contains_key(UPGRADE);
+    let within = Counted::begin(requests.clone(), |state| &mut state.requests);
+    // by its path: whoever writes a header does not choose the threads
+    let is_socket = matches!(request.uri().path(), "/api/v1/live" | "/api/v1/control");
     let answer = match stops.is_some() || is_socket {
         true => next.run(request).await,
         false => {
@@ -232,7 +217,7 @@ pub(crate) async fn carry_out(request: Request, next: Next) -> Response {
             worked.unwrap_or_else(|| Problem::defect().into_response())
         }
     };
-    let handing = Handing::begin(requests);
+    let handing = Counted::begin(requests, |state| &mut state.answers);
     drop(within);
     answer.map(|body| {
         Body::new(Answer {
@@ -245,7 +230,7 @@ pub(crate) async fn carry_out(request: Request, next: Next) -> Response {
 /// The body of an answer, which keeps its connection from being idle.
 struct Answer {
     body: Body,
-    _handing: Handing,
+    _handing: Counted,
 }
 
 impl HttpBody for Answer {

@@ -299,7 +299,7 @@ where
         changes: planned.lines(),
         ..Intent::default()
     };
-    let (jobs, of) = (Arc::clone(&shared), id);
+    let (at, of) = (Arc::clone(&shared), id);
     let noted = async move {
         let (drive, planned, phase, problem) = work(network, drive, planned).await?;
         let outcome = Outcome {
@@ -310,7 +310,7 @@ where
             changes: planned.lines(),
         };
         let (report, remarks) = (planned.report(&drive), planned.after(&drive));
-        jobs.jobs.note_written(&of, &report);
+        at.jobs.note_written(&of, &report);
         job.put(phase, planned, report, remarks, problem);
         Ok(((), outcome))
     };

@@ -1,4 +1,4 @@
-//! Who has which axis, and what is permitted: a machine without time, threads and drives of its own.
+//! Who has which axis, and what is permitted: a machine without a clock, threads and drives of its own.
 //!
 //! One holder at a time has an axis, by its socket and a lease number, and one more may wait for it. A STOP raises the epoch: what
 //! was requested before it is refused afterwards, and nothing is enabled or moved before it is reset.

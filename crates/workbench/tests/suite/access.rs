@@ -513,7 +513,8 @@ fn connections_that_stay_idle_hold_up_nobody() {
 /// Opens more connections than there are places, which request something over and over again and read nothing.
 fn that_read_nothing(server: &Running, path: &str, each: usize) -> Vec<TcpStream> {
     let bearer = Running::bearer(&server.view).replace("{address}", &server.address.to_string());
-    let requests = format!("GET {path} HTTP/1.1\r\n{bearer}\r\n").repeat(each);
+    // a header makes no socket of it
+    let requests = format!("GET {path} HTTP/1.1\r\n{bearer}Upgrade: x\r\n\r\n").repeat(each);
     let open = |_| {
         let mut stream = TcpStream::connect(server.address).unwrap();
         // one that was ended already takes nothing
